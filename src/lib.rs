@@ -1,0 +1,5 @@
+//! Turns logs of robot joints into trustworthy dynamics.
+
+pub mod geometry;
+pub mod log;
+pub mod report;

@@ -1,0 +1,146 @@
+//! What a drop report shows, as plain data: the command line assembles it, figures and HTML draw it.
+
+/// Everything the report of `aibo-fit drop` shows.
+#[derive(Clone, Debug)]
+pub struct DropReport {
+    /// Name of the joint, e.g. `q1`.
+    pub joint: String,
+    /// One sentence a colleague would say; opens the report.
+    pub sentence: String,
+    /// Honest messages, most important first (what the logs cannot determine, what looked odd).
+    pub notes: Vec<String>,
+    pub health: Vec<LogHealthRow>,
+    pub logs: Vec<LogCurves>,
+    /// The simple model (3.2) and the extensive model (3.13), in this order.
+    pub models: Vec<ModelSummary>,
+    /// Correlation of the extensive model's fitted parameters.
+    pub correlation: Correlation,
+    /// Friction torque against speed of the extensive model; empty where the scale is not determined.
+    pub friction: Vec<FrictionPoint>,
+    pub provenance: Provenance,
+}
+
+/// One row of the data-health table.
+#[derive(Clone, Debug)]
+pub struct LogHealthRow {
+    pub file: String,
+    /// `fit` or `validate`.
+    pub role: String,
+    pub samples: usize,
+    pub duration_s: f64,
+    /// Median sampling period \[s\].
+    pub period_s: f64,
+    /// Standard deviation of the sampling period \[s\].
+    pub jitter_s: f64,
+    /// Samples that are missing by the median period.
+    pub lost: usize,
+    /// Quantisation step found in the data, or given \[rad\]; 0 where none was found.
+    pub resolution_rad: f64,
+    /// Standard deviation of the reading while the joint rests \[rad\].
+    pub noise_rad: Option<f64>,
+    /// Instant of release \[s\], for a log that begins held.
+    pub release_s: Option<f64>,
+    /// Instant from which the joint rests until the end \[s\].
+    pub rest_from_s: Option<f64>,
+    /// Plain-language remarks; empty where all is well.
+    pub remarks: Vec<String>,
+}
+
+/// One log with the two models' predictions on the fitted samples.
+#[derive(Clone, Debug)]
+pub struct LogCurves {
+    pub file: String,
+    /// `fit` or `validate`.
+    pub role: String,
+    /// All sample times \[s\] and readings \[rad\].
+    pub t_s: Vec<f64>,
+    pub measured_rad: Vec<f64>,
+    /// First fitted sample (samples before it were held).
+    pub first_fitted: usize,
+    /// Same length as `t_s`, from `first_fitted` on; NaN before it.
+    pub simple_rad: Vec<f64>,
+    pub extensive_rad: Vec<f64>,
+    /// Speed of the extensive model \[rad/s\], NaN before `first_fitted`.
+    pub extensive_rate_rad_s: Vec<f64>,
+    /// Setpoint \[rad\], for a driven log.
+    pub setpoint_rad: Option<Vec<f64>>,
+    /// Half a quantisation step \[rad\], for the band in the residual panel.
+    pub half_step_rad: f64,
+    /// RMS of the residual on the fitted samples \[rad\].
+    pub simple_rms_rad: f64,
+    pub extensive_rms_rad: f64,
+}
+
+/// A fitted model: its numbers and how the optimiser got there.
+#[derive(Clone, Debug)]
+pub struct ModelSummary {
+    /// e.g. `simple (3.2)`.
+    pub name: String,
+    pub rms_rad: f64,
+    /// The thesis's integral (3.7) \[rad^2 s\].
+    pub criterion_rad2_s: f64,
+    pub parameters: Vec<ParameterRow>,
+    /// `lm`, `bfgs` or `dfp`.
+    pub method: String,
+    /// Why the optimiser stopped, e.g. `converged`.
+    pub stop: String,
+    pub evaluations: usize,
+    /// Criterion after each iteration \[rad^2 s\].
+    pub trace_rad2_s: Vec<f64>,
+}
+
+/// One parameter of a fitted model.
+#[derive(Clone, Debug)]
+pub struct ParameterRow {
+    /// e.g. `inertia`.
+    pub name: String,
+    /// e.g. `I*`; may be empty.
+    pub symbol: String,
+    pub unit: String,
+    pub status: ParameterStatus,
+    pub value: f64,
+    /// 95 % interval that allows for correlated residuals; `None` for a held parameter.
+    pub interval: Option<[f64; 2]>,
+    /// 95 % interval as if residuals were white.
+    pub interval_naive: Option<[f64; 2]>,
+    /// What the engineer believed, where known.
+    pub nominal: Option<f64>,
+}
+
+/// What may be said about a parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ParameterStatus {
+    /// The logs determine it.
+    Determined,
+    /// Held at a given value; the others are conditional on it.
+    Held,
+    /// The logs do not determine it: show its name, not its value.
+    NotDetermined,
+}
+
+/// Correlation matrix of fitted parameters, row-major.
+#[derive(Clone, Debug, Default)]
+pub struct Correlation {
+    pub names: Vec<String>,
+    pub matrix: Vec<Vec<f64>>,
+}
+
+/// One point of the friction-speed curve.
+#[derive(Clone, Copy, Debug)]
+pub struct FrictionPoint {
+    pub rate_rad_s: f64,
+    pub torque_nm: f64,
+    /// 95 % band \[N m\].
+    pub low_nm: f64,
+    pub high_nm: f64,
+}
+
+/// Where the report comes from.
+#[derive(Clone, Debug)]
+pub struct Provenance {
+    pub version: String,
+    /// The command line, with the paths as the user gave them.
+    pub command: String,
+    /// Input file and its SHA-256.
+    pub inputs: Vec<(String, String)>,
+}
