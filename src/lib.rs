@@ -1,5 +1,8 @@
 //! Turns logs of robot joints into trustworthy dynamics.
 
 pub mod geometry;
+pub mod integrate;
+pub mod joint;
 pub mod log;
+pub mod pendulum;
 pub mod report;

@@ -1,0 +1,23 @@
+//! Layer 3: the joint as a chain of stages.
+//!
+//! ```text
+//! setpoint -> controller (PID) -> motor (limits) -> link (inertia, gravity, friction) -> encoder -> log
+//! ```
+//!
+//! A stage is perfect until the logs say otherwise; an unmodelled effect is a term added to one stage. The equations
+//! are written once, over [`Real`], so that a run on dual numbers gives exact sensitivities.
+
+mod chain;
+mod friction;
+mod link;
+mod motor;
+mod real;
+mod sensor;
+
+pub use chain::Chain;
+pub use friction::{Contact, Friction, FrictionTerm, Stribeck};
+pub use link::Link;
+pub use motor::{Motor, Setpoint};
+pub use real::Real;
+pub(crate) use real::{gradient, variable};
+pub use sensor::Encoder;

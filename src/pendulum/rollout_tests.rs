@@ -1,0 +1,235 @@
+use super::*;
+use crate::joint::{Friction, Link, Motor, Stribeck, gradient, variable};
+use crate::log::{Derivative, MotorSpec};
+use approx::assert_relative_eq;
+use num_dual::DualSVec64;
+use proptest::prelude::*;
+
+const G: f64 = 9.81;
+
+fn chain(inertia: f64, moment: f64, coulomb: f64, viscous: f64) -> Chain<f64> {
+    Chain {
+        link: Link::new(inertia, moment, 0.0, G),
+        friction: Friction::coulomb_viscous(coulomb, viscous),
+        motor: None,
+    }
+}
+
+fn times(n: usize, period_s: f64) -> Vec<f64> {
+    (0..n).map(|k| k as f64 * period_s).collect()
+}
+
+fn angles<T: Real>(chain: &Chain<T>, input: Input<'_>, t_s: &[f64], start: Start<T>, refinement: f64) -> Vec<T> {
+    let mut q = Vec::with_capacity(t_s.len());
+    rollout_refined(chain, input, t_s, start, refinement, |_, s| q.push(s.angle_rad)).expect("does not diverge");
+    q
+}
+
+fn free(angle_rad: f64) -> Start<f64> {
+    Start { angle_rad, rate_rad_s: 0.0, release_s: None }
+}
+
+fn motor() -> MotorSpec {
+    MotorSpec {
+        kp_nm_rad: 5.0,
+        ki_nm_rad_s: 0.0,
+        kd_nm_s_rad: 0.05,
+        hold: Hold::Step,
+        derivative: Derivative::Measurement,
+        sample_period_s: None,
+        torque_limit_nm: None,
+        speed_limit_rad_s: None,
+    }
+}
+
+fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn coulomb_oscillator_loses_its_amplitude_in_equal_parts() {
+    // A small swing with Coulomb friction loses 2 mu_c / (g M*) of amplitude per half swing, exactly in the limit.
+    let (inertia, moment, mu_c) = (0.01, 0.05, 1e-4);
+    let t = times(4000, 0.001);
+    let q = angles(&chain(inertia, moment, mu_c, 0.0), Input::Off, &t, free(0.02), 1.0);
+    let band = mu_c / (G * moment);
+    let half_swing = std::f64::consts::PI * (inertia / (G * moment)).sqrt();
+    for half in 1..=6 {
+        let k = (half as f64 * half_swing / 0.001).round() as usize;
+        let expected = 0.02 - 2.0 * band * half as f64;
+        assert_relative_eq!(q[k].abs(), expected, max_relative = 2e-4);
+    }
+}
+
+#[test]
+fn a_joint_sticks_below_breakaway_and_never_creeps() {
+    let c = chain(1e-4, 0.00162, 0.020, 0.010);
+    let q = angles(&c, Input::Off, &times(5000, 0.008), free(1.0), 1.0);
+    assert!(q.iter().all(|&x| x == 1.0), "the thesis's bare lower leg does not move");
+    let swings = angles(&chain(1e-4, 0.00162, 0.010, 0.010), Input::Off, &times(5000, 0.008), free(1.0), 1.0);
+    assert!(swings[4999] < 0.9, "with Table 3.4's 0.010 N m it would");
+}
+
+#[test]
+fn a_release_between_two_samples_is_exact() {
+    let c = chain(0.01, 0.05, 1e-3, 1e-3);
+    let t = times(200, 0.008);
+    let held = Start { angle_rad: 0.8, rate_rad_s: 0.0, release_s: Some(0.1037) };
+    let q = angles(&c, Input::Off, &t, held, 1.0);
+    assert!(q[..=12].iter().all(|&x| x == 0.8));
+    let shifted: Vec<f64> = std::iter::once(0.0).chain(t[13..].iter().map(|x| x - 0.1037)).collect();
+    let direct = angles(&c, Input::Off, &shifted, free(0.8), 1.0);
+    assert!(largest_difference(&q[13..], &direct[1..]) < 1e-7);
+}
+
+#[test]
+fn halving_the_step_changes_less_than_a_tenth_of_a_sensor_step() {
+    // Joints from the thesis's legs to a geared servo; the encoder of each, and its sampling.
+    let cases = [
+        (chain(0.0127, 0.0748, 0.001, 0.017), 0.008, 0.006),
+        (chain(5e-4, 0.0063, 0.001, 0.017), 0.008, 0.006),
+        (chain(8e-3, 0.0547, 0.020, 0.010), 0.008, 0.006),
+        (chain(0.0065, 0.049, 0.007, 0.0105), 0.0035, 0.001534),
+        (chain(0.0173, 0.1356, 0.20, 0.035), 0.0152, 0.001534),
+        (chain(0.174, 0.39, 0.16, 0.001), 0.002, 0.00038),
+    ];
+    for (i, (c, period_s, step_rad)) in cases.iter().enumerate() {
+        let t = times((6.0 / period_s) as usize, *period_s);
+        let start = Start { angle_rad: 1.5, rate_rad_s: -0.1, release_s: None };
+        let coarse = angles(c, Input::Off, &t, start, 1.0);
+        let fine = angles(c, Input::Off, &t, start, 2.0);
+        let worst = largest_difference(&coarse, &fine);
+        assert!(worst < 0.1 * step_rad, "case {i}: {worst}");
+    }
+}
+
+#[test]
+fn halving_the_step_changes_little_with_stribeck_and_a_driven_joint() {
+    let mut c = chain(0.0173, 0.1356, 0.10, 0.035);
+    c.friction.stribeck = Some(Stribeck { static_nm: 0.2, speed_rad_s: 0.1 });
+    c.motor = Some(Motor::new(MotorSpec { kp_nm_rad: 67.0, kd_nm_s_rad: 2.3, ..motor() }));
+    let t = times(300, 0.0206);
+    let setpoint: Vec<f64> = t.iter().map(|t| (3.0 * t * t).sin() * 0.8).collect();
+    let start = Start { angle_rad: 0.0, rate_rad_s: 0.0, release_s: None };
+    for hold in [Hold::Step, Hold::Linear] {
+        let input = Input::Position { setpoint_rad: &setpoint, hold, on: None };
+        let worst = largest_difference(&angles(&c, input, &t, start, 1.0), &angles(&c, input, &t, start, 2.0));
+        assert!(worst < 0.1 * 0.001534, "{hold:?}: {worst}");
+    }
+}
+
+#[test]
+fn a_stuck_joint_breaks_away_when_the_setpoint_has_moved_far_enough() {
+    let mut c = chain(0.01, 0.0, 0.5, 0.0);
+    c.motor = Some(Motor::new(motor()));
+    let t = times(100, 0.01);
+    let setpoint: Vec<f64> = t.iter().map(|t| 0.5 * t).collect();
+    let input = Input::Position { setpoint_rad: &setpoint, hold: Hold::Linear, on: None };
+    let q = angles(&c, input, &t, free(0.0), 1.0);
+    // kp times the error reaches mu_c when the setpoint stands at 0.1 rad, at t = 0.2 s.
+    assert!(q[..=20].iter().all(|&x| x == 0.0) && q[22] > 0.0);
+}
+
+#[test]
+fn an_integral_term_alone_breaks_a_joint_away() {
+    let mut c = chain(0.01, 0.0, 0.5, 0.01);
+    c.motor = Some(Motor::new(MotorSpec { kp_nm_rad: 1.0, ki_nm_rad_s: 2.0, ..motor() }));
+    let t = times(400, 0.01);
+    let setpoint = vec![0.1; 400];
+    let input = Input::Position { setpoint_rad: &setpoint, hold: Hold::Step, on: None };
+    let q = angles(&c, input, &t, free(0.0), 1.0);
+    // 1 * 0.1 + 2 * 0.1 t = 0.5 at t = 2 s.
+    assert!(q[..=200].iter().all(|&x| x == 0.0) && q[203] > 0.0);
+}
+
+#[test]
+fn a_sampled_law_tends_to_the_continuous_one() {
+    let mut c = chain(0.01, 0.05, 0.01, 0.02);
+    let t = times(200, 0.008);
+    let setpoint: Vec<f64> = t.iter().map(|t| 0.6 * (4.0 * t).sin()).collect();
+    let input = Input::Position { setpoint_rad: &setpoint, hold: Hold::Step, on: None };
+    let mut run = |sample_period_s| {
+        c.motor = Some(Motor::new(MotorSpec { sample_period_s, ..motor() }));
+        angles(&c, input, &t, free(0.0), 1.0)
+    };
+    let continuous = run(None);
+    let fine = largest_difference(&continuous, &run(Some(1e-4)));
+    let coarse = largest_difference(&continuous, &run(Some(8e-3)));
+    assert!(fine < 1e-3 && coarse > 3.0 * fine, "{fine} {coarse}");
+}
+
+/// Inertia, moment, Coulomb, viscous, angle, release: as dual numbers and as finite differences.
+fn sensitivities<T: Real>(p: [T; 6], motor: Option<MotorSpec>, setpoint: &[f64], t: &[f64]) -> Vec<T> {
+    let c = Chain {
+        link: Link::new(p[0], p[1], T::constant(0.05), G),
+        friction: Friction {
+            stribeck: Some(Stribeck { static_nm: p[2] * 1.3, speed_rad_s: T::constant(0.3) }),
+            ..Friction::coulomb_viscous(p[2], p[3])
+        },
+        motor: motor.map(Motor::new),
+    };
+    let start = Start { angle_rad: p[4], rate_rad_s: T::nought(), release_s: Some(p[5]) };
+    let input = match motor {
+        None => Input::Off,
+        Some(m) => Input::Position { setpoint_rad: setpoint, hold: m.hold, on: None },
+    };
+    angles(&c, input, t, start, 1.0)
+}
+
+#[test]
+fn dual_numbers_agree_with_central_differences_through_events() {
+    let t = times(250, 0.008);
+    let setpoint: Vec<f64> = t.iter().map(|t| 0.4 * (5.0 * t).sin()).collect();
+    let p = [0.011, 0.05, 0.02, 0.004, 0.9, 0.0213];
+    let linear = MotorSpec { hold: Hold::Linear, kp_nm_rad: 1.0, ..motor() };
+    for motor in [None, Some(motor()), Some(linear), Some(MotorSpec { ki_nm_rad_s: 0.5, ..linear })] {
+        let duals: [DualSVec64<6>; 6] = std::array::from_fn(|i| variable(p[i], i));
+        let exact = sensitivities(duals, motor, &setpoint, &t);
+        let plain = sensitivities(p, motor, &setpoint, &t);
+        for i in 0..6 {
+            let h = 1e-5 * p[i];
+            let (mut up, mut down) = (p, p);
+            up[i] += h;
+            down[i] -= h;
+            let (up, down) = (sensitivities(up, motor, &setpoint, &t), sensitivities(down, motor, &setpoint, &t));
+            let scale = exact.iter().map(|x| gradient(x)[i].abs()).fold(0.0, f64::max).max(1e-3);
+            for k in 0..t.len() {
+                assert!((exact[k].re - plain[k]).abs() < 1e-11, "the real part takes the same path");
+                let difference = (up[k] - down[k]) / (2.0 * h);
+                let error = (gradient(&exact[k])[i] - difference).abs() / scale;
+                assert!(error < 2e-4, "{motor:?} parameter {i} sample {k}: {error}");
+            }
+        }
+    }
+}
+
+#[test]
+fn impossible_joints_are_rejected_and_do_not_hang() {
+    let t = times(100, 0.008);
+    let c = chain(1e-12, 0.05, 0.0, 10.0);
+    let result = rollout(&c, Input::Off, &t, free(1.0), |_, _| {});
+    assert!(result.is_err());
+}
+
+proptest! {
+    #[test]
+    fn energy_never_grows_without_drive(
+        inertia in 1e-4..0.1f64,
+        frequency in 2.0..12.0f64,
+        mu_c in 0.0..0.3f64,
+        damping in 0.0..2.0f64,
+        angle in -3.0..3.0f64,
+        rate in -5.0..5.0f64,
+    ) {
+        let moment = inertia * frequency * frequency / G;
+        let c = chain(inertia, moment, mu_c * G * moment, damping * inertia * frequency);
+        let mut last = f64::INFINITY;
+        let scale = 0.5 * inertia * rate * rate + 2.0 * G * moment;
+        let start = Start { angle_rad: angle, rate_rad_s: rate, release_s: None };
+        rollout(&c, Input::Off, &times(400, 0.008), start, |_, s| {
+            let energy = 0.5 * inertia * s.rate_rad_s * s.rate_rad_s + c.link.potential_j(s.angle_rad);
+            assert!(energy <= last + 1e-6 * scale, "{energy} after {last}");
+            last = energy;
+        }).expect("does not diverge");
+    }
+}
