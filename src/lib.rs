@@ -1,5 +1,6 @@
 //! Turns logs of robot joints into trustworthy dynamics.
 
+pub mod fit;
 pub mod geometry;
 pub mod integrate;
 pub mod joint;

@@ -314,9 +314,8 @@ impl<T: Real> Run<'_, T> {
             Some(step.re())
         } else {
             let last = rate(self.t_s + step, &y1);
-            self.dip(before, after, first[1].re() * direction, last[1].re() * direction, step.re()).filter(|&dt| {
-                speed(&rk4(rate, self.t_s, &self.y, &first, T::constant(dt))) <= 0.0
-            })
+            self.dip(before, after, first[1].re() * direction, last[1].re() * direction, step.re())
+                .filter(|&dt| speed(&rk4(rate, self.t_s, &self.y, &first, T::constant(dt))) <= 0.0)
         };
         let Some(bracket) = bracket else {
             self.y = y1;

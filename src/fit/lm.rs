@@ -1,0 +1,77 @@
+//! Levenberg-Marquardt with bounds, the work horse.
+//!
+//! Ours and not a library's for two reasons: friction needs a bound at zero that a coordinate can touch and leave
+//! again, and a trial point at which the motion diverges must be stepped back from, not end the solve.
+//! Damping after Nielsen (1999), on the diagonal of `J'J` as Marquardt (1963).
+
+use super::{Budget, Normal, Residuals, Solution, Stop};
+
+/// Distance to the optimum, in standard deviations squared, below which the fit has converged.
+pub(super) const CONVERGED_VARIANCES: f64 = 1e-8;
+
+/// Minimises the criterion from `start`.
+pub(super) fn levenberg_marquardt(problem: &dyn Residuals, start: &[f64], budget: Budget) -> Solution {
+    let coordinates = problem.coordinates();
+    let mut x = clamped(start, coordinates.iter().map(|c| (c.lower, c.upper)));
+    let mut evaluations = 1;
+    let mut normal = match problem.linearise(&x) {
+        Ok(blocks) => Normal::of(&blocks, x.len()),
+        Err(_) => return Solution::rejected(x),
+    };
+    let mut trace = vec![normal.criterion];
+    let (mut damping, mut growth) = (1e-3, 2.0);
+    let mut idle = 0;
+    let stop = loop {
+        let free = normal.unblocked(&x, coordinates);
+        if normal.distance_in_variances(&free) < CONVERGED_VARIANCES {
+            break Stop::Converged;
+        }
+        if evaluations >= budget.evaluations {
+            break Stop::BudgetSpent;
+        }
+        if damping > 1e14 || idle >= 3 {
+            break Stop::NoFurtherDecrease;
+        }
+        let Some(mut step) = normal.step(&free, damping) else {
+            damping *= 10.0;
+            continue;
+        };
+        let excess = step.iter().zip(coordinates).map(|(s, c)| s.abs() / c.scale).fold(1.0, f64::max);
+        step /= excess;
+        let trial = clamped(
+            x.iter().zip(step.iter()).map(|(x, s)| x + s).collect::<Vec<_>>().as_slice(),
+            coordinates.iter().map(|c| (c.lower, c.upper)),
+        );
+        evaluations += 1;
+        let moved = nalgebra::DVector::from_fn(x.len(), |i, _| trial[i] - x[i]);
+        let predicted = -(2.0 * normal.jtr.dot(&moved) + moved.dot(&(&normal.jtj * &moved)));
+        let gain = match problem.criterion(&trial) {
+            Ok(criterion) if predicted > 0.0 => (normal.criterion - criterion) / predicted,
+            Ok(criterion) if criterion < normal.criterion => 0.1,
+            _ => -1.0,
+        };
+        if gain <= 1e-4 {
+            damping *= growth;
+            growth *= 2.0;
+            continue;
+        }
+        let Ok(blocks) = problem.linearise(&trial) else {
+            damping *= growth;
+            growth *= 2.0;
+            continue;
+        };
+        evaluations += 1;
+        let next = Normal::of(&blocks, x.len());
+        idle = if normal.criterion - next.criterion < 1e-13 * normal.criterion { idle + 1 } else { 0 };
+        (x, normal) = (trial, next);
+        trace.push(normal.criterion);
+        damping = (damping * (1.0 - (2.0 * gain - 1.0).powi(3)).clamp(1.0 / 3.0, 2.0)).max(1e-12);
+        growth = 2.0;
+    };
+    Solution { x, criterion: normal.criterion, trace, stop, evaluations }
+}
+
+/// A point moved inside its bounds.
+pub(super) fn clamped(x: &[f64], bounds: impl Iterator<Item = (f64, f64)>) -> Vec<f64> {
+    x.iter().zip(bounds).map(|(x, (lower, upper))| x.max(lower).min(upper)).collect()
+}
