@@ -2,6 +2,7 @@
 
 pub mod fit;
 pub mod geometry;
+pub mod identify;
 pub mod integrate;
 pub mod joint;
 pub mod log;

@@ -27,14 +27,24 @@ pub struct Uncertainty {
 }
 
 impl Uncertainty {
+    /// Student's 97.5 % quantile for naive intervals.
+    pub fn quantile_naive(&self) -> f64 {
+        quantile_95(self.freedom_naive)
+    }
+
+    /// Student's 97.5 % quantile for robust intervals.
+    pub fn quantile_robust(&self) -> f64 {
+        quantile_95(self.freedom_robust)
+    }
+
     /// Half-width of the naive 95 % interval of a coordinate.
     pub fn half_width_naive(&self, i: usize) -> f64 {
-        quantile_95(self.freedom_naive) * self.naive[(i, i)].max(0.0).sqrt()
+        self.quantile_naive() * self.naive[(i, i)].max(0.0).sqrt()
     }
 
     /// Half-width of the robust 95 % interval of a coordinate.
     pub fn half_width_robust(&self, i: usize) -> f64 {
-        quantile_95(self.freedom_robust) * self.robust[(i, i)].max(0.0).sqrt()
+        self.quantile_robust() * self.robust[(i, i)].max(0.0).sqrt()
     }
 }
 
@@ -42,17 +52,28 @@ fn quantile_95(freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom.max(1.0)).map_or(f64::NAN, |t| t.inverse_cdf(0.975))
 }
 
-/// Both covariances at a point, usually the solution; `None` where the residuals leave a coordinate undetermined.
-pub fn uncertainty(problem: &dyn Residuals, blocks: &[Block]) -> Option<Uncertainty> {
+/// The residuals leave a direction undetermined: along it nothing answers.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("the residuals leave a combination of parameters undetermined")]
+pub struct Undetermined {
+    /// The direction in coordinates, each in units of its own standard error were it the only one.
+    pub direction: DVector<f64>,
+}
+
+/// Both covariances at a point, usually the solution. A coordinate that no residual answers to has infinite variance.
+///
+/// # Errors
+/// [`Undetermined`] where the answering coordinates are not determined separately, or there are too few residuals.
+pub fn uncertainty(problem: &dyn Residuals, blocks: &[Block]) -> Result<Uncertainty, Undetermined> {
     let p = problem.coordinates().len();
     let normal = Normal::of(blocks, p);
-    let inverse = inverse_of(&normal.jtj)?;
+    let answering: Vec<usize> = (0..p).filter(|&i| normal.jtj[(i, i)] > 0.0).collect();
+    let inverse = inverse_of(&normal.jtj, &answering)?;
     let n = normal.residuals as f64;
-    let freedom = n - p as f64;
+    let freedom = n - answering.len() as f64;
     if freedom < 1.0 {
-        return None;
+        return Err(Undetermined { direction: DVector::zeros(p) });
     }
-    let naive = &inverse * (normal.criterion / freedom);
     let correlation_length: Vec<f64> = blocks.iter().map(|b| correlation_length(&b.residual)).collect();
     let effective: f64 = blocks.iter().zip(&correlation_length).map(|(b, l)| b.residual.len() as f64 / l).sum();
     let mut middle = DMatrix::zeros(p, p);
@@ -66,9 +87,10 @@ pub fn uncertainty(problem: &dyn Residuals, blocks: &[Block]) -> Option<Uncertai
             }
         }
     }
+    let mut naive = &inverse * (normal.criterion / freedom);
     let mut robust = &inverse * middle * &inverse * (n / freedom);
-    // What the sandwich cannot see it must not deny: short records underestimate their own correlation.
-    for i in 0..p {
+    // Short records underestimate their own correlation: the robust variance is never below the naive one.
+    for &i in &answering {
         let widen = (naive[(i, i)] / robust[(i, i)]).max(1.0).sqrt();
         if !widen.is_finite() {
             robust = naive.clone();
@@ -80,31 +102,47 @@ pub fn uncertainty(problem: &dyn Residuals, blocks: &[Block]) -> Option<Uncertai
         }
     }
     let unbounded_step = -(&inverse * &normal.jtr);
-    Some(Uncertainty {
+    for i in (0..p).filter(|i| !answering.contains(i)) {
+        naive[(i, i)] = f64::INFINITY;
+        robust[(i, i)] = f64::INFINITY;
+    }
+    Ok(Uncertainty {
         naive,
         robust,
         freedom_naive: freedom,
-        freedom_robust: (effective - p as f64).max(3.0),
+        freedom_robust: (effective - answering.len() as f64).max(3.0),
         correlation_length,
         unbounded_step,
     })
 }
 
-/// Inverse of `J'J`, scaled to a unit diagonal first; `None` where it is singular to rounding.
-fn inverse_of(jtj: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    let n = jtj.nrows();
-    let scale: Vec<f64> = (0..n).map(|i| jtj[(i, i)].sqrt()).collect();
-    if scale.iter().any(|s| !(*s > 0.0 && s.is_finite())) {
-        return None;
-    }
-    let unit = DMatrix::from_fn(n, n, |i, k| jtj[(i, k)] / (scale[i] * scale[k]));
+/// Inverse of `J'J` on the answering coordinates, zero elsewhere, scaled to a unit diagonal first.
+fn inverse_of(jtj: &DMatrix<f64>, answering: &[usize]) -> Result<DMatrix<f64>, Undetermined> {
+    let p = jtj.nrows();
+    let n = answering.len();
+    let scale: Vec<f64> = answering.iter().map(|&i| jtj[(i, i)].sqrt()).collect();
+    let unit = DMatrix::from_fn(n, n, |i, k| jtj[(answering[i], answering[k])] / (scale[i] * scale[k]));
     let eigen = unit.clone().symmetric_eigen();
-    let (low, high) = (eigen.eigenvalues.min(), eigen.eigenvalues.max());
-    if !(low > 1e-13 * high) {
-        return None;
+    let (at, low) = eigen.eigenvalues.argmin();
+    let inverse = unit.cholesky().map(|c| c.inverse());
+    match inverse {
+        Some(inverse) if low > 1e-12 * eigen.eigenvalues.max() => {
+            let mut full = DMatrix::zeros(p, p);
+            for i in 0..n {
+                for k in 0..n {
+                    full[(answering[i], answering[k])] = inverse[(i, k)] / (scale[i] * scale[k]);
+                }
+            }
+            Ok(full)
+        }
+        _ => {
+            let mut direction = DVector::zeros(p);
+            for i in 0..n {
+                direction[answering[i]] = eigen.eigenvectors[(i, at)];
+            }
+            Err(Undetermined { direction })
+        }
     }
-    let inverse = unit.cholesky()?.inverse();
-    Some(DMatrix::from_fn(n, n, |i, k| inverse[(i, k)] / (scale[i] * scale[k])))
 }
 
 /// Integrated correlation time of a residual series, in samples, at least 1 (initial positive sequence, Geyer 1992).

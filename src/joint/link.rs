@@ -45,6 +45,11 @@ impl<T: Real> Link<T> {
         self.sine_nm.re().hypot(self.cosine_nm.re())
     }
 
+    /// Joint angle at which the link hangs \[rad\].
+    pub fn hanging_rad(&self) -> T {
+        self.cosine_nm.atan2(self.sine_nm)
+    }
+
     /// Potential energy above the hanging position \[J\].
     pub fn potential_j(&self, angle_rad: f64) -> f64 {
         self.peak_gravity_nm() - self.sine_nm.re() * angle_rad.cos() - self.cosine_nm.re() * angle_rad.sin()

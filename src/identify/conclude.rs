@@ -1,0 +1,249 @@
+//! What the logs say about each parameter, and what they do not.
+//!
+//! A fit is run with everything free that may be; a parameter, or a combination, that the logs leave open is then held
+//! at what is known of it and named, and the fit is run again. Nothing undetermined is reported as a number.
+
+use super::parameter::Search;
+use super::run::{Found, Prediction, prediction, search};
+use super::{Experiment, JointModel, Problem};
+use crate::fit::{Budget, Method, Rejected, Residuals, Stop, Uncertainty, uncertainty};
+use nalgebra::DVector;
+
+/// What may be said about a parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// The logs determine it.
+    Determined,
+    /// Held at a given value, as the user or the study says.
+    Held,
+    /// The logs do not determine it; it was held at what is known of it.
+    NotDetermined,
+}
+
+/// A parameter after the fit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Estimate {
+    pub name: String,
+    pub symbol: String,
+    pub unit: String,
+    pub status: Status,
+    /// The estimate, or the value at which it was held.
+    pub value: f64,
+    /// 95 % interval that allows for correlated residuals.
+    pub interval: Option<[f64; 2]>,
+    /// 95 % interval as if residuals were white.
+    pub interval_naive: Option<[f64; 2]>,
+    pub nominal: Option<f64>,
+}
+
+/// A model fitted to logs.
+#[derive(Clone, Debug)]
+pub struct Fitted<M> {
+    /// The model with what was held marked as fixed.
+    pub model: M,
+    /// One for each parameter of the model, in its order.
+    pub estimates: Vec<Estimate>,
+    pub found: Found,
+    /// One for each experiment that was fitted.
+    pub predictions: Vec<Prediction>,
+    /// Free parameters, in the order of the covariance.
+    pub free: Vec<usize>,
+    pub uncertainty: Uncertainty,
+    pub method: Method,
+}
+
+/// Half-width of the logarithm of a quantity beyond which it counts as undetermined: a factor of three.
+const OPEN_FACTOR: f64 = 1.1;
+/// The same for the moment, which sets the scale of everything else and is usually known better.
+const OPEN_MOMENT: f64 = 0.4;
+/// Half-width of a friction or an angle, in typical sizes, beyond which it counts as undetermined.
+const OPEN_LINEAR: f64 = 0.5;
+
+/// Fits a model and says what the logs determine.
+///
+/// # Errors
+/// [`Rejected`] where no motion can be computed.
+pub fn conclude<M: JointModel + Clone>(
+    model: &M,
+    experiments: &[Experiment],
+    method: Method,
+    budget: Budget,
+) -> Result<Fitted<M>, Rejected> {
+    let mut model = model.clone();
+    let mut open = vec![false; model.parameters().len()];
+    loop {
+        let found = search(&model, experiments, method, budget)?;
+        let problem = Problem::new(&model, experiments);
+        let blocks = problem.linearise(&found.solution.x)?;
+        let free: Vec<usize> = (0..open.len()).filter(|&i| !model.parameters()[i].fixed).collect();
+        let verdict = uncertainty(&problem, &blocks);
+        let worst = match &verdict {
+            Ok(u) => most_open(&model, &free, u),
+            Err(undetermined) => Some(scapegoat(&model, &free, &undetermined.direction)),
+        };
+        if let (Some(k), true) = (worst, !free.is_empty()) {
+            let value = found.values[free[k]];
+            let parameter = &mut model.parameters_mut()[free[k]];
+            parameter.fixed = true;
+            parameter.start = parameter.nominal.unwrap_or(match parameter.name.as_str() {
+                // Without any scale, everything is counted per unit of inertia.
+                "inertia" => 1.0,
+                _ => value,
+            });
+            open[free[k]] = true;
+            continue;
+        }
+        let Ok(uncertainty) = verdict else {
+            return Err(Rejected { why: "the logs have too few samples for the starts alone".into() });
+        };
+        let predictions = (0..experiments.len())
+            .map(|k| prediction(&problem, &found.solution.x, k))
+            .collect::<Result<_, _>>()
+            .map_err(|diverged| Rejected { why: diverged.to_string() })?;
+        let estimates = estimates(&model, &found, &free, &open, &problem, &uncertainty);
+        return Ok(Fitted { model, estimates, found, predictions, free, uncertainty, method });
+    }
+}
+
+/// The free parameter whose interval says least, where one says too little.
+fn most_open<M: JointModel>(model: &M, free: &[usize], u: &Uncertainty) -> Option<usize> {
+    let openness = |k: usize| {
+        let p = &model.parameters()[free[k]];
+        let half_width = u.half_width_robust(k);
+        match p.search {
+            Search::Logarithm if p.name == "moment" && p.nominal.is_some() => half_width / OPEN_MOMENT,
+            Search::Logarithm => half_width / OPEN_FACTOR,
+            Search::Linear { scale } => half_width / (OPEN_LINEAR * scale),
+        }
+    };
+    let scale_first = |k: usize| if model.parameters()[free[k]].name == "moment" { 1e6 } else { 1.0 };
+    (0..free.len())
+        .filter(|&k| !(openness(k) <= 1.0))
+        .max_by(|&a, &b| (openness(a) * scale_first(a)).total_cmp(&(openness(b) * scale_first(b))))
+}
+
+/// Which parameter to hold where a direction is undetermined: the one that is usually known beforehand.
+fn scapegoat<M: JointModel>(model: &M, free: &[usize], direction: &DVector<f64>) -> usize {
+    let parameters = model.parameters();
+    let known = parameters.iter().any(|p| p.name == "moment" && p.nominal.is_some());
+    let rank = |k: usize| {
+        let name = parameters[free[k]].name.as_str();
+        match name {
+            "moment" if known => 0,
+            "inertia" if !known => 1,
+            _ if name.starts_with("mass_") => 2,
+            "ml2" | "inertia" => 3,
+            "stribeck_speed" => 4,
+            "static_excess" => 5,
+            _ => 6,
+        }
+    };
+    let takes_part = |k: &usize| direction[*k].abs() > 0.05;
+    (0..free.len()).filter(takes_part).min_by_key(|&k| rank(k)).unwrap_or_else(|| {
+        (0..free.len()).max_by(|&a, &b| direction[a].abs().total_cmp(&direction[b].abs())).unwrap_or(0)
+    })
+}
+
+fn estimates<M: JointModel>(
+    model: &M,
+    found: &Found,
+    free: &[usize],
+    open: &[bool],
+    problem: &Problem<'_, M>,
+    u: &Uncertainty,
+) -> Vec<Estimate> {
+    let coordinates = problem.coordinates();
+    model
+        .parameters()
+        .iter()
+        .enumerate()
+        .map(|(i, p)| {
+            let k = free.iter().position(|&f| f == i);
+            let interval = |half_width: f64| {
+                k.map(|k| {
+                    let (c, x) = (&coordinates[k], found.solution.x[k]);
+                    let on_bound = x <= c.lower || x >= c.upper;
+                    let middle = if on_bound { x + u.unbounded_step[k] } else { x };
+                    [middle - half_width, middle + half_width]
+                        .map(|edge| p.from_coordinate(edge.max(c.lower).min(c.upper)))
+                })
+            };
+            Estimate {
+                name: p.name.clone(),
+                symbol: p.symbol.clone(),
+                unit: p.unit.clone(),
+                status: match k {
+                    Some(_) => Status::Determined,
+                    None if open[i] => Status::NotDetermined,
+                    None => Status::Held,
+                },
+                value: found.values[i],
+                interval: k.and_then(|k| interval(u.half_width_robust(k))),
+                interval_naive: k.and_then(|k| interval(u.half_width_naive(k))),
+                nominal: p.nominal,
+            }
+        })
+        .collect()
+}
+
+impl<M: JointModel> Fitted<M> {
+    /// The estimate of a parameter.
+    pub fn estimate(&self, name: &str) -> Option<&Estimate> {
+        self.estimates.iter().find(|e| e.name == name)
+    }
+
+    /// RMS over all compared samples of the fitted experiments \[rad\].
+    pub fn rms_rad(&self, experiments: &[Experiment]) -> f64 {
+        let samples: usize = experiments.iter().map(Experiment::compared).sum();
+        let squares: f64 =
+            self.predictions.iter().zip(experiments).map(|(p, e)| p.rms_rad.powi(2) * e.compared() as f64).sum();
+        (squares / samples.max(1) as f64).sqrt()
+    }
+
+    /// Why the search stopped.
+    pub fn stop(&self) -> Stop {
+        self.found.solution.stop
+    }
+
+    /// Correlation matrix of the free parameters, robust.
+    pub fn correlation(&self) -> Vec<Vec<f64>> {
+        let c = &self.uncertainty.robust;
+        (0..self.free.len())
+            .map(|i| (0..self.free.len()).map(|k| c[(i, k)] / (c[(i, i)] * c[(k, k)]).sqrt()).collect())
+            .collect()
+    }
+
+    /// A function of the parameter values with its 95 % intervals, robust and naive, by the delta method.
+    pub fn derived(&self, function: impl Fn(&[f64]) -> f64) -> (f64, [f64; 2], [f64; 2]) {
+        let parameters = self.model.parameters();
+        let value = function(&self.found.values);
+        let slopes: Vec<f64> = self
+            .free
+            .iter()
+            .enumerate()
+            .map(|(k, &i)| {
+                // The covariance is in coordinates, so the slope is too.
+                let x = self.found.solution.x[k];
+                let step = 1e-5 * x.abs().max(1e-3);
+                let at = |x: f64| {
+                    let mut values = self.found.values.clone();
+                    values[i] = parameters[i].from_coordinate(x);
+                    function(&values)
+                };
+                (at(x + step) - at(x - step)) / (2.0 * step)
+            })
+            .collect();
+        let spread = |covariance: &nalgebra::DMatrix<f64>| {
+            let mut variance = 0.0;
+            for (i, a) in slopes.iter().enumerate() {
+                for (k, b) in slopes.iter().enumerate() {
+                    variance += a * b * covariance[(i, k)];
+                }
+            }
+            variance.max(0.0).sqrt()
+        };
+        let robust = self.uncertainty.quantile_robust() * spread(&self.uncertainty.robust);
+        let naive = self.uncertainty.quantile_naive() * spread(&self.uncertainty.naive);
+        (value, [value - robust, value + robust], [value - naive, value + naive])
+    }
+}

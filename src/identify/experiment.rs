@@ -1,0 +1,198 @@
+//! One log made ready to be fitted: the samples that count, what acts on the joint, and how the motion begins.
+
+use crate::fit::Rounding;
+use crate::joint::Real;
+use crate::log::{DriveMode, ExtraMass, Health, Hold, Log, MotorSpec, Role, SensorSpec, StudyLog, health};
+use crate::pendulum::{Input, Start};
+
+/// A known mass on the link, as it acts about the joint axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Load {
+    /// About the joint axis \[kg m^2\].
+    pub inertia_kg_m2: f64,
+    /// \[kg m\]
+    pub moment_kg_m: f64,
+    /// Hanging angle of the mass alone less that of the nominal bare link \[rad\]; zero where the geometry is not known.
+    pub angle_rad: f64,
+    /// Encoder angle at which the mass alone would hang \[rad\]; used where the link is written by its bodies.
+    pub hanging_rad: f64,
+}
+
+impl Load {
+    /// A hollow cylinder whose axis lies along the link, in the direction of the link's centre of mass (3.8-3.10).
+    pub fn on_the_link(extra: &ExtraMass) -> Self {
+        let across = crate::geometry::hollow_cylinder_across(extra.mass_kg, extra.radius_m, extra.length_m);
+        Self {
+            inertia_kg_m2: crate::geometry::parallel_axis_scalar(across, extra.mass_kg, extra.distance_m),
+            moment_kg_m: extra.mass_kg * extra.distance_m,
+            angle_rad: 0.0,
+            hanging_rad: 0.0,
+        }
+    }
+}
+
+/// One body of the link: its inertia and its lever, per kilogram.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// Parameter name, e.g. `mass_lower_leg`.
+    pub name: String,
+    /// About the joint axis \[m^2\].
+    pub inertia_per_kg_m2: f64,
+    /// Distance of its centre of mass from the axis \[m\].
+    pub lever_m: f64,
+    /// Angle at which it alone would hang \[rad\].
+    pub hanging_rad: f64,
+}
+
+/// What drives the joint; the vectors are as long as the experiment's times.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Signal {
+    Off,
+    Torque { torque_nm: Vec<f64>, on: Option<Vec<bool>> },
+    Position { setpoint_rad: Vec<f64>, hold: Hold, on: Option<Vec<bool>> },
+}
+
+/// One log made ready.
+#[derive(Clone, Debug)]
+pub struct Experiment {
+    /// As the user named it.
+    pub file: String,
+    pub role: Role,
+    /// Where in the log the experiment begins.
+    pub first_sample: usize,
+    /// From the experiment's first sample on, relative to the log's first sample \[s\].
+    pub t_s: Vec<f64>,
+    pub measured_rad: Vec<f64>,
+    /// Samples at the beginning that are not compared: the last held one.
+    pub uncompared: usize,
+    /// Weights of the compared samples \[s\] (3.7): half the time to either neighbour.
+    pub weights_s: Vec<f64>,
+    pub signal: Signal,
+    pub motor: Option<MotorSpec>,
+    /// A log that begins held: the two instants between which the joint was let go \[s\].
+    pub release_window_s: Option<[f64; 2]>,
+    /// Guess of the start.
+    pub start: Start<f64>,
+    pub load: Option<Load>,
+    /// Bodies of the bare link, where its geometry is known.
+    pub bodies: Vec<Body>,
+    /// Gravity in the plane of motion \[m/s^2\].
+    pub gravity_m_s2: f64,
+    /// Quantisation step \[rad\]; 0: none known.
+    pub resolution_rad: f64,
+    /// Runs of one reading among the compared samples.
+    pub runs: Vec<std::ops::Range<usize>>,
+}
+
+/// Runs of identical readings at least this long count as one rounding error each.
+const LONG_RUN: usize = 12;
+
+impl Experiment {
+    /// Prepares a log; `None` where no sample is free (the joint is held throughout).
+    pub fn new(log: &Log, entry: &StudyLog, sensor: &SensorSpec, gravity_m_s2: f64) -> Option<(Self, Health)> {
+        let found = health(log, sensor, entry.drive);
+        let t0 = log.t_s[0];
+        let (first, uncompared, window) = match (&found.held, entry.drive) {
+            (Some(held), DriveMode::Off) => {
+                (held.last_held, 1, Some([held.window_s[0] - t0, held.window_s[1] - t0]))
+            }
+            _ => (0, 0, None),
+        };
+        // A joint that is caught again is no longer free.
+        let end = match (&log.drive, entry.drive) {
+            (Some(drive), DriveMode::Off) => {
+                (first + uncompared..log.len()).find(|&k| drive[k]).unwrap_or(log.len())
+            }
+            _ => log.len(),
+        };
+        if first + uncompared + 3 > end {
+            return None;
+        }
+        let part = first..end;
+        let t_s: Vec<f64> = log.t_s[part.clone()].iter().map(|t| t - t0).collect();
+        let measured_rad = log.q_rad[part.clone()].to_vec();
+        let on = || log.drive.as_ref().map(|d| d[part.clone()].to_vec());
+        let signal = match entry.drive {
+            DriveMode::Off => Signal::Off,
+            DriveMode::Torque => {
+                Signal::Torque { torque_nm: log.tau_nm.as_ref()?[part.clone()].to_vec(), on: on() }
+            }
+            DriveMode::Position => Signal::Position {
+                setpoint_rad: log.q_ref_rad.as_ref()?[part.clone()].to_vec(),
+                hold: entry.motor.map(|m| m.hold).unwrap_or_default(),
+                on: on(),
+            },
+        };
+        let start = match (&found.held, window) {
+            (Some(held), Some([low, high])) => Start {
+                angle_rad: held.mean_rad,
+                rate_rad_s: 0.0,
+                release_s: Some((held.release_s - t0).clamp(low, high)),
+            },
+            _ => {
+                let (angle_rad, rate_rad_s) = super::smooth::at_start(&t_s, &measured_rad);
+                Start { angle_rad, rate_rad_s, release_s: None }
+            }
+        };
+        let weights_s = super::weights::trapezoid(&t_s[uncompared..]);
+        let runs = super::weights::runs_of_one_reading(&measured_rad[uncompared..], LONG_RUN);
+        let experiment = Self {
+            file: entry.file.clone(),
+            role: entry.role,
+            first_sample: first,
+            uncompared,
+            weights_s,
+            signal,
+            motor: entry.motor,
+            release_window_s: window,
+            start,
+            load: entry.extra.as_ref().map(Load::on_the_link),
+            bodies: Vec::new(),
+            gravity_m_s2,
+            resolution_rad: sensor.resolution_rad.or(found.resolution_rad).unwrap_or(0.0),
+            runs,
+            t_s,
+            measured_rad,
+        };
+        Some((experiment, found))
+    }
+
+    /// What acts on the joint.
+    pub fn input(&self) -> Input<'_> {
+        match &self.signal {
+            Signal::Off => Input::Off,
+            Signal::Torque { torque_nm, on } => Input::Torque { torque_nm, on: on.as_deref() },
+            Signal::Position { setpoint_rad, hold, on } => {
+                Input::Position { setpoint_rad, hold: *hold, on: on.as_deref() }
+            }
+        }
+    }
+
+    /// True where a motor acts at some time.
+    pub fn is_driven(&self) -> bool {
+        self.signal != Signal::Off
+    }
+
+    /// Number of samples that are compared with the model.
+    pub fn compared(&self) -> usize {
+        self.t_s.len() - self.uncompared
+    }
+
+    /// The start from its two coordinates: angle and release instant, or angle and rate.
+    pub fn start_from<T: Real>(&self, first: T, second: T) -> Start<T> {
+        match self.release_window_s {
+            Some(_) => Start { angle_rad: first, rate_rad_s: T::nought(), release_s: Some(second) },
+            None => Start { angle_rad: first, rate_rad_s: second, release_s: None },
+        }
+    }
+
+    /// The two coordinates of a start.
+    pub fn start_coordinates(&self, start: &Start<f64>) -> [f64; 2] {
+        [start.angle_rad, start.release_s.unwrap_or(start.rate_rad_s)]
+    }
+
+    /// Rounding of the readings, for honest intervals.
+    pub fn rounding(&self) -> Rounding {
+        Rounding { step: self.resolution_rad, runs: self.runs.clone() }
+    }
+}

@@ -1,0 +1,18 @@
+//! Between fit and pendulum: logs made ready, models with named parameters, and what the logs say about them.
+
+mod conclude;
+mod equation_error;
+mod experiment;
+mod model;
+mod parameter;
+mod problem;
+mod run;
+mod smooth;
+mod weights;
+
+pub use conclude::{Estimate, Fitted, Status, conclude};
+pub use experiment::{Body, Experiment, Load, Signal};
+pub use model::{BodyMass, ExtensiveModel, JointModel, LinkBy, Scale, SimpleModel};
+pub use parameter::{Parameter, Search};
+pub use problem::Problem;
+pub use run::{Found, Prediction, predict, prediction, search};

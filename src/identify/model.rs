@@ -1,0 +1,234 @@
+//! The models that are fitted: which parameters they have, and the joint chain that a set of values makes.
+
+use super::{Experiment, Parameter};
+use crate::joint::{Chain, Link, Motor, Real, Stribeck};
+use crate::log::Nominal;
+use crate::pendulum::{ExtensivePendulum, SimplePendulum};
+
+/// A model of a joint with parameters.
+pub trait JointModel: Sync {
+    /// The parameters, in the order of `values` below.
+    fn parameters(&self) -> &[Parameter];
+
+    /// The parameters, to fix, bound or start them otherwise.
+    fn parameters_mut(&mut self) -> &mut [Parameter];
+
+    /// The joint of one experiment.
+    fn chain<T: Real>(&self, values: &[T], experiment: &Experiment) -> Chain<T>;
+}
+
+/// The simple pendulum (3.2); the extra mass is part of the point mass.
+#[derive(Clone, Debug)]
+pub struct SimpleModel {
+    pub parameters: Vec<Parameter>,
+}
+
+impl SimpleModel {
+    /// `scale` tells what is known beforehand; `driven` frees `M L^2`, which a free swing does not show.
+    pub fn new(scale: &Scale, driven: bool) -> Self {
+        let inertia = if driven { scale.inertia_kg_m2 } else { 1.0 };
+        let ml2 = Parameter::positive("ml2", "M L^2", "kg m^2", None, inertia);
+        let g_over_l = scale.frequency_rad_s.powi(2);
+        Self {
+            parameters: vec![
+                if driven { ml2 } else { ml2.fixed() },
+                Parameter::friction("b_over_ml2", "B/ML^2", "1/s", None, 1.0, scale.frequency_rad_s),
+                Parameter::positive("g_over_l", "g/L", "1/s^2", None, g_over_l),
+                scale.rest(),
+            ],
+        }
+    }
+}
+
+impl JointModel for SimpleModel {
+    fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    fn parameters_mut(&mut self) -> &mut [Parameter] {
+        &mut self.parameters
+    }
+
+    fn chain<T: Real>(&self, values: &[T], experiment: &Experiment) -> Chain<T> {
+        SimplePendulum {
+            ml2_kg_m2: values[0],
+            b_over_ml2_1_s: values[1],
+            g_over_l_1_s2: values[2],
+            rest_rad: values[3],
+        }
+        .chain(experiment.motor.map(Motor::new))
+    }
+}
+
+/// How the extensive model's inertia and moment are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LinkBy {
+    /// As `I*` and `M*` of the bare link.
+    Lump,
+    /// As the masses of its bodies, whose places are known (3.8-3.10).
+    Bodies,
+}
+
+/// The extensive pendulum (3.12, 3.13).
+#[derive(Clone, Debug)]
+pub struct ExtensiveModel {
+    pub parameters: Vec<Parameter>,
+    pub link_by: LinkBy,
+    /// Number of parameters that describe the link; friction follows, then the rest angle.
+    link: usize,
+    stribeck: bool,
+}
+
+impl ExtensiveModel {
+    /// `I*` and `M*` of the bare link, with friction (3.14), or (3.11) where `stribeck` is set.
+    pub fn lumped(scale: &Scale, nominal: Option<&Nominal>, stribeck: bool) -> Self {
+        let inertia = nominal.map_or(scale.inertia_kg_m2, |n| n.inertia_kg_m2);
+        let moment = nominal.map_or(scale.moment_kg_m(), |n| n.moment_kg_m);
+        let mut parameters = vec![
+            Parameter::positive("inertia", "I*", "kg m^2", nominal.map(|n| n.inertia_kg_m2), inertia),
+            if moment > 0.0 {
+                Parameter::positive("moment", "M*", "kg m", nominal.map(|n| n.moment_kg_m), moment)
+            } else {
+                let unit = scale.torque_nm / scale.gravity_m_s2;
+                Parameter::friction("moment", "M*", "kg m", nominal.map(|n| n.moment_kg_m), 0.0, unit)
+            },
+        ];
+        parameters.extend(scale.friction(nominal, stribeck));
+        parameters.push(scale.rest());
+        Self { parameters, link_by: LinkBy::Lump, link: 2, stribeck }
+    }
+
+    /// One mass per body with its nominal value, all fixed but `free`; the rest angle becomes the encoder's zero.
+    pub fn bodies(scale: &Scale, masses: &[BodyMass], friction: Option<&Nominal>, stribeck: bool) -> Self {
+        let mut parameters: Vec<Parameter> = masses
+            .iter()
+            .map(|m| {
+                let p = Parameter::positive(&m.name, &m.symbol, "kg", Some(m.nominal_kg), m.nominal_kg);
+                if m.free { p } else { p.fixed() }
+            })
+            .collect();
+        let link = parameters.len();
+        parameters.extend(scale.friction(friction, stribeck));
+        parameters.push(Parameter::angle("zero", "q_0", Some(0.0), 0.0));
+        Self { parameters, link_by: LinkBy::Bodies, link, stribeck }
+    }
+
+    /// The bare link of an experiment.
+    pub fn bare_link<T: Real>(&self, values: &[T], experiment: &Experiment) -> Link<T> {
+        let rest = values[self.parameters.len() - 1];
+        match self.link_by {
+            LinkBy::Lump => Link::new(values[0], values[1], rest, experiment.gravity_m_s2),
+            LinkBy::Bodies => {
+                let mut bodies = experiment.bodies.iter().zip(values).map(|(body, &mass)| {
+                    let moment = mass * body.lever_m;
+                    Link::new(mass * body.inertia_per_kg_m2, moment, rest + body.hanging_rad, experiment.gravity_m_s2)
+                });
+                let first = bodies.next().unwrap_or_else(|| Link::new(T::nought(), T::nought(), rest, 0.0));
+                bodies.fold(first, Link::joined)
+            }
+        }
+    }
+
+    /// Friction parameters among the values: Coulomb, viscous.
+    pub fn friction_at(&self) -> [usize; 2] {
+        [self.link, self.link + 1]
+    }
+}
+
+impl JointModel for ExtensiveModel {
+    fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    fn parameters_mut(&mut self) -> &mut [Parameter] {
+        &mut self.parameters
+    }
+
+    fn chain<T: Real>(&self, values: &[T], experiment: &Experiment) -> Chain<T> {
+        let mut link = self.bare_link(values, experiment);
+        if let Some(load) = &experiment.load {
+            // The last parameter is where the bare link hangs, or the encoder's zero.
+            let hanging = values[self.parameters.len() - 1]
+                + match self.link_by {
+                    LinkBy::Lump => load.angle_rad,
+                    LinkBy::Bodies => load.hanging_rad,
+                };
+            let (inertia, moment) = (T::constant(load.inertia_kg_m2), T::constant(load.moment_kg_m));
+            link = link.joined(Link::new(inertia, moment, hanging, experiment.gravity_m_s2));
+        }
+        let [c, v] = self.friction_at();
+        let stribeck = self.stribeck.then(|| Stribeck {
+            // Held above the Coulomb friction: mu_st = mu_c + an excess.
+            static_nm: values[c] + values[v + 1],
+            speed_rad_s: values[v + 2],
+        });
+        ExtensivePendulum { link, coulomb_nm: values[c], viscous_nm_s_rad: values[v], stribeck }
+            .chain(experiment.motor.map(Motor::new))
+    }
+}
+
+/// A body's mass as a parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodyMass {
+    /// e.g. `mass_lower_leg`.
+    pub name: String,
+    /// e.g. `M_L`.
+    pub symbol: String,
+    pub nominal_kg: f64,
+    pub free: bool,
+}
+
+/// Typical sizes in the experiments, from which searches start and steps are measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scale {
+    /// Largest torque about the joint \[N m\]: gravity's, or the drive's.
+    pub torque_nm: f64,
+    /// \[kg m^2\]
+    pub inertia_kg_m2: f64,
+    /// Of small swings \[rad/s\].
+    pub frequency_rad_s: f64,
+    pub gravity_m_s2: f64,
+    /// Where the joint hangs, by guess or as given \[rad\].
+    pub rest_rad: f64,
+    /// The study gives the rest angle.
+    pub rest_given: bool,
+}
+
+impl Scale {
+    fn moment_kg_m(&self) -> f64 {
+        self.inertia_kg_m2 * self.frequency_rad_s.powi(2) / self.gravity_m_s2
+    }
+
+    fn rest(&self) -> Parameter {
+        let p = Parameter::angle("rest", "q_rest", self.rest_given.then_some(self.rest_rad), self.rest_rad);
+        if self.rest_given { p.fixed() } else { p }
+    }
+
+    fn friction(&self, nominal: Option<&Nominal>, stribeck: bool) -> Vec<Parameter> {
+        let damping = self.torque_nm / self.frequency_rad_s;
+        let mut parameters = vec![
+            Parameter::friction(
+                "coulomb",
+                "mu_c",
+                "N m",
+                nominal.map(|n| n.coulomb_nm),
+                nominal.map_or(0.01 * self.torque_nm, |n| n.coulomb_nm),
+                self.torque_nm,
+            ),
+            Parameter::friction(
+                "viscous",
+                "mu_v",
+                "N m s/rad",
+                nominal.map(|n| n.viscous_nm_s_rad),
+                nominal.map_or(0.05 * damping, |n| n.viscous_nm_s_rad),
+                damping,
+            ),
+        ];
+        if stribeck {
+            let start = 0.3 * parameters[0].start.max(0.01 * self.torque_nm);
+            parameters.push(Parameter::friction("static_excess", "mu_st - mu_c", "N m", None, start, self.torque_nm));
+            parameters.push(Parameter::positive("stribeck_speed", "v_st", "rad/s", None, 0.05 * self.frequency_rad_s));
+        }
+        parameters
+    }
+}

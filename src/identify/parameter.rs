@@ -1,0 +1,144 @@
+//! Parameters of a joint model: names, units, bounds, and the coordinate in which each is searched.
+
+use crate::fit::Coordinate;
+use crate::joint::Real;
+
+/// How a parameter is searched.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Search {
+    /// By its logarithm: a quantity that is never zero, and known to a factor rather than to a difference.
+    Logarithm,
+    /// As it is, with a typical change: friction, which may be zero, and angles.
+    Linear { scale: f64 },
+}
+
+/// One parameter of a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// The name in `fit.json` and on the command line, e.g. `inertia`.
+    pub name: String,
+    /// The letter in the equations, e.g. `I*`.
+    pub symbol: String,
+    pub unit: String,
+    pub search: Search,
+    /// What the engineer believes, where known.
+    pub nominal: Option<f64>,
+    /// Where the search begins; the value, where the parameter is fixed.
+    pub start: f64,
+    pub lower: f64,
+    pub upper: f64,
+    /// Not searched.
+    pub fixed: bool,
+}
+
+/// Search range of a logarithmic parameter, either way of its start: a factor of 3000.
+const LOG_REACH: f64 = 8.0;
+
+impl Parameter {
+    /// A positive quantity, searched by its logarithm.
+    pub fn positive(name: &str, symbol: &str, unit: &str, nominal: Option<f64>, start: f64) -> Self {
+        Self {
+            name: name.into(),
+            symbol: symbol.into(),
+            unit: unit.into(),
+            search: Search::Logarithm,
+            nominal,
+            start,
+            lower: 0.0,
+            upper: f64::INFINITY,
+            fixed: false,
+        }
+    }
+
+    /// A friction, zero or above.
+    pub fn friction(name: &str, symbol: &str, unit: &str, nominal: Option<f64>, start: f64, scale: f64) -> Self {
+        Self { search: Search::Linear { scale }, ..Self::positive(name, symbol, unit, nominal, start) }
+    }
+
+    /// An angle \[rad\] within half a turn of its start.
+    pub fn angle(name: &str, symbol: &str, nominal: Option<f64>, start: f64) -> Self {
+        Self {
+            lower: start - std::f64::consts::PI,
+            upper: start + std::f64::consts::PI,
+            search: Search::Linear { scale: 0.1 },
+            ..Self::positive(name, symbol, "rad", nominal, start)
+        }
+    }
+
+    /// The same parameter, not searched.
+    pub fn fixed(self) -> Self {
+        Self { fixed: true, ..self }
+    }
+
+    /// The coordinate of this parameter.
+    pub fn coordinate(&self) -> Coordinate {
+        let (lower, upper, scale) = match self.search {
+            Search::Logarithm => {
+                let reach = |bound: f64, default: f64| if bound > 0.0 && bound.is_finite() { bound.ln() } else { default };
+                let middle = self.start.ln();
+                (reach(self.lower, middle - LOG_REACH), reach(self.upper, middle + LOG_REACH), 1.0)
+            }
+            Search::Linear { scale } => (self.lower, self.upper, scale),
+        };
+        Coordinate { name: self.name.clone(), lower, upper, scale }
+    }
+
+    /// The coordinate's value at a parameter value.
+    pub fn to_coordinate(&self, value: f64) -> f64 {
+        match self.search {
+            Search::Logarithm => value.ln(),
+            Search::Linear { .. } => value,
+        }
+    }
+
+    /// The parameter's value at a coordinate value.
+    pub fn from_coordinate<T: Real>(&self, x: T) -> T {
+        match self.search {
+            Search::Logarithm => x.exp(),
+            Search::Linear { .. } => x,
+        }
+    }
+}
+
+/// Values of all parameters over `T`: `base`, with the free ones taken from the coordinates `x`.
+///
+/// `seed` turns the value of the k-th coordinate into a variable, or leaves it a constant.
+pub(super) fn values_in<T: Real>(
+    parameters: &[Parameter],
+    base: &[f64],
+    free: &[usize],
+    x: &[f64],
+    seed: impl Fn(f64, usize) -> T,
+) -> Vec<T> {
+    let mut values: Vec<T> = base.iter().map(|&v| T::constant(v)).collect();
+    for (k, &i) in free.iter().enumerate() {
+        values[i] = parameters[i].from_coordinate(seed(x[k], k));
+    }
+    values
+}
+
+/// Indices of the parameters that are searched.
+pub(super) fn free_of(parameters: &[Parameter]) -> Vec<usize> {
+    (0..parameters.len()).filter(|&i| !parameters[i].fixed).collect()
+}
+
+/// Start values of all parameters.
+pub(super) fn starts_of(parameters: &[Parameter]) -> Vec<f64> {
+    parameters.iter().map(|p| p.start).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn coordinates_go_there_and_back() {
+        let inertia = Parameter::positive("inertia", "I*", "kg m^2", None, 2e-3);
+        assert_relative_eq!(inertia.from_coordinate(inertia.to_coordinate(5e-4)), 5e-4, max_relative = 1e-14);
+        let c = inertia.coordinate();
+        assert!(c.lower < 2e-3f64.ln() && c.upper > 2e-3f64.ln() && c.lower.is_finite());
+        let mu_c = Parameter::friction("coulomb", "mu_c", "N m", None, 0.0, 0.1);
+        assert_eq!((mu_c.coordinate().lower, mu_c.from_coordinate(0.0)), (0.0, 0.0));
+    }
+}

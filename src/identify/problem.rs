@@ -1,0 +1,195 @@
+//! A joint model against logs, as a least-squares problem: shared parameters, and a start of its own for each log.
+
+use super::parameter::{free_of, starts_of, values_in};
+use super::{Experiment, JointModel, Parameter};
+use crate::fit::{Block, Coordinate, Rejected, Residuals, Rounding};
+use crate::joint::{Real, gradient, variable};
+use crate::pendulum::{Diverged, State, rollout};
+use num_dual::DualSVec64;
+use rayon::prelude::*;
+
+/// A model, the experiments it is held against, and the coordinates that are searched.
+pub struct Problem<'a, M: JointModel> {
+    pub model: &'a M,
+    pub experiments: &'a [Experiment],
+    /// Free parameters of the model first, then two start coordinates for each experiment.
+    coordinates: Vec<Coordinate>,
+    /// Indices of the free parameters.
+    free: Vec<usize>,
+    /// Values of all parameters; the free ones are overwritten.
+    base: Vec<f64>,
+}
+
+/// How far a start angle may lie from its guess \[rad\], at least; and in quantisation steps.
+const START_REACH_RAD: f64 = 0.1;
+const START_REACH_STEPS: f64 = 10.0;
+
+impl<'a, M: JointModel> Problem<'a, M> {
+    /// The problem of fitting `model`'s free parameters to the experiments.
+    pub fn new(model: &'a M, experiments: &'a [Experiment]) -> Self {
+        let parameters = model.parameters();
+        Self::with(model, experiments, free_of(parameters), starts_of(parameters))
+    }
+
+    /// The problem of finding where each experiment starts, with all parameters at `values`.
+    pub fn of_starts(model: &'a M, experiments: &'a [Experiment], values: &[f64]) -> Self {
+        Self::with(model, experiments, Vec::new(), values.to_vec())
+    }
+
+    fn with(model: &'a M, experiments: &'a [Experiment], free: Vec<usize>, base: Vec<f64>) -> Self {
+        let parameters = model.parameters();
+        let mut coordinates: Vec<Coordinate> = free.iter().map(|&i| parameters[i].coordinate()).collect();
+        for (k, e) in experiments.iter().enumerate() {
+            let reach = START_REACH_RAD.max(START_REACH_STEPS * e.resolution_rad);
+            coordinates.push(Coordinate {
+                name: format!("start angle of log {k}"),
+                lower: e.start.angle_rad - reach,
+                upper: e.start.angle_rad + reach,
+                scale: 0.5 * reach,
+            });
+            coordinates.push(match e.release_window_s {
+                Some([lower, upper]) => {
+                    Coordinate { name: format!("release of log {k}"), lower, upper, scale: upper - lower }
+                }
+                None => Coordinate {
+                    name: format!("start rate of log {k}"),
+                    lower: f64::NEG_INFINITY,
+                    upper: f64::INFINITY,
+                    scale: 1.0 + e.start.rate_rad_s.abs(),
+                },
+            });
+        }
+        Self { model, experiments, coordinates, free, base }
+    }
+
+    /// Free parameters of the model.
+    pub fn free(&self) -> Vec<&Parameter> {
+        self.free.iter().map(|&i| &self.model.parameters()[i]).collect()
+    }
+
+    /// Coordinates of a set of parameter values, with the experiments' guessed starts.
+    pub fn coordinates_of(&self, values: &[f64]) -> Vec<f64> {
+        let parameters = self.model.parameters();
+        let shared = self.free.iter().map(|&i| parameters[i].to_coordinate(values[i]));
+        shared.chain(self.experiments.iter().flat_map(|e| e.start_coordinates(&e.start))).collect()
+    }
+
+    /// All parameter values at a point.
+    pub fn values(&self, x: &[f64]) -> Vec<f64> {
+        self.values_in(x, |value, _| value)
+    }
+
+    /// The start coordinates of an experiment at a point.
+    pub fn start(&self, x: &[f64], experiment: usize) -> [f64; 2] {
+        let at = self.free.len() + 2 * experiment;
+        [x[at], x[at + 1]]
+    }
+
+    fn values_in<T: Real>(&self, x: &[f64], seed: impl Fn(f64, usize) -> T) -> Vec<T> {
+        values_in(self.model.parameters(), &self.base, &self.free, x, seed)
+    }
+
+    /// The motion of an experiment at a point, sample by sample.
+    ///
+    /// # Errors
+    /// [`Diverged`] where the motion runs away.
+    pub fn motion(&self, x: &[f64], experiment: usize, visit: impl FnMut(usize, &State<f64>)) -> Result<(), Diverged> {
+        let e = &self.experiments[experiment];
+        let chain = self.model.chain(&self.values(x), e);
+        let [first, second] = self.start(x, experiment);
+        rollout(&chain, e.input(), &e.t_s, e.start_from(first, second), visit)
+    }
+
+    /// Criterion of one experiment.
+    fn criterion_of(&self, x: &[f64], experiment: usize) -> Result<f64, Diverged> {
+        let e = &self.experiments[experiment];
+        let mut sum = 0.0;
+        self.motion(x, experiment, |k, s| {
+            if k >= e.uncompared {
+                sum += e.weights_s[k - e.uncompared] * (s.angle_rad - e.measured_rad[k]).powi(2);
+            }
+        })?;
+        Ok(sum)
+    }
+
+    /// Residuals of one experiment with derivatives, in passes of as many variables as fit a dual number.
+    fn block(&self, x: &[f64], experiment: usize) -> Result<Block, Diverged> {
+        let shared = self.free.len();
+        let columns: Vec<usize> = (0..shared).chain([shared + 2 * experiment, shared + 2 * experiment + 1]).collect();
+        let rows = self.experiments[experiment].compared();
+        let mut block =
+            Block { residual: Vec::with_capacity(rows), jacobian: vec![0.0; rows * columns.len()], columns };
+        let mut from = 0;
+        while from < block.columns.len() {
+            let left = block.columns.len() - from;
+            from += match left {
+                ..=4 => self.pass::<4>(x, experiment, from, &mut block)?,
+                5..=6 => self.pass::<6>(x, experiment, from, &mut block)?,
+                7..=8 => self.pass::<8>(x, experiment, from, &mut block)?,
+                _ => self.pass::<12>(x, experiment, from, &mut block)?,
+            };
+        }
+        Ok(block)
+    }
+
+    /// Fills the columns `from..from + N` of a block; answers how many variables it took.
+    fn pass<const N: usize>(&self, x: &[f64], experiment: usize, from: usize, block: &mut Block) -> Result<usize, Diverged> {
+        let e = &self.experiments[experiment];
+        let width = block.columns.len();
+        let taken = N.min(width - from);
+        let seed = |value: f64, column: usize| -> DualSVec64<N> {
+            if (from..from + taken).contains(&column) { variable(value, column - from) } else { DualSVec64::from_re(value) }
+        };
+        let values = self.values_in(x, seed);
+        let [first, second] = self.start(x, experiment);
+        let start = e.start_from(seed(first, width - 2), seed(second, width - 1));
+        let chain = self.model.chain(&values, e);
+        let first_pass = from == 0;
+        rollout(&chain, e.input(), &e.t_s, start, |k, s| {
+            if k < e.uncompared {
+                return;
+            }
+            let row = k - e.uncompared;
+            let root = e.weights_s[row].sqrt();
+            if first_pass {
+                block.residual.push(root * (s.angle_rad.re - e.measured_rad[k]));
+            }
+            let derivatives = gradient(&s.angle_rad);
+            let cells = &mut block.jacobian[row * width + from..][..taken];
+            for (cell, d) in cells.iter_mut().zip(derivatives) {
+                *cell = root * d;
+            }
+        })?;
+        Ok(taken)
+    }
+
+    /// Runs `f` over the experiments, on all threads where there are several; the results keep their order.
+    fn each<R: Send>(&self, f: impl Fn(usize) -> Result<R, Diverged> + Sync) -> Result<Vec<R>, Rejected> {
+        let n = self.experiments.len();
+        let results: Result<Vec<R>, Diverged> =
+            if n > 1 { (0..n).into_par_iter().map(&f).collect() } else { (0..n).map(&f).collect() };
+        results.map_err(|diverged| Rejected { why: diverged.to_string() })
+    }
+}
+
+impl<M: JointModel> Residuals for Problem<'_, M> {
+    fn coordinates(&self) -> &[Coordinate] {
+        &self.coordinates
+    }
+
+    fn criterion(&self, x: &[f64]) -> Result<f64, Rejected> {
+        Ok(self.each(|k| self.criterion_of(x, k))?.into_iter().sum())
+    }
+
+    fn linearise(&self, x: &[f64]) -> Result<Vec<Block>, Rejected> {
+        self.each(|k| self.block(x, k))
+    }
+
+    fn rounding(&self, block: usize) -> Rounding {
+        self.experiments[block].rounding()
+    }
+
+    fn weights(&self, block: usize) -> &[f64] {
+        &self.experiments[block].weights_s
+    }
+}

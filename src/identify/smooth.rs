@@ -1,0 +1,90 @@
+//! Local quadratics through readings: angle, speed and acceleration good enough to start from, never to fit.
+//!
+//! Second differences of 0.006 rad steps at 8 ms have a standard deviation of 66 rad/s^2; a quadratic over a tenth of a
+//! second has 1.2.
+
+/// Half the width of the window \[s\], where it holds at least [`FEWEST`] samples either way.
+const HALF_WINDOW_S: f64 = 0.05;
+const FEWEST: usize = 3;
+
+/// Angle, speed and acceleration of a quadratic fitted to samples, at `at_s`.
+fn quadratic(t_s: &[f64], q_rad: &[f64], at_s: f64) -> Option<[f64; 3]> {
+    let span = t_s.last()? - t_s.first()?;
+    if t_s.len() < 3 || span <= 0.0 {
+        return None;
+    }
+    // Powers of the time in units of the span keep the three normal equations well conditioned.
+    let mut a = nalgebra::Matrix3::zeros();
+    let mut b = nalgebra::Vector3::zeros();
+    for (t, q) in t_s.iter().zip(q_rad) {
+        let u = (t - at_s) / span;
+        let row = nalgebra::Vector3::new(1.0, u, u * u);
+        a += row * row.transpose();
+        b += row * *q;
+    }
+    let c = a.lu().solve(&b)?;
+    Some([c[0], c[1] / span, 2.0 * c[2] / (span * span)])
+}
+
+/// Smoothed motion at one sample.
+pub(super) struct Moment {
+    pub index: usize,
+    pub angle_rad: f64,
+    pub rate_rad_s: f64,
+    pub acceleration_rad_s2: f64,
+}
+
+/// Smoothed motion at every `stride`-th sample that has a full window on both sides.
+pub(super) fn motion(t_s: &[f64], q_rad: &[f64], from: usize, stride: usize) -> Vec<Moment> {
+    let n = t_s.len();
+    let mut moments = Vec::new();
+    let (mut low, mut high) = (from, from);
+    for index in (from + FEWEST..n.saturating_sub(FEWEST)).step_by(stride.max(1)) {
+        let t = t_s[index];
+        while t_s[low] < t - HALF_WINDOW_S {
+            low += 1;
+        }
+        while high + 1 < n && t_s[high + 1] <= t + HALF_WINDOW_S {
+            high += 1;
+        }
+        let (low, high) = (low.min(index - FEWEST), high.max(index + FEWEST));
+        if let Some([angle_rad, rate_rad_s, acceleration_rad_s2]) =
+            quadratic(&t_s[low..=high], &q_rad[low..=high], t)
+        {
+            moments.push(Moment { index, angle_rad, rate_rad_s, acceleration_rad_s2 });
+        }
+    }
+    moments
+}
+
+/// Angle and speed at the first sample.
+pub(super) fn at_start(t_s: &[f64], q_rad: &[f64]) -> (f64, f64) {
+    let inside = t_s.iter().take_while(|t| **t <= t_s[0] + 2.0 * HALF_WINDOW_S).count();
+    let count = inside.max(2 * FEWEST + 1).min(t_s.len());
+    match quadratic(&t_s[..count], &q_rad[..count], t_s[0]) {
+        Some([angle, rate, _]) => (angle, rate),
+        None => (q_rad[0], 0.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn a_parabola_on_uneven_samples_is_reproduced() {
+        let t: Vec<f64> = (0..60).map(|i| i as f64 * 0.004 + 1e-3 * ((i * i) % 3) as f64).collect();
+        let q: Vec<f64> = t.iter().map(|t| 0.3 + 2.0 * t - 4.0 * t * t).collect();
+        let (angle, rate) = at_start(&t, &q);
+        assert_relative_eq!(angle, 0.3, epsilon = 1e-9);
+        assert_relative_eq!(rate, 2.0, epsilon = 1e-7);
+        let moments = motion(&t, &q, 0, 2);
+        assert!(moments.len() > 15);
+        for m in moments {
+            assert_relative_eq!(m.angle_rad, q[m.index], epsilon = 1e-9);
+            assert_relative_eq!(m.rate_rad_s, 2.0 - 8.0 * t[m.index], epsilon = 1e-6);
+            assert_relative_eq!(m.acceleration_rad_s2, -8.0, epsilon = 1e-4);
+        }
+    }
+}
