@@ -2,4 +2,5 @@
 
 pub mod geometry;
 pub mod log;
+pub mod pendulum;
 pub mod report;
