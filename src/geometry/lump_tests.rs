@@ -181,6 +181,20 @@ fn inertia_and_gravity_torque_agree_with_another_engine_on_every_leg() {
     }
 }
 
+/// Section 3.3.2: "The mass of the shoulder has no or little effect on the estimation, since it is located at the
+/// rotation axis."
+#[test]
+fn shoulder_mass_has_little_effect_on_q1() {
+    let q1 = &swing_cases()[0];
+    for (load, percent) in LOADS.into_iter().zip([3.23, 0.27, 0.16]) {
+        let link = q1.lump(q1.mounted(load));
+        let shoulder = link.body(LinkBody::Shoulder).unwrap();
+        assert_relative_eq!(shoulder.distance_m(), 0.0);
+        let share = shoulder.mass_kg * shoulder.inertia_per_kg_m2 / link.inertia_kg_m2;
+        assert_relative_eq!(100.0 * share, percent, epsilon = 0.005);
+    }
+}
+
 #[test]
 fn straight_leg_by_hand() {
     let robot = Ers7Tables::embedded();

@@ -232,6 +232,25 @@ mod tests {
     }
 
     #[test]
+    fn figure_3_3_mass_is_positive_in_a_narrow_region_only() {
+        // With M_1 < M_2 and V_1 > V_2, (3.5) is positive just where V_2 / V_1 > M_1 / M_2 = 0.547; the rows of Table
+        // 3.1 lie at 0.602 (q1), 0.533 (q2) and 0.484 (q3).
+        let mass = |v_1: f64, v_2: f64| {
+            let test =
+                |extra_mass_kg, damping_per_s| RatioTest { extra_mass_kg, damping_per_s, stiffness_per_s2: 60.0 };
+            mass_from_ratios(&test(0.220, v_1), &test(0.402, v_2)).unwrap()
+        };
+        for v_1 in [2.0, 4.0, 8.0] {
+            for percent in (5..100).step_by(5) {
+                let share = f64::from(percent) / 100.0;
+                assert_eq!(mass(v_1, share * v_1) > 0.0, share > 0.220 / 0.402, "V_1 {v_1}, V_2/V_1 {share}");
+            }
+        }
+        // Sensitive: 1 % in V_2 of q1 is 7 g, 1 % in V_1 the same the other way.
+        assert_relative_eq!(mass(3.283, 1.975 * 1.01) - mass(3.283, 1.975), 0.007, epsilon = 0.5e-3);
+    }
+
+    #[test]
     fn equal_or_unusable_numbers_are_refused() {
         let test = |extra_mass_kg, damping_per_s, stiffness_per_s2| RatioTest {
             extra_mass_kg,
