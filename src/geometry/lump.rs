@@ -77,7 +77,7 @@ impl Mounted {
     ///
     /// # Errors
     /// [`GeometryError::DistanceOutOfReach`] where no point of that line, from the knee downwards, has this distance;
-    /// errors of the tables as in [`lump`].
+    /// errors of the tables as in [`lump()`].
     pub fn at_distance(
         robot: &Ers7Tables,
         leg: Leg,

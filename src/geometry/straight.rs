@@ -18,7 +18,7 @@ use crate::log::ExtraMass;
 /// joint does not move are left out. `rest_rad` is 0: the pendulum's angle is counted from hanging, not from the
 /// encoder's zero.
 ///
-/// Against the exact [`super::lump`] at the poses of the reference swings (`data/pose.toml`, knee 5 degrees from
+/// Against the exact [`super::lump()`] at the poses of the reference swings (`data/pose.toml`, knee 5 degrees from
 /// straight) it is close: bare q1 0.77 % low in `I*` and 0.20 % in `M*`, loaded q1 0.07 % and 0.02 %, q2 within 0.08 %
 /// and 0.06 %, q3 equal. What it lacks is the rest angle: -0.08 to -0.10 rad for q1, 0.52 rad for q2, 0.58 rad for q3.
 ///
