@@ -21,9 +21,9 @@ pub struct Load {
 impl Load {
     /// A hollow cylinder whose axis lies along the link, in the direction of the link's centre of mass (3.8-3.10).
     pub fn on_the_link(extra: &ExtraMass) -> Self {
-        let across = crate::geometry::hollow_cylinder_across(extra.mass_kg, extra.radius_m, extra.length_m);
+        let across = crate::geometry::inertia::hollow_cylinder_across(extra.mass_kg, extra.radius_m, extra.length_m);
         Self {
-            inertia_kg_m2: crate::geometry::parallel_axis_scalar(across, extra.mass_kg, extra.distance_m),
+            inertia_kg_m2: crate::geometry::inertia::parallel_axis_scalar(across, extra.mass_kg, extra.distance_m),
             moment_kg_m: extra.mass_kg * extra.distance_m,
             angle_rad: 0.0,
             hanging_rad: 0.0,

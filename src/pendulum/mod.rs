@@ -1,9 +1,18 @@
-//! Layer 4: pendulums. The simple model (3.2-3.6), the extensive model (3.12, 3.13) and their motion.
+//! Layer 4: pendulums of one joint.
+//!
+//! - [`SimplePendulum`]: point mass and linear friction (3.2); [`ratios`]: mass and friction from two fitted ratios
+//!   (3.3-3.6).
+//! - [`ExtensivePendulum`]: bodies with inertias, Coulomb to Stribeck friction (3.12, 3.13).
+//! - [`rollout`](rollout()): their motion, with true sticking.
 
 mod extensive;
+pub mod ratios;
 mod rollout;
 mod simple;
 
 pub use extensive::ExtensivePendulum;
+pub use ratios::{
+    RatioError, RatioTest, SimpleEstimate, friction_from_ratios, length_from_stiffness, mass_from_ratios,
+};
 pub use rollout::{Diverged, Input, Start, State, rollout, rollout_refined};
 pub use simple::SimplePendulum;
