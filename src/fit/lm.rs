@@ -23,7 +23,7 @@ pub(super) fn levenberg_marquardt(problem: &dyn Residuals, start: &[f64], budget
     let mut idle = 0;
     let stop = loop {
         let free = normal.unblocked(&x, coordinates);
-        if normal.distance_in_variances(&free) < CONVERGED_VARIANCES {
+        if normal.distance_in_variances(&free, coordinates) < CONVERGED_VARIANCES {
             break Stop::Converged;
         }
         if evaluations >= budget.evaluations {
@@ -32,16 +32,13 @@ pub(super) fn levenberg_marquardt(problem: &dyn Residuals, start: &[f64], budget
         if damping > 1e14 || idle >= 3 {
             break Stop::NoFurtherDecrease;
         }
-        let Some(mut step) = normal.step(&free, damping) else {
+        let Some(step) = normal.step(&free, coordinates, damping) else {
             damping *= 10.0;
             continue;
         };
-        let excess = step.iter().zip(coordinates).map(|(s, c)| s.abs() / c.scale).fold(1.0, f64::max);
-        step /= excess;
-        let trial = clamped(
-            x.iter().zip(step.iter()).map(|(x, s)| x + s).collect::<Vec<_>>().as_slice(),
-            coordinates.iter().map(|c| (c.lower, c.upper)),
-        );
+        let moved: Vec<f64> =
+            (0..x.len()).map(|i| x[i] + step[i].clamp(-coordinates[i].scale, coordinates[i].scale)).collect();
+        let trial = clamped(&moved, coordinates.iter().map(|c| (c.lower, c.upper)));
         evaluations += 1;
         let moved = nalgebra::DVector::from_fn(x.len(), |i, _| trial[i] - x[i]);
         let predicted = -(2.0 * normal.jtr.dot(&moved) + moved.dot(&(&normal.jtj * &moved)));

@@ -118,16 +118,20 @@ impl Normal {
             .collect()
     }
 
-    /// The step `-(J'J + damping diag(J'J))^-1 J'r` on the coordinates `free`, zero elsewhere.
+    /// The step `-(J'J + damping D)^-1 J'r` on the coordinates `free`, zero elsewhere.
     ///
-    /// Coordinates to which no residual answers stay put. `None` where the system is singular to rounding.
-    pub fn step(&self, free: &[usize], damping: f64) -> Option<DVector<f64>> {
+    /// `D` is the diagonal of `J'J`, but for a coordinate to which the residuals hardly answer: it is restrained as if
+    /// a change of its typical size mattered a millionth as much as the others'. Coordinates to which no residual
+    /// answers stay put. `None` where the system is singular to rounding.
+    pub fn step(&self, free: &[usize], coordinates: &[Coordinate], damping: f64) -> Option<DVector<f64>> {
         let free: Vec<usize> = free.iter().copied().filter(|&i| self.jtj[(i, i)] > 0.0).collect();
         let n = free.len();
+        let answer = |i: usize| self.jtj[(i, i)] * coordinates[i].scale.powi(2);
+        let floor = 1e-6 * free.iter().map(|&i| answer(i)).fold(0.0, f64::max);
         // Scaling to a unit diagonal makes the factorisation independent of the coordinates' units.
-        let scale: Vec<f64> = free.iter().map(|&i| self.jtj[(i, i)].sqrt()).collect();
+        let scale: Vec<f64> = free.iter().map(|&i| answer(i).max(floor).sqrt() / coordinates[i].scale).collect();
         let a = DMatrix::from_fn(n, n, |i, k| {
-            self.jtj[(free[i], free[k])] / (scale[i] * scale[k]) + if i == k { damping + 1e-14 } else { 0.0 }
+            self.jtj[(free[i], free[k])] / (scale[i] * scale[k]) + if i == k { damping + 1e-15 } else { 0.0 }
         });
         let b = DVector::from_fn(n, |i, _| -self.jtr[free[i]] / scale[i]);
         let solution = a.cholesky()?.solve(&b);
@@ -141,8 +145,8 @@ impl Normal {
     /// How far the criterion is above its quadratic model's minimum over `free`, in units of the residual variance.
     ///
     /// Its root is the distance to the optimum in standard deviations, so that it says "converged" without units.
-    pub fn distance_in_variances(&self, free: &[usize]) -> f64 {
-        let Some(step) = self.step(free, 1e-12) else { return f64::INFINITY };
+    pub fn distance_in_variances(&self, free: &[usize], coordinates: &[Coordinate]) -> f64 {
+        let Some(step) = self.step(free, coordinates, 1e-12) else { return f64::INFINITY };
         let decrement = -step.dot(&self.jtr);
         let freedom = self.residuals.saturating_sub(free.len()).max(1) as f64;
         decrement * freedom / self.criterion.max(f64::MIN_POSITIVE)
@@ -165,7 +169,8 @@ mod tests {
         assert_eq!(n.jtr.as_slice(), &[1.0, 2.0, -3.0]);
         assert_eq!(n.jtj[(0, 0)], 6.0);
         assert_eq!((n.jtj[(0, 1)], n.jtj[(1, 2)], n.jtj[(2, 0)]), (1.0, 0.0, 6.0));
-        let step = n.step(&[0, 1, 2], 0.0).expect("three rows, three coordinates");
+        let c = Coordinate { name: "x".into(), lower: f64::NEG_INFINITY, upper: f64::INFINITY, scale: 1.0 };
+        let step = n.step(&[0, 1, 2], &[c.clone(), c.clone(), c], 0.0).expect("three rows, three coordinates");
         assert_relative_eq!(step.as_slice(), [-1.0, -1.0, 1.0].as_slice(), epsilon = 1e-9);
     }
 

@@ -248,7 +248,7 @@ fn near_optimum(normal: &Normal, x: &[f64], problem: &dyn Residuals) -> bool {
             }
         })
         .collect();
-    normal.distance_in_variances(&normal.unblocked(&snapped, coordinates)) < CONVERGED_VARIANCES
+    normal.distance_in_variances(&normal.unblocked(&snapped, coordinates), coordinates) < CONVERGED_VARIANCES
 }
 
 /// `(J'J + mu I)^-1` in the unbounded coordinates, halved because the criterion is a sum of squares without a half.

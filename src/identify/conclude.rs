@@ -4,9 +4,9 @@
 //! at what is known of it and named, and the fit is run again. Nothing undetermined is reported as a number.
 
 use super::parameter::Search;
-use super::run::{Found, Prediction, prediction, search};
+use super::run::{Found, Prediction, prediction, refine, search};
 use super::{Experiment, JointModel, Problem};
-use crate::fit::{Budget, Method, Rejected, Residuals, Stop, Uncertainty, uncertainty};
+use crate::fit::{Budget, Method, Rejected, Residuals, Stop, Uncertainty, Undetermined, uncertainty};
 use nalgebra::DVector;
 
 /// What may be said about a parameter.
@@ -71,8 +71,8 @@ pub fn conclude<M: JointModel + Clone>(
 ) -> Result<Fitted<M>, Rejected> {
     let mut model = model.clone();
     let mut open = vec![false; model.parameters().len()];
+    let mut found = search(&model, experiments, method, budget)?;
     loop {
-        let found = search(&model, experiments, method, budget)?;
         let problem = Problem::new(&model, experiments);
         let blocks = problem.linearise(&found.solution.x)?;
         let free: Vec<usize> = (0..open.len()).filter(|&i| !model.parameters()[i].fixed).collect();
@@ -81,28 +81,54 @@ pub fn conclude<M: JointModel + Clone>(
             Ok(u) => most_open(&model, &free, u),
             Err(undetermined) => Some(scapegoat(&model, &free, &undetermined.direction)),
         };
-        if let (Some(k), true) = (worst, !free.is_empty()) {
-            let value = found.values[free[k]];
-            let parameter = &mut model.parameters_mut()[free[k]];
-            parameter.fixed = true;
-            parameter.start = parameter.nominal.unwrap_or(match parameter.name.as_str() {
-                // Without any scale, everything is counted per unit of inertia.
-                "inertia" => 1.0,
-                _ => value,
-            });
-            open[free[k]] = true;
-            continue;
-        }
-        let Ok(uncertainty) = verdict else {
-            return Err(Rejected { why: "the logs have too few samples for the starts alone".into() });
+        let (Some(k), false) = (worst, free.is_empty()) else {
+            let Ok(uncertainty) = verdict else {
+                return Err(Rejected { why: "the logs have too few samples for the starts alone".into() });
+            };
+            let predictions = (0..experiments.len())
+                .map(|k| prediction(&problem, &found.solution.x, k))
+                .collect::<Result<_, _>>()
+                .map_err(|diverged| Rejected { why: diverged.to_string() })?;
+            let estimates = estimates(&model, &found, &free, &open, &problem, &uncertainty);
+            return Ok(Fitted { model, estimates, found, predictions, free, uncertainty, method });
         };
-        let predictions = (0..experiments.len())
-            .map(|k| prediction(&problem, &found.solution.x, k))
-            .collect::<Result<_, _>>()
-            .map_err(|diverged| Rejected { why: diverged.to_string() })?;
-        let estimates = estimates(&model, &found, &free, &open, &problem, &uncertainty);
-        return Ok(Fitted { model, estimates, found, predictions, free, uncertainty, method });
+        let held = free[k];
+        open[held] = true;
+        let parameter = &mut model.parameters_mut()[held];
+        parameter.fixed = true;
+        // Without any nominal value everything is counted per unit of inertia.
+        let known = parameter.nominal.or((parameter.name == "inertia").then_some(1.0));
+        parameter.start = known.unwrap_or(found.values[held]);
+        if known.is_none() {
+            // What goes with it is no better known: held at an arbitrary value, it would look determined.
+            for other in companions(k, free.len(), &verdict) {
+                open[free[other]] = true;
+            }
+        }
+        let before = found.solution.criterion;
+        found = refine(&model, experiments, &found, method, budget);
+        if found.solution.criterion > 1.05 * before {
+            let again = search(&model, experiments, method, budget)?;
+            if again.solution.criterion < found.solution.criterion {
+                found = again;
+            }
+        }
     }
+}
+
+/// Correlation beyond which two parameters are open together.
+const TOGETHER: f64 = 0.95;
+
+/// Free parameters that are open together with the `k`-th.
+fn companions(k: usize, free: usize, verdict: &Result<Uncertainty, Undetermined>) -> Vec<usize> {
+    let together = |other: usize| match verdict {
+        Ok(u) => {
+            let c = &u.robust;
+            !((c[(k, other)] / (c[(k, k)] * c[(other, other)]).sqrt()).abs() < TOGETHER)
+        }
+        Err(undetermined) => undetermined.direction[other].abs() > 0.05,
+    };
+    (0..free).filter(|&other| other != k && together(other)).collect()
 }
 
 /// The free parameter whose interval says least, where one says too little.
@@ -173,13 +199,13 @@ fn estimates<M: JointModel>(
                 symbol: p.symbol.clone(),
                 unit: p.unit.clone(),
                 status: match k {
+                    _ if open[i] => Status::NotDetermined,
                     Some(_) => Status::Determined,
-                    None if open[i] => Status::NotDetermined,
                     None => Status::Held,
                 },
                 value: found.values[i],
-                interval: k.and_then(|k| interval(u.half_width_robust(k))),
-                interval_naive: k.and_then(|k| interval(u.half_width_naive(k))),
+                interval: k.filter(|_| !open[i]).and_then(|k| interval(u.half_width_robust(k))),
+                interval_naive: k.filter(|_| !open[i]).and_then(|k| interval(u.half_width_naive(k))),
                 nominal: p.nominal,
             }
         })

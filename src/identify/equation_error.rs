@@ -124,7 +124,8 @@ pub(super) fn equation_error_values<M: JointModel>(
     }
     let coordinates = free.iter().map(|&i| parameters[i].coordinate()).collect();
     let x: Vec<f64> = free.iter().map(|&i| parameters[i].to_coordinate(from[i])).collect();
-    let problem = EquationError { model, experiments, moments, coordinates, free, base: from.to_vec(), weights: Vec::new() };
+    let problem =
+        EquationError { model, experiments, moments, coordinates, free, base: from.to_vec(), weights: Vec::new() };
     let solution = solve(&problem, &x, Method::Lm, Budget { evaluations: 60 });
     solution.criterion.is_finite().then(|| problem.values(&solution.x, |v, _| v))
 }

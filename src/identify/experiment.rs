@@ -2,8 +2,9 @@
 
 use crate::fit::Rounding;
 use crate::joint::Real;
-use crate::log::{DriveMode, ExtraMass, Health, Hold, Log, MotorSpec, Role, SensorSpec, StudyLog, health};
+use crate::log::{DriveMode, ExtraMass, Health, Hold, Log, MotorSpec, Role, StudyLog};
 use crate::pendulum::{Input, Start};
+use std::ops::Range;
 
 /// A known mass on the link, as it acts about the joint axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,28 +82,24 @@ pub struct Experiment {
     /// Quantisation step \[rad\]; 0: none known.
     pub resolution_rad: f64,
     /// Runs of one reading among the compared samples.
-    pub runs: Vec<std::ops::Range<usize>>,
+    pub runs: Vec<Range<usize>>,
 }
 
 /// Runs of identical readings at least this long count as one rounding error each.
 const LONG_RUN: usize = 12;
 
 impl Experiment {
-    /// Prepares a log; `None` where no sample is free (the joint is held throughout).
-    pub fn new(log: &Log, entry: &StudyLog, sensor: &SensorSpec, gravity_m_s2: f64) -> Option<(Self, Health)> {
-        let found = health(log, sensor, entry.drive);
-        let t0 = log.t_s[0];
-        let (first, uncompared, window) = match (&found.held, entry.drive) {
-            (Some(held), DriveMode::Off) => {
-                (held.last_held, 1, Some([held.window_s[0] - t0, held.window_s[1] - t0]))
-            }
-            _ => (0, 0, None),
+    /// Prepares a log of which `found` is known; `None` where fewer than three samples are free.
+    pub fn new(log: &Log, entry: &StudyLog, found: &Health, resolution_rad: f64, gravity_m_s2: f64) -> Option<Self> {
+        let t0 = *log.t_s.first()?;
+        let held = found.start.held();
+        let (first, uncompared, window) = match held {
+            Some(held) => (held.last_held, 1, Some(held.window_s.map(|t| t - t0))),
+            None => (0, 0, None),
         };
         // A joint that is caught again is no longer free.
         let end = match (&log.drive, entry.drive) {
-            (Some(drive), DriveMode::Off) => {
-                (first + uncompared..log.len()).find(|&k| drive[k]).unwrap_or(log.len())
-            }
+            (Some(drive), DriveMode::Off) => (first + uncompared..log.len()).find(|&k| drive[k]).unwrap_or(log.len()),
             _ => log.len(),
         };
         if first + uncompared + 3 > end {
@@ -114,18 +111,16 @@ impl Experiment {
         let on = || log.drive.as_ref().map(|d| d[part.clone()].to_vec());
         let signal = match entry.drive {
             DriveMode::Off => Signal::Off,
-            DriveMode::Torque => {
-                Signal::Torque { torque_nm: log.tau_nm.as_ref()?[part.clone()].to_vec(), on: on() }
-            }
+            DriveMode::Torque => Signal::Torque { torque_nm: log.tau_nm.as_ref()?[part.clone()].to_vec(), on: on() },
             DriveMode::Position => Signal::Position {
                 setpoint_rad: log.q_ref_rad.as_ref()?[part.clone()].to_vec(),
                 hold: entry.motor.map(|m| m.hold).unwrap_or_default(),
                 on: on(),
             },
         };
-        let start = match (&found.held, window) {
+        let start = match (held, window) {
             (Some(held), Some([low, high])) => Start {
-                angle_rad: held.mean_rad,
+                angle_rad: found.held_mean_rad.unwrap_or(measured_rad[0]),
                 rate_rad_s: 0.0,
                 release_s: Some((held.release_s - t0).clamp(low, high)),
             },
@@ -136,7 +131,7 @@ impl Experiment {
         };
         let weights_s = super::weights::trapezoid(&t_s[uncompared..]);
         let runs = super::weights::runs_of_one_reading(&measured_rad[uncompared..], LONG_RUN);
-        let experiment = Self {
+        Some(Self {
             file: entry.file.clone(),
             role: entry.role,
             first_sample: first,
@@ -149,12 +144,68 @@ impl Experiment {
             load: entry.extra.as_ref().map(Load::on_the_link),
             bodies: Vec::new(),
             gravity_m_s2,
-            resolution_rad: sensor.resolution_rad.or(found.resolution_rad).unwrap_or(0.0),
+            resolution_rad,
             runs,
             t_s,
             measured_rad,
+        })
+    }
+
+    /// The experiment cut into parts of about `window_s`, each with a free start of its own.
+    ///
+    /// Over a short time a motion cannot run far from its log, whatever the parameters: fitting the parts has few local
+    /// minima.
+    pub(super) fn parts(&self, window_s: f64) -> Vec<Self> {
+        let mut parts = Vec::new();
+        let mut from = 0;
+        while from + 8 < self.t_s.len() {
+            let held_until = if from == 0 { self.start.release_s.unwrap_or(self.t_s[0]) } else { self.t_s[from] };
+            let inside = self.t_s[from..].iter().take_while(|t| **t <= held_until + window_s).count();
+            let mut to = from + inside.max(8);
+            if self.t_s.len().saturating_sub(to) < 8 {
+                to = self.t_s.len();
+            }
+            parts.push(self.part(from..to));
+            from = to;
+        }
+        parts
+    }
+
+    fn part(&self, range: Range<usize>) -> Self {
+        let begins = range.start == 0;
+        let uncompared = if begins { self.uncompared } else { 0 };
+        let cut = |on: &Option<Vec<bool>>| on.as_ref().map(|on| on[range.clone()].to_vec());
+        let signal = match &self.signal {
+            Signal::Off => Signal::Off,
+            Signal::Torque { torque_nm, on } => {
+                Signal::Torque { torque_nm: torque_nm[range.clone()].to_vec(), on: cut(on) }
+            }
+            Signal::Position { setpoint_rad, hold, on } => {
+                Signal::Position { setpoint_rad: setpoint_rad[range.clone()].to_vec(), hold: *hold, on: cut(on) }
+            }
         };
-        Some((experiment, found))
+        let t_s = self.t_s[range.clone()].to_vec();
+        let measured_rad = self.measured_rad[range.clone()].to_vec();
+        let start = if begins {
+            self.start
+        } else {
+            let (angle_rad, rate_rad_s) = super::smooth::at_start(&t_s, &measured_rad);
+            Start { angle_rad, rate_rad_s, release_s: None }
+        };
+        Self {
+            first_sample: self.first_sample + range.start,
+            uncompared,
+            weights_s: super::weights::trapezoid(&t_s[uncompared..]),
+            signal,
+            release_window_s: self.release_window_s.filter(|_| begins),
+            start,
+            runs: Vec::new(),
+            bodies: self.bodies.clone(),
+            file: self.file.clone(),
+            t_s,
+            measured_rad,
+            ..*self
+        }
     }
 
     /// What acts on the joint.

@@ -7,12 +7,14 @@ mod model;
 mod parameter;
 mod problem;
 mod run;
+mod scale;
 mod smooth;
 mod weights;
 
 pub use conclude::{Estimate, Fitted, Status, conclude};
 pub use experiment::{Body, Experiment, Load, Signal};
-pub use model::{BodyMass, ExtensiveModel, JointModel, LinkBy, Scale, SimpleModel};
+pub use model::{BodyMass, ExtensiveModel, JointModel, LinkBy, SimpleModel};
 pub use parameter::{Parameter, Search};
 pub use problem::Problem;
 pub use run::{Found, Prediction, predict, prediction, search};
+pub use scale::Scale;

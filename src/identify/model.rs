@@ -1,6 +1,6 @@
 //! The models that are fitted: which parameters they have, and the joint chain that a set of values makes.
 
-use super::{Experiment, Parameter};
+use super::{Experiment, Parameter, Scale};
 use crate::joint::{Chain, Link, Motor, Real, Stribeck};
 use crate::log::Nominal;
 use crate::pendulum::{ExtensivePendulum, SimplePendulum};
@@ -176,59 +176,4 @@ pub struct BodyMass {
     pub symbol: String,
     pub nominal_kg: f64,
     pub free: bool,
-}
-
-/// Typical sizes in the experiments, from which searches start and steps are measured.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scale {
-    /// Largest torque about the joint \[N m\]: gravity's, or the drive's.
-    pub torque_nm: f64,
-    /// \[kg m^2\]
-    pub inertia_kg_m2: f64,
-    /// Of small swings \[rad/s\].
-    pub frequency_rad_s: f64,
-    pub gravity_m_s2: f64,
-    /// Where the joint hangs, by guess or as given \[rad\].
-    pub rest_rad: f64,
-    /// The study gives the rest angle.
-    pub rest_given: bool,
-}
-
-impl Scale {
-    fn moment_kg_m(&self) -> f64 {
-        self.inertia_kg_m2 * self.frequency_rad_s.powi(2) / self.gravity_m_s2
-    }
-
-    fn rest(&self) -> Parameter {
-        let p = Parameter::angle("rest", "q_rest", self.rest_given.then_some(self.rest_rad), self.rest_rad);
-        if self.rest_given { p.fixed() } else { p }
-    }
-
-    fn friction(&self, nominal: Option<&Nominal>, stribeck: bool) -> Vec<Parameter> {
-        let damping = self.torque_nm / self.frequency_rad_s;
-        let mut parameters = vec![
-            Parameter::friction(
-                "coulomb",
-                "mu_c",
-                "N m",
-                nominal.map(|n| n.coulomb_nm),
-                nominal.map_or(0.01 * self.torque_nm, |n| n.coulomb_nm),
-                self.torque_nm,
-            ),
-            Parameter::friction(
-                "viscous",
-                "mu_v",
-                "N m s/rad",
-                nominal.map(|n| n.viscous_nm_s_rad),
-                nominal.map_or(0.05 * damping, |n| n.viscous_nm_s_rad),
-                damping,
-            ),
-        ];
-        if stribeck {
-            let start = 0.3 * parameters[0].start.max(0.01 * self.torque_nm);
-            parameters.push(Parameter::friction("static_excess", "mu_st - mu_c", "N m", None, start, self.torque_nm));
-            parameters.push(Parameter::positive("stribeck_speed", "v_st", "rad/s", None, 0.05 * self.frequency_rad_s));
-        }
-        parameters
-    }
 }

@@ -74,7 +74,8 @@ impl Parameter {
     pub fn coordinate(&self) -> Coordinate {
         let (lower, upper, scale) = match self.search {
             Search::Logarithm => {
-                let reach = |bound: f64, default: f64| if bound > 0.0 && bound.is_finite() { bound.ln() } else { default };
+                let reach =
+                    |bound: f64, default: f64| if bound > 0.0 && bound.is_finite() { bound.ln() } else { default };
                 let middle = self.start.ln();
                 (reach(self.lower, middle - LOG_REACH), reach(self.upper, middle + LOG_REACH), 1.0)
             }

@@ -1,7 +1,7 @@
 //! A joint model against logs, as a least-squares problem: shared parameters, and a start of its own for each log.
 
 use super::parameter::{free_of, starts_of, values_in};
-use super::{Experiment, JointModel, Parameter};
+use super::{Experiment, Found, JointModel, Parameter};
 use crate::fit::{Block, Coordinate, Rejected, Residuals, Rounding};
 use crate::joint::{Real, gradient, variable};
 use crate::pendulum::{Diverged, State, rollout};
@@ -74,6 +74,13 @@ impl<'a, M: JointModel> Problem<'a, M> {
         shared.chain(self.experiments.iter().flat_map(|e| e.start_coordinates(&e.start))).collect()
     }
 
+    /// Coordinates of a set of parameter values, with the starts of an earlier search.
+    pub fn coordinates_from(&self, found: &Found) -> Vec<f64> {
+        let parameters = self.model.parameters();
+        let shared = self.free.iter().map(|&i| parameters[i].to_coordinate(found.values[i]));
+        shared.chain(found.starts.iter().flatten().copied()).collect()
+    }
+
     /// All parameter values at a point.
     pub fn values(&self, x: &[f64]) -> Vec<f64> {
         self.values_in(x, |value, _| value)
@@ -133,12 +140,22 @@ impl<'a, M: JointModel> Problem<'a, M> {
     }
 
     /// Fills the columns `from..from + N` of a block; answers how many variables it took.
-    fn pass<const N: usize>(&self, x: &[f64], experiment: usize, from: usize, block: &mut Block) -> Result<usize, Diverged> {
+    fn pass<const N: usize>(
+        &self,
+        x: &[f64],
+        experiment: usize,
+        from: usize,
+        block: &mut Block,
+    ) -> Result<usize, Diverged> {
         let e = &self.experiments[experiment];
         let width = block.columns.len();
         let taken = N.min(width - from);
         let seed = |value: f64, column: usize| -> DualSVec64<N> {
-            if (from..from + taken).contains(&column) { variable(value, column - from) } else { DualSVec64::from_re(value) }
+            if (from..from + taken).contains(&column) {
+                variable(value, column - from)
+            } else {
+                DualSVec64::from_re(value)
+            }
         };
         let values = self.values_in(x, seed);
         let [first, second] = self.start(x, experiment);

@@ -1,26 +1,35 @@
 //! One fit from beginning to end: starts, search, prediction.
 
 use super::equation_error::equation_error_values;
-use super::{Experiment, JointModel, Problem};
+use super::parameter::{free_of, starts_of};
+use super::{Experiment, JointModel, Parameter, Problem, Search};
 use crate::fit::{Budget, Method, Rejected, Residuals, Solution, solve};
 use crate::pendulum::Diverged;
+use rayon::prelude::*;
 
 /// A search that has ended.
 #[derive(Clone, Debug)]
 pub struct Found {
     /// Values of all parameters.
     pub values: Vec<f64>,
+    /// Start of each experiment: angle \[rad\], then release instant \[s\] or rate \[rad/s\].
+    pub starts: Vec<[f64; 2]>,
     /// Where the optimiser ended, in coordinates.
     pub solution: Solution,
 }
 
-/// Full searches that are started, from the best of the candidates.
+/// Searches that are carried to the end, from the best of the candidates.
 const SEARCHES: usize = 2;
+/// A fit whose RMS is this many times the encoder's rounding may be a local minimum: look further.
+const SUSPICIOUS: f64 = 2.5;
+/// Further starts that are tried then, and evaluations that each may cost before the best is carried on.
+const FURTHER: usize = 24;
+const FURTHER_EVALUATIONS: usize = 24;
 
 /// Fits the free parameters of a model to experiments.
 ///
-/// The search starts from the two best of: the parameters' own starts, the values that explain the smoothed
-/// accelerations, and both with friction or inertia changed by a factor. It ends in the better of the two.
+/// The search starts from the best of several candidates ([`candidates`]). Where the fit it ends in leaves more than
+/// the encoder explains, more starts are spread around the best point, and the best of those is carried to the end.
 ///
 /// # Errors
 /// [`Rejected`] where no candidate gives a motion at all.
@@ -31,37 +40,104 @@ pub fn search<M: JointModel>(
     budget: Budget,
 ) -> Result<Found, Rejected> {
     let problem = Problem::new(model, experiments);
-    let mut candidates: Vec<(f64, Vec<f64>)> = candidates(model, experiments)
-        .into_iter()
-        .map(|values| problem.coordinates_of(&values))
-        .filter_map(|x| problem.criterion(&x).ok().map(|criterion| (criterion, x)))
-        .collect();
-    candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
-    candidates.dedup_by(|a, b| a.1 == b.1);
-    let mut best: Option<Solution> = None;
-    let mut evaluations = candidates.len();
-    for (_, x) in candidates.iter().take(SEARCHES) {
-        let solution = solve(&problem, x, method, budget);
-        evaluations += solution.evaluations;
-        if best.as_ref().is_none_or(|b| solution.criterion < b.criterion) {
-            best = Some(solution);
+    let mut best = Best::default();
+    for x in ranked(&problem, candidates(model, experiments)).iter().take(SEARCHES) {
+        best.keep(solve(&problem, x, method, budget));
+    }
+    let explained: f64 =
+        experiments.iter().map(|e| e.weights_s.iter().sum::<f64>() * e.resolution_rad.powi(2) / 12.0).sum();
+    if best.criterion() > SUSPICIOUS.powi(2) * explained && !problem.free().is_empty() {
+        let middle = best.solution.as_ref().map_or_else(|| starts_of(model.parameters()), |s| problem.values(&s.x));
+        let short = Budget { evaluations: FURTHER_EVALUATIONS };
+        let mut further: Vec<Solution> = spread_around(model, &middle)
+            .par_iter()
+            .map(|values| solve(&problem, &problem.coordinates_of(values), Method::Lm, short))
+            .collect();
+        further.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        best.evaluations += further.iter().map(|s| s.evaluations).sum::<usize>();
+        let promising = 2.0 * best.criterion();
+        for solution in further.into_iter().take(SEARCHES).filter(|s| s.criterion < promising) {
+            best.keep(solve(&problem, &solution.x, method, budget));
         }
     }
     let mut solution = best
+        .solution
         .filter(|s| s.criterion.is_finite())
         .ok_or_else(|| Rejected { why: "no start gives a motion that stays finite".into() })?;
-    solution.evaluations = evaluations;
-    Ok(Found { values: problem.values(&solution.x), solution })
+    solution.evaluations = best.evaluations;
+    Ok(found(&problem, solution))
 }
 
-/// Values from which a search may start.
+/// Carries an earlier search on, after a parameter has been held at a value.
+pub(super) fn refine<M: JointModel>(
+    model: &M,
+    experiments: &[Experiment],
+    earlier: &Found,
+    method: Method,
+    budget: Budget,
+) -> Found {
+    let problem = Problem::new(model, experiments);
+    let values: Vec<f64> =
+        model.parameters().iter().zip(&earlier.values).map(|(p, &v)| if p.fixed { p.start } else { v }).collect();
+    let start = problem.coordinates_from(&Found { values, ..earlier.clone() });
+    let mut solution = solve(&problem, &start, method, budget);
+    solution.evaluations += earlier.solution.evaluations;
+    found(&problem, solution)
+}
+
+fn found<M: JointModel>(problem: &Problem<'_, M>, solution: Solution) -> Found {
+    Found {
+        values: problem.values(&solution.x),
+        starts: (0..problem.experiments.len()).map(|k| problem.start(&solution.x, k)).collect(),
+        solution,
+    }
+}
+
+/// The best solution so far, and the evaluations that all of them cost.
+#[derive(Default)]
+struct Best {
+    solution: Option<Solution>,
+    evaluations: usize,
+}
+
+impl Best {
+    fn criterion(&self) -> f64 {
+        self.solution.as_ref().map_or(f64::INFINITY, |s| s.criterion)
+    }
+
+    fn keep(&mut self, solution: Solution) {
+        self.evaluations += solution.evaluations;
+        if self.solution.is_none() || solution.criterion < self.criterion() {
+            self.solution = Some(solution);
+        }
+    }
+}
+
+/// Points of a problem in the order of their criterion; those without a motion are left out.
+fn ranked<M: JointModel>(problem: &Problem<'_, M>, candidates: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    let points = candidates.iter().map(|values| problem.coordinates_of(values));
+    let mut ranked: Vec<(f64, Vec<f64>)> =
+        points.filter_map(|x| problem.criterion(&x).ok().map(|criterion| (criterion, x))).collect();
+    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    ranked.dedup_by(|a, b| a.1 == b.1);
+    ranked.into_iter().map(|(_, x)| x).collect()
+}
+
+/// Values from which a search may start: the parameters' own starts, the values that explain the smoothed
+/// accelerations, those that explain short parts of the logs, and the first two with a parameter changed by a factor.
 fn candidates<M: JointModel>(model: &M, experiments: &[Experiment]) -> Vec<Vec<f64>> {
     let parameters = model.parameters();
-    let given: Vec<f64> = parameters.iter().map(|p| p.start).collect();
-    let explained = equation_error_values(model, experiments, &given);
-    let mut all = vec![given];
-    all.extend(explained);
-    for base in all.clone() {
+    let given = starts_of(parameters);
+    let mut all = vec![given.clone()];
+    all.extend(equation_error_values(model, experiments, &given));
+    let parts: Vec<Experiment> = experiments.iter().flat_map(|e| e.parts(PART_S)).collect();
+    if parts.len() > experiments.len() {
+        let problem = Problem::new(model, &parts);
+        if let Some(x) = ranked(&problem, all.clone()).first() {
+            all.push(problem.values(&solve(&problem, x, Method::Lm, Budget { evaluations: 40 }).x));
+        }
+    }
+    for base in all.clone().iter().take(2) {
         for name in ["inertia", "coulomb", "viscous", "b_over_ml2", "g_over_l"] {
             let Some(i) = parameters.iter().position(|p| p.name == name && !p.fixed) else { continue };
             for factor in [0.5, 2.0] {
@@ -71,13 +147,50 @@ fn candidates<M: JointModel>(model: &M, experiments: &[Experiment]) -> Vec<Vec<f
             }
         }
     }
-    for values in &mut all {
-        for (value, p) in values.iter_mut().zip(parameters) {
-            let c = p.coordinate();
-            *value = p.from_coordinate(p.to_coordinate(*value).clamp(c.lower, c.upper));
+    all.iter().map(|values| inside_bounds(model, values)).collect()
+}
+
+/// Length of the parts \[s\].
+const PART_S: f64 = 0.6;
+
+/// Quasi-random points about the best one: positive quantities within a factor, frictions from none to twice.
+fn spread_around<M: JointModel>(model: &M, middle: &[f64]) -> Vec<Vec<f64>> {
+    let parameters = model.parameters();
+    // Halton's sequence: even coverage, no seed.
+    let radical_inverse = |mut n: usize, base: usize| {
+        let (mut inverse, mut digit) = (0.0, 1.0 / base as f64);
+        while n > 0 {
+            inverse += digit * (n % base) as f64;
+            (n, digit) = (n / base, digit / base as f64);
         }
-    }
-    all
+        inverse
+    };
+    const BASES: [usize; 10] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29];
+    (1..=FURTHER)
+        .map(|n| {
+            let mut values = middle.to_vec();
+            for (k, i) in free_of(parameters).into_iter().enumerate() {
+                let u = 2.0 * radical_inverse(n, BASES[k % BASES.len()]) - 1.0;
+                values[i] = match parameters[i].search {
+                    Search::Logarithm => values[i] * (0.3 * u).exp(),
+                    Search::Linear { scale } if parameters[i].lower == 0.0 => (values[i] + 0.05 * scale) * (1.0 + u),
+                    Search::Linear { scale } => values[i] + 0.5 * scale * u,
+                };
+            }
+            inside_bounds(model, &values)
+        })
+        .collect()
+}
+
+fn inside_bounds<M: JointModel>(model: &M, values: &[f64]) -> Vec<f64> {
+    let clamp = |(&value, p): (&f64, &Parameter)| {
+        if p.fixed {
+            return value;
+        }
+        let c = p.coordinate();
+        p.from_coordinate(p.to_coordinate(value).clamp(c.lower, c.upper))
+    };
+    values.iter().zip(model.parameters()).map(clamp).collect()
 }
 
 /// How a model moves along one experiment.

@@ -48,9 +48,7 @@ pub(super) fn motion(t_s: &[f64], q_rad: &[f64], from: usize, stride: usize) -> 
             high += 1;
         }
         let (low, high) = (low.min(index - FEWEST), high.max(index + FEWEST));
-        if let Some([angle_rad, rate_rad_s, acceleration_rad_s2]) =
-            quadratic(&t_s[low..=high], &q_rad[low..=high], t)
-        {
+        if let Some([angle_rad, rate_rad_s, acceleration_rad_s2]) = quadratic(&t_s[low..=high], &q_rad[low..=high], t) {
             moments.push(Moment { index, angle_rad, rate_rad_s, acceleration_rad_s2 });
         }
     }
