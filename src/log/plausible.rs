@@ -119,7 +119,7 @@ fn median_moving_speed(t: &[f64], q: &[f64], step_s: f64) -> f64 {
 /// Checks a log's time stamps against the period that the study states.
 ///
 /// Only a factor of about a thousand (300 to 3000) is an error: it is milliseconds. A smaller difference is the
-/// study's business and shows in the log's health.
+/// study's business and shows in [`Health::period_s`](super::Health::period_s).
 ///
 /// # Errors
 /// [`LogError::Period`].
