@@ -1,8 +1,34 @@
 //! Layer 1: logs and studies. Reading, checking, writing.
+//!
+//! [`read_log`] and [`read_study`] accept the formats of the specification and nothing else: a file that they accept
+//! has finite numbers, rising time, and very likely seconds and radians. [`health`] then says what a log is like.
 
+mod csv;
+mod document;
+mod error;
+mod header;
+mod health;
+mod inputs;
+mod place;
+mod plausible;
+mod pose;
+mod release;
+mod schema;
+mod study;
 mod types;
+mod write;
 
+pub use csv::{read_joint_log, read_log};
+pub use error::{CellFault, FileKind, LogError, UnitFault};
+pub use health::{Health, health};
+pub use inputs::read_study_logs;
+pub use place::{Place, Subject};
+pub use plausible::check_period;
+pub use pose::{Pose, read_pose_for};
+pub use release::{HeldPhase, Start};
+pub use study::{read_sidecar_for, read_study};
 pub use types::{
     Derivative, DriveMode, ExtraMass, Hold, JointSpec, Log, MotorSpec, Nominal, Release, Role, SensorSpec, Study,
     StudyLog,
 };
+pub use write::{write_atomically, write_log};

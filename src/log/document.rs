@@ -1,0 +1,131 @@
+//! A TOML file at hand: parsing it, and errors that point into it.
+
+use std::f64::consts::TAU;
+use std::fs;
+use std::ops::Range;
+use std::path::Path;
+
+use serde::de::DeserializeOwned;
+
+use super::csv::not_text;
+use super::error::LogError;
+use super::place::{Place, Subject};
+use super::schema::{Number, Text};
+
+pub(super) struct Document<'a> {
+    pub(super) file: &'a Path,
+    text: String,
+}
+
+/// What a number has to be.
+#[derive(Clone, Copy)]
+pub(super) struct Range64 {
+    ok: fn(f64) -> bool,
+    expected: &'static str,
+}
+
+/// Zero or above; the key's unit is in the format.
+pub(super) const NOT_NEGATIVE: Range64 = range(|x| x >= 0.0, "a number not below 0");
+pub(super) const POSITIVE: Range64 = range(|x| x > 0.0, "a number above 0");
+/// A sampling period \[s\].
+pub(super) const PERIOD: Range64 =
+    range(|x| x > 0.0 && x < 0.5, "a period above 0 and below 0.5 s; a larger one looks like milliseconds");
+/// An angle \[rad\].
+pub(super) const ANGLE: Range64 =
+    range(|x| x.abs() <= TAU, "an angle within 2 pi (6.283) rad; a larger one looks like degrees");
+pub(super) const FINITE: Range64 = range(|_| true, "a finite number");
+
+pub(super) const fn range(ok: fn(f64) -> bool, expected: &'static str) -> Range64 {
+    Range64 { ok, expected }
+}
+
+impl<'a> Document<'a> {
+    pub(super) fn open(file: &'a Path) -> Result<Self, LogError> {
+        let bytes = fs::read(file).map_err(|source| LogError::Read { file: file.to_path_buf(), source })?;
+        if let Some(found) = not_text(&bytes) {
+            return Err(LogError::NotText { file: file.to_path_buf(), found });
+        }
+        match String::from_utf8(bytes) {
+            Ok(text) => Ok(Self { file, text: text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text) }),
+            Err(error) => {
+                let at = error.utf8_error().valid_up_to();
+                let byte = error.as_bytes().get(at).copied().unwrap_or(0);
+                let text = String::from_utf8_lossy(error.as_bytes());
+                let at = Box::new(Place::in_text(file, &text, at..at + 1, Subject::Line));
+                Err(LogError::NotUtf8 { at, byte })
+            }
+        }
+    }
+
+    /// Refuses robot studies and reads the rest.
+    pub(super) fn parse<T: DeserializeOwned>(&self) -> Result<T, LogError> {
+        let whole: Result<toml::Table, _> = toml::from_str(&self.text);
+        if whole.is_ok_and(|table| table.contains_key("robot")) {
+            let from = self.text.find("[robot").or_else(|| self.text.find("robot")).unwrap_or(0);
+            let at = Box::new(Place::in_text(self.file, &self.text, from..from + "[robot]".len(), Subject::Line));
+            return Err(LogError::RobotStudy { at });
+        }
+        toml::from_str(&self.text).map_err(|source| {
+            let message = source.message();
+            let hint = if self.file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv")) {
+                Some("this looks like a log, not a study")
+            } else if message.contains("expected a sequence") {
+                Some("a log is written with double brackets: [[log]]")
+            } else if message.contains("escape") {
+                Some("write paths with / or in single quotes")
+            } else if message.contains("expected f64") || message.contains("floating point") {
+                Some("write the number without quotes and with a decimal point")
+            } else {
+                None
+            };
+            LogError::Toml { file: self.file.to_path_buf(), source: Box::new(source), hint }
+        })
+    }
+
+    pub(super) fn missing(&self, key: impl Into<String>, expected: impl Into<String>) -> LogError {
+        LogError::MissingKey { file: self.file.to_path_buf(), key: key.into(), expected: expected.into() }
+    }
+
+    pub(super) fn place(&self, key: &str, span: Range<usize>) -> Box<Place> {
+        Box::new(Place::in_text(self.file, &self.text, span, Subject::Key(key.to_owned())))
+    }
+
+    pub(super) fn wrong(&self, key: &str, span: Range<usize>, found: impl Into<String>, expected: &str) -> LogError {
+        LogError::Value { at: self.place(key, span), found: found.into(), expected: expected.to_owned() }
+    }
+
+    /// A number that may be absent.
+    pub(super) fn number(&self, key: &str, value: &Number, range: Range64) -> Result<Option<f64>, LogError> {
+        let Some(spanned) = value else { return Ok(None) };
+        let number = *spanned.get_ref();
+        if number.is_finite() && (range.ok)(number) {
+            Ok(Some(number))
+        } else {
+            Err(self.wrong(key, spanned.span(), number.to_string(), range.expected))
+        }
+    }
+
+    /// A number that has to be there.
+    pub(super) fn needed(&self, key: &str, value: &Number, range: Range64) -> Result<f64, LogError> {
+        self.number(key, value, range)?.ok_or_else(|| self.missing(key, range.expected))
+    }
+
+    /// One of several words; `None` where the key is absent.
+    pub(super) fn word<T: Copy>(&self, key: &str, value: &Text, words: &[(&str, T)]) -> Result<Option<T>, LogError> {
+        let Some(spanned) = value else { return Ok(None) };
+        match words.iter().find(|(word, _)| word == spanned.get_ref()) {
+            Some((_, meaning)) => Ok(Some(*meaning)),
+            None => Err(self.wrong(key, spanned.span(), format!("\"{}\"", spanned.get_ref()), &one_of(words))),
+        }
+    }
+
+    /// One of several words that has to be there.
+    pub(super) fn needed_word<T: Copy>(&self, key: &str, value: &Text, words: &[(&str, T)]) -> Result<T, LogError> {
+        self.word(key, value, words)?.ok_or_else(|| self.missing(key, one_of(words)))
+    }
+}
+
+fn one_of<T>(words: &[(&str, T)]) -> String {
+    let quoted: Vec<String> = words.iter().map(|(word, _)| format!("\"{word}\"")).collect();
+    quoted.join(" or ")
+}

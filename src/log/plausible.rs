@@ -1,0 +1,165 @@
+//! Whether a log's numbers can be radians and seconds.
+
+use std::f64::consts::PI;
+
+use super::error::{LogError, UnitFault};
+use super::header::Column;
+use super::types::{Log, SensorSpec};
+
+/// Gaps longer than this are two recordings \[s\].
+const LONGEST_GAP_S: f64 = 60.0;
+/// No joint logger is slower than this \[s\]; 8 ms read as seconds is far beyond it.
+const SLOWEST_STEP_S: f64 = 0.5;
+/// Two turns \[rad\]: more than a limb's joint does, little in degrees.
+const WIDEST_ANGLE: f64 = 4.0 * PI;
+/// Median speed of a moving joint that only degrees reach \[rad/s\].
+const FASTEST_MEDIAN: f64 = 60.0;
+/// Speeds are taken over at least this long \[s\], so that noise at a high sampling rate is not speed.
+const SPEED_BASE_S: f64 = 0.02;
+
+/// Where a row of a log starts.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Row {
+    /// Byte offset in the file.
+    pub(super) byte: u64,
+    /// Line as the CSV reader counts; used only where the file cannot be read again.
+    pub(super) line: u64,
+}
+
+/// What has to be remembered while reading, so that an error about the whole can still name a line.
+#[derive(Debug, Default)]
+pub(super) struct Extremes {
+    angle: Option<(f64, Row)>,
+    setpoint: Option<(f64, Row)>,
+    first: Option<Row>,
+    fractional_angle: bool,
+    /// The first gap that is too long \[s\], with the rows before and after it.
+    pub(super) gap: Option<(f64, Row, Row)>,
+}
+
+impl Extremes {
+    pub(super) fn see(&mut self, column: Column, value: f64, row: Row) {
+        let slot = match column {
+            Column::Time => {
+                self.first.get_or_insert(row);
+                return;
+            }
+            Column::Angle => {
+                self.fractional_angle |= value.fract() != 0.0;
+                &mut self.angle
+            }
+            Column::Setpoint => &mut self.setpoint,
+            _ => return,
+        };
+        if slot.is_none_or(|(largest, _)| value.abs() > largest.abs()) {
+            *slot = Some((value, row));
+        }
+    }
+
+    pub(super) fn see_step(&mut self, step_s: f64, before: Row, after: Row) {
+        if step_s > LONGEST_GAP_S && self.gap.is_none() {
+            self.gap = Some((step_s, before, after));
+        }
+    }
+}
+
+/// The first column that is in another unit, with the row to show.
+pub(super) fn check(t: &[f64], q: &[f64], q_ref: &[f64], seen: &Extremes) -> Option<(Row, Column, UnitFault)> {
+    let first = seen.first?;
+    let (angle, angle_row) = seen.angle?;
+    let step_s = median_step(t);
+    if step_s >= SLOWEST_STEP_S {
+        let unit = match step_s {
+            s if s < 500.0 => "milliseconds",
+            s if s < 5e5 => "microseconds",
+            _ => "nanoseconds",
+        };
+        return Some((first, Column::Time, UnitFault::Time { step_s, unit }));
+    }
+    if angle.abs() > WIDEST_ANGLE {
+        let counts = !seen.fractional_angle && angle.abs() > 720.0;
+        let fault = if counts { UnitFault::Counts { value: angle } } else { UnitFault::Angle { value: angle } };
+        return Some((angle_row, Column::Angle, fault));
+    }
+    let median_rad_s = median_moving_speed(t, q, step_s);
+    if median_rad_s > FASTEST_MEDIAN {
+        return Some((angle_row, Column::Angle, UnitFault::Speed { median_rad_s }));
+    }
+    if let Some((setpoint, row)) = seen.setpoint.filter(|_| !q_ref.is_empty()) {
+        // pi/180 apart: a joint follows its setpoint closer than this
+        let ratio = setpoint.abs() / angle.abs();
+        if setpoint.abs() > WIDEST_ANGLE || (setpoint.abs() > 2.0 && ratio > 40.0 && ratio < 80.0) {
+            let fault = UnitFault::Setpoint { value: setpoint, angle_rad: angle.abs() };
+            return Some((row, Column::Setpoint, fault));
+        }
+    }
+    None
+}
+
+/// Median of the sampling steps \[s\]; zero where there are fewer than two samples.
+pub(super) fn median_step(t_s: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    median(&mut steps)
+}
+
+/// Upper median; zero of nothing.
+pub(super) fn median(values: &mut [f64]) -> f64 {
+    let middle = values.len() / 2;
+    if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(middle, f64::total_cmp).1 }
+}
+
+fn median_moving_speed(t: &[f64], q: &[f64], step_s: f64) -> f64 {
+    let stride = (SPEED_BASE_S / step_s).ceil().clamp(1.0, t.len() as f64) as usize;
+    let pairs = t.iter().zip(q).zip(t.iter().zip(q).skip(stride));
+    let mut speeds: Vec<f64> =
+        pairs.map(|((t0, q0), (t1, q1))| (q1 - q0).abs() / (t1 - t0)).filter(|speed| *speed > 0.0).collect();
+    median(&mut speeds)
+}
+
+/// Checks a log's time stamps against the period that the study states.
+///
+/// Only a factor of about a thousand (300 to 3000) is an error: it is milliseconds. A smaller difference is the
+/// study's business and shows in [`Health::period_s`](super::Health::period_s).
+///
+/// # Errors
+/// [`LogError::Period`].
+pub fn check_period(log: &Log, sensor: &SensorSpec) -> Result<(), LogError> {
+    let Some(period_s) = sensor.period_s else { return Ok(()) };
+    let median_s = median_step(&log.t_s);
+    let ratio = median_s / period_s;
+    if (300.0..3000.0).contains(&ratio) || (300.0..3000.0).contains(&ratio.recip()) {
+        return Err(LogError::Period { file: log.file.clone(), median_s, period_s });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_at_a_high_rate_is_not_speed() {
+        let t: Vec<f64> = (0..2000).map(|i| f64::from(i) * 1e-5).collect();
+        let q: Vec<f64> = (0..2000).map(|i| if i % 2 == 0 { 0.0 } else { 0.002 }).collect();
+        assert!(median_moving_speed(&t, &q, 1e-5) < 1.0);
+    }
+
+    #[test]
+    fn period_a_thousand_off_is_milliseconds() {
+        let log = Log {
+            file: "a.csv".into(),
+            t_s: vec![0.0, 0.3, 0.6],
+            q_rad: vec![0.0; 3],
+            dq_rad_s: None,
+            tau_nm: None,
+            q_ref_rad: None,
+            drive: None,
+            ignored_columns: vec![],
+        };
+        let sensor = |period| SensorSpec { resolution_rad: None, period_s: Some(period) };
+        let message = check_period(&log, &sensor(3e-4)).unwrap_err().to_string();
+        assert!(message.contains("`t` looks like milliseconds"), "{message}");
+        assert!(check_period(&log, &sensor(0.1)).is_ok());
+        assert!(check_period(&log, &SensorSpec::default()).is_ok());
+    }
+}

@@ -1,0 +1,123 @@
+//! The TOML of a study as it stands in the file; unknown keys are errors, missing ones are not yet.
+
+use serde::Deserialize;
+use toml::Spanned;
+
+pub(super) type Number = Option<Spanned<f64>>;
+pub(super) type Text = Option<Spanned<String>>;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawStudy {
+    pub schema: Option<Spanned<i64>>,
+    pub joint: Option<RawJoint>,
+    #[serde(default)]
+    pub sensor: RawSensor,
+    pub motor: Option<RawMotor>,
+    #[serde(default)]
+    pub log: Vec<RawLog>,
+    pub release: Option<Spanned<RawRelease>>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawJoint {
+    pub name: Text,
+    pub inertia: Number,
+    pub moment: Number,
+    pub coulomb: Number,
+    pub viscous: Number,
+    pub gravity: Number,
+    pub rest: Number,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawSensor {
+    pub resolution: Number,
+    pub period: Number,
+}
+
+#[derive(Deserialize, Default, Clone)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawMotor {
+    pub kp: Number,
+    pub ki: Number,
+    pub kd: Number,
+    pub hold: Text,
+    pub derivative: Text,
+    pub sample_period: Number,
+    pub torque_limit: Number,
+    pub speed_limit: Number,
+}
+
+impl RawMotor {
+    /// This motor with another's keys where it has none itself.
+    pub(super) fn over(self, base: Self) -> Self {
+        Self {
+            kp: self.kp.or(base.kp),
+            ki: self.ki.or(base.ki),
+            kd: self.kd.or(base.kd),
+            hold: self.hold.or(base.hold),
+            derivative: self.derivative.or(base.derivative),
+            sample_period: self.sample_period.or(base.sample_period),
+            torque_limit: self.torque_limit.or(base.torque_limit),
+            speed_limit: self.speed_limit.or(base.speed_limit),
+        }
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawLog {
+    pub file: Text,
+    pub role: Text,
+    pub drive: Text,
+    pub motor: Option<RawMotor>,
+    pub extra: Option<RawExtra>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawExtra {
+    pub mass: Number,
+    pub distance: Number,
+    pub radius: Number,
+    pub length: Number,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawRelease {
+    pub time: Number,
+    pub setpoint: Number,
+    pub angle: Number,
+}
+
+/// Table of a joint in `pose.toml`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawJointPose {
+    #[serde(default)]
+    pub held: std::collections::BTreeMap<String, Spanned<f64>>,
+    pub gravity: Option<Spanned<[f64; 3]>>,
+    pub mount: Number,
+    #[serde(default)]
+    pub hanging: std::collections::BTreeMap<String, Spanned<f64>>,
+}
+
+/// `pose.toml`: how the robot was clamped.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(dead_code, reason = "keys that are notes for people are known, so that a misspelt key is an error")]
+pub(super) struct RawPose {
+    pub leg: Text,
+    pub bodies: Option<Vec<String>>,
+    pub axes: Option<String>,
+    pub sign: Option<String>,
+    pub others: Option<String>,
+    pub hanging_from: Option<String>,
+    pub q1: Option<RawJointPose>,
+    pub q2: Option<RawJointPose>,
+    pub q3: Option<RawJointPose>,
+}

@@ -1,0 +1,241 @@
+//! Reads a joint study, and the sidecar of a single log.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use toml::Spanned;
+
+use super::document::{ANGLE, Document, FINITE, NOT_NEGATIVE, PERIOD, POSITIVE, Range64, range};
+use super::error::LogError;
+use super::schema::{RawExtra, RawJoint, RawLog, RawMotor, RawRelease, RawSensor, RawStudy};
+use super::types::{
+    Derivative, DriveMode, ExtraMass, Hold, JointSpec, MotorSpec, Nominal, Release, Role, SensorSpec, Study, StudyLog,
+};
+
+const INERTIA: Range64 = range(|x| x > 0.0 && x < 1e4, "a number above 0 and below 1e4 (kg m^2)");
+const GRAVITY: Range64 = range(|x| x > 0.0 && x <= 30.0, "a number above 0 and at most 30 (m/s^2), without sign");
+const RESOLUTION: Range64 =
+    range(|x| (0.0..0.5).contains(&x), "a step from 0 (unknown) to below 0.5 rad; a larger one looks like degrees");
+const MASS: Range64 =
+    range(|x| x > 0.0 && x <= 100.0, "a mass above 0 and at most 100 kg; a larger one looks like grams");
+const DISTANCE: Range64 =
+    range(|x| x > 0.0 && x <= 10.0, "a length above 0 and at most 10 m; a larger one looks like millimetres");
+const SIZE: Range64 =
+    range(|x| (0.0..=10.0).contains(&x), "a length from 0 to 10 m; a larger one looks like millimetres");
+
+const ROLES: [(&str, Role); 2] = [("fit", Role::Fit), ("validate", Role::Validate)];
+const DRIVES: [(&str, DriveMode); 3] =
+    [("off", DriveMode::Off), ("position", DriveMode::Position), ("torque", DriveMode::Torque)];
+const HOLDS: [(&str, Hold); 2] = [("step", Hold::Step), ("linear", Hold::Linear)];
+const DERIVATIVES: [(&str, Derivative); 2] = [("measurement", Derivative::Measurement), ("error", Derivative::Error)];
+
+/// Reads a joint study: nominal model, sensor, motor, and the logs, which have to exist but are not read yet.
+///
+/// `[log.extra]` without `radius` or `length` is a point mass; gravity is 9.81 m/s^2 unless stated.
+///
+/// # Errors
+/// [`LogError`] naming the file and the key: unknown keys, missing keys, values out of range, logs that are not there.
+pub fn read_study(path: &Path) -> Result<Study, LogError> {
+    let document = Document::open(path)?;
+    let raw: RawStudy = document.parse()?;
+    check_schema(&document, &raw)?;
+    let joint_table =
+        raw.joint.as_ref().ok_or_else(|| document.missing("[joint]", "the nominal model of the joint"))?;
+    let joint = joint(&document, joint_table, true)?;
+    let sensor = sensor(&document, &raw.sensor)?;
+    let motor = raw.motor.as_ref().map(|motor| self::motor(&document, "[motor] ", motor)).transpose()?;
+    if let Some(release) = &raw.release {
+        let expected = "it only in the sidecar NAME.toml of a single log NAME.csv";
+        return Err(document.wrong("[release]", release.span(), "a release in a study", expected));
+    }
+    if raw.log.is_empty() {
+        return Err(document.missing("[[log]]", "at least one log"));
+    }
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut logs = Vec::with_capacity(raw.log.len());
+    let mut seen: BTreeMap<PathBuf, usize> = BTreeMap::new();
+    for (i, log) in raw.log.into_iter().enumerate() {
+        let table = format!("[[log]] {}", i + 1);
+        let key = format!("{table} file");
+        let file = log.file.clone().ok_or_else(|| document.missing(&*key, "the name of a CSV file"))?;
+        let resolved = folder.join(file.get_ref());
+        if let Some(first) = seen.insert(resolved.components().collect(), i + 1) {
+            let found = format!("\"{}\", which is also [[log]] {first}", file.get_ref());
+            return Err(document.wrong(&key, file.span(), found, "every log once"));
+        }
+        is_file(&resolved).map_err(|source| {
+            let at = document.place(&key, file.span());
+            LogError::NamedLog { at, path: resolved.clone(), source }
+        })?;
+        let role = document.needed_word(&format!("{table} role"), &log.role, &ROLES)?;
+        let drive = document.needed_word(&format!("{table} drive"), &log.drive, &DRIVES)?;
+        logs.push(study_log(&document, &table, log, &raw.motor, (file.into_inner(), resolved, role, drive))?);
+    }
+    if !logs.iter().any(|log| log.role == Role::Fit) {
+        return Err(document.missing("[[log]] role", "at least one log with role = \"fit\""));
+    }
+    Ok(Study { file: path.to_path_buf(), joint, sensor, motor, logs, release: None })
+}
+
+/// Reads the sidecar `NAME.toml` beside a log `NAME.csv`; `None` if there is none.
+///
+/// Its keys are those of a study. The nominal model is optional (all four numbers or none), so are `[joint]`, whose
+/// name is then the log's, and `[[log]]`, which is then this log, to be fitted, motor off. `[release]` may be added.
+///
+/// # Errors
+/// As [`read_study`]; also where `[[log]]` is about another file.
+pub fn read_sidecar_for(log_path: &Path) -> Result<Option<Study>, LogError> {
+    let path = log_path.with_extension("toml");
+    if path == log_path || matches!(fs::metadata(&path), Err(error) if error.kind() == io::ErrorKind::NotFound) {
+        return Ok(None);
+    }
+    let document = Document::open(&path)?;
+    let mut raw: RawStudy = document.parse()?;
+    check_schema(&document, &raw)?;
+    let own_name = log_path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let mut joint = joint(&document, raw.joint.as_ref().unwrap_or(&RawJoint::default()), false)?;
+    if joint.name.is_empty() {
+        joint.name = log_path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    }
+    let sensor = sensor(&document, &raw.sensor)?;
+    let motor = raw.motor.as_ref().map(|motor| self::motor(&document, "[motor] ", motor)).transpose()?;
+    if raw.log.len() > 1 {
+        let spans = raw.log[1].file.as_ref().map_or(0..0, Spanned::span);
+        let expected =
+            format!("only `{own_name}` in the sidecar of that log; give a study of several logs another name");
+        return Err(document.wrong("[[log]] 2 file", spans, "a second log", &expected));
+    }
+    let entry = raw.log.pop().unwrap_or(RawLog { file: None, role: None, drive: None, motor: None, extra: None });
+    if let Some(file) = entry.file.as_ref().filter(|file| Path::new(file.get_ref()).file_name() != log_path.file_name())
+    {
+        let found = format!("\"{}\"", file.get_ref());
+        return Err(document.wrong(
+            "[[log]] 1 file",
+            file.span(),
+            found,
+            &format!("\"{own_name}\", the log beside it"),
+        ));
+    }
+    let table = "[[log]] 1";
+    let role = document.word(&format!("{table} role"), &entry.role, &ROLES)?.unwrap_or(Role::Fit);
+    let drive = document.word(&format!("{table} drive"), &entry.drive, &DRIVES)?.unwrap_or(DriveMode::Off);
+    let log = study_log(&document, table, entry, &raw.motor, (own_name, log_path.to_path_buf(), role, drive))?;
+    let release = raw.release.as_ref().map(|release| self::release(&document, release.get_ref())).transpose()?;
+    Ok(Some(Study { file: path.clone(), joint, sensor, motor, logs: vec![log], release }))
+}
+
+fn is_file(path: &Path) -> io::Result<()> {
+    if fs::metadata(path)?.is_dir() { Err(io::ErrorKind::IsADirectory.into()) } else { Ok(()) }
+}
+
+fn check_schema(document: &Document<'_>, raw: &RawStudy) -> Result<(), LogError> {
+    let schema = raw.schema.as_ref().ok_or_else(|| document.missing("schema", "schema = 1 at the top of the file"))?;
+    if *schema.get_ref() == 1 {
+        return Ok(());
+    }
+    Err(document.wrong("schema", schema.span(), schema.get_ref().to_string(), "1, the only schema there is"))
+}
+
+fn joint(document: &Document<'_>, raw: &RawJoint, full: bool) -> Result<JointSpec, LogError> {
+    let name = match &raw.name {
+        Some(name) if name.get_ref().trim().is_empty() => {
+            return Err(document.wrong("[joint] name", name.span(), "an empty name", "a name such as \"q1\""));
+        }
+        Some(name) => name.get_ref().clone(),
+        None if full => return Err(document.missing("[joint] name", "a name such as \"q1\"")),
+        None => String::new(),
+    };
+    let any = [&raw.inertia, &raw.moment, &raw.coulomb, &raw.viscous].into_iter().any(Option::is_some);
+    let nominal = if full || any {
+        Some(Nominal {
+            inertia_kg_m2: document.needed("[joint] inertia", &raw.inertia, INERTIA)?,
+            moment_kg_m: document.needed("[joint] moment", &raw.moment, NOT_NEGATIVE)?,
+            coulomb_nm: document.needed("[joint] coulomb", &raw.coulomb, NOT_NEGATIVE)?,
+            viscous_nm_s_rad: document.needed("[joint] viscous", &raw.viscous, NOT_NEGATIVE)?,
+        })
+    } else {
+        None
+    };
+    Ok(JointSpec {
+        name,
+        nominal,
+        gravity_m_s2: document.number("[joint] gravity", &raw.gravity, GRAVITY)?.unwrap_or(9.81),
+        rest_rad: document.number("[joint] rest", &raw.rest, ANGLE)?,
+    })
+}
+
+fn sensor(document: &Document<'_>, raw: &RawSensor) -> Result<SensorSpec, LogError> {
+    let resolution = document.number("[sensor] resolution", &raw.resolution, RESOLUTION)?;
+    Ok(SensorSpec {
+        resolution_rad: resolution.filter(|step| *step > 0.0),
+        period_s: document.number("[sensor] period", &raw.period, PERIOD)?,
+    })
+}
+
+fn motor(document: &Document<'_>, table: &str, raw: &RawMotor) -> Result<MotorSpec, LogError> {
+    let key = |name: &str| format!("{table}{name}");
+    let motor = MotorSpec {
+        kp_nm_rad: document.needed(&key("kp"), &raw.kp, NOT_NEGATIVE)?,
+        ki_nm_rad_s: document.number(&key("ki"), &raw.ki, NOT_NEGATIVE)?.unwrap_or(0.0),
+        kd_nm_s_rad: document.needed(&key("kd"), &raw.kd, NOT_NEGATIVE)?,
+        hold: document.word(&key("hold"), &raw.hold, &HOLDS)?.unwrap_or_default(),
+        derivative: document.word(&key("derivative"), &raw.derivative, &DERIVATIVES)?.unwrap_or_default(),
+        sample_period_s: document.number(&key("sample_period"), &raw.sample_period, PERIOD)?,
+        torque_limit_nm: document.number(&key("torque_limit"), &raw.torque_limit, POSITIVE)?,
+        speed_limit_rad_s: document.number(&key("speed_limit"), &raw.speed_limit, POSITIVE)?,
+    };
+    if motor.derivative == Derivative::Error && motor.hold == Hold::Step {
+        let span = raw.derivative.as_ref().map_or(0..0, Spanned::span);
+        let expected = "hold = \"linear\" beside it: a setpoint held in steps has no derivative";
+        return Err(document.wrong(&key("derivative"), span, "\"error\" with hold = \"step\"", expected));
+    }
+    if motor.speed_limit_rad_s.is_some() && motor.torque_limit_nm.is_none() {
+        let span = raw.speed_limit.as_ref().map_or(0..0, Spanned::span);
+        let expected = "torque_limit beside it, the stall torque of the torque-speed line";
+        return Err(document.wrong(&key("speed_limit"), span, "speed_limit alone", expected));
+    }
+    Ok(motor)
+}
+
+fn study_log(
+    document: &Document<'_>,
+    table: &str,
+    raw: RawLog,
+    base: &Option<RawMotor>,
+    (file, path, role, drive): (String, PathBuf, Role, DriveMode),
+) -> Result<StudyLog, LogError> {
+    let motor = match (raw.motor, base) {
+        (Some(own), base) => {
+            let merged = own.over(base.clone().unwrap_or_default());
+            Some(motor(document, &format!("{table} motor."), &merged)?)
+        }
+        (None, Some(base)) => Some(motor(document, "[motor] ", base)?),
+        (None, None) => None,
+    };
+    if drive == DriveMode::Position && motor.is_none() {
+        let expected = format!("kp and kd of the controller, which {table} (drive = \"position\") needs");
+        return Err(document.missing("[motor]", expected));
+    }
+    let extra = raw.extra.as_ref().map(|extra| self::extra(document, table, extra)).transpose()?;
+    Ok(StudyLog { file, path, role, drive, motor, extra })
+}
+
+fn extra(document: &Document<'_>, table: &str, raw: &RawExtra) -> Result<ExtraMass, LogError> {
+    let key = |name: &str| format!("{table} extra.{name}");
+    Ok(ExtraMass {
+        mass_kg: document.needed(&key("mass"), &raw.mass, MASS)?,
+        distance_m: document.needed(&key("distance"), &raw.distance, DISTANCE)?,
+        radius_m: document.number(&key("radius"), &raw.radius, SIZE)?.unwrap_or(0.0),
+        length_m: document.number(&key("length"), &raw.length, SIZE)?.unwrap_or(0.0),
+    })
+}
+
+fn release(document: &Document<'_>, raw: &RawRelease) -> Result<Release, LogError> {
+    Ok(Release {
+        time_s: document.number("[release] time", &raw.time, FINITE)?,
+        setpoint_rad: document.number("[release] setpoint", &raw.setpoint, ANGLE)?,
+        angle_rad: document.number("[release] angle", &raw.angle, ANGLE)?,
+    })
+}
