@@ -400,10 +400,12 @@ pub(super) fn legend(root: &Area<'_>, names: &[(Sign, RGBAColor, String)]) -> Re
     Ok(y + 16.0)
 }
 
-/// Which samples of a column to draw so that no peak is lost: of each bucket the lowest and the highest, and one that
-/// is not a number where there is one, so that gaps stay gaps. In order, at most `limit`.
+/// Which samples of a column to draw so that no peak is lost: of each bucket the lowest and the highest, one that is not
+/// a number where there is one, so that gaps stay gaps, and a few evenly spaced ones, because extremes alone would draw
+/// noise as two curves. In order, at most `limit`.
 fn thin(column: &[f64], limit: usize) -> Vec<usize> {
-    let (length, buckets) = (column.len(), limit / 3);
+    const EVEN: usize = 5;
+    let (length, buckets) = (column.len(), limit / (EVEN + 3));
     if length <= limit || buckets == 0 {
         return (0..length.min(limit)).collect();
     }
@@ -414,6 +416,7 @@ fn thin(column: &[f64], limit: usize) -> Vec<usize> {
         kept.extend(samples.clone().find(|i| !drawable(column[*i])));
         kept.extend(finite().min_by(|a, b| column[*a].total_cmp(&column[*b])));
         kept.extend(finite().max_by(|a, b| column[*a].total_cmp(&column[*b])));
+        kept.extend((0..EVEN).map(|k| samples.start + k * samples.len() / EVEN));
     }
     kept.sort_unstable();
     kept.dedup();

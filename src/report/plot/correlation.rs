@@ -14,6 +14,9 @@ const NAME_ROOM: f64 = 150.0;
 const TOP: f64 = 52.0;
 
 /// Draws the correlation matrix of the extensive model's fitted parameters, -1 blue, 0 white, 1 vermillion.
+///
+/// # Errors
+/// [`ReportError::Font`] and [`ReportError::Draw`], neither of which depends on the data.
 pub fn correlation_matrix(joint: &str, correlation: &Correlation) -> Result<String, ReportError> {
     let names = &correlation.names;
     let count = names.len();

@@ -12,6 +12,9 @@ const BAND_OPACITY: f64 = 0.22;
 ///
 /// Points are drawn in the order given; a value that is not finite leaves a gap, and so does standing still between two
 /// points of opposite directions, where friction takes any value up to breaking loose.
+///
+/// # Errors
+/// [`ReportError::Font`] and [`ReportError::Draw`], neither of which depends on the data.
 pub fn friction_curve(joint: &str, points: &[FrictionPoint]) -> Result<String, ReportError> {
     let speed = Axis::over(points.iter().map(|point| point.rate_rad_s), 0.02);
     let torques = points.iter().flat_map(|point| [point.torque_nm, point.low_nm, point.high_nm]);

@@ -23,6 +23,9 @@ const NUMBERS: f64 = BARS[1] + 18.0;
 ///
 /// The thin bar is the robust interval, the thick one the naive; a diamond marks the nominal value, an arrow one beyond
 /// the edge. Held parameters and those that the logs do not determine are named in words.
+///
+/// # Errors
+/// [`ReportError::Font`] and [`ReportError::Draw`], neither of which depends on the data.
 pub fn parameter_intervals(joint: &str, models: &[ModelSummary]) -> Result<String, ReportError> {
     let rows = models.iter().map(|model| model.parameters.len() + 1).sum::<usize>();
     let height = 60.0 + ROW * rows as f64 + 66.0;

@@ -53,7 +53,7 @@ pub(super) fn log_figures(report: &DropReport) -> Result<Vec<Figure>, ReportErro
             file_name: format!("swing-{:02}-{}.svg", i + 1, plain(&log.file)),
             title: format!("Swing {} ({})", log.file, log.role),
             caption: "Above: readings and models. Below: measured minus model; a model that explains the log leaves \
-                      little outside the band, and no pattern."
+                      little outside the band, and no pattern. Mind the scales where each model has a panel of its own."
                 .to_owned(),
             svg: swing(&report.joint, log)?,
         })

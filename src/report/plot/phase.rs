@@ -19,6 +19,9 @@ const FEWEST: usize = 3;
 ///
 /// The speed of the readings is the slope of a parabola fitted to the neighbouring samples, for the eye only; nothing is
 /// fitted to it.
+///
+/// # Errors
+/// [`ReportError::Font`] and [`ReportError::Draw`], neither of which depends on the data.
 pub fn phase_portrait(joint: &str, log: &LogCurves) -> Result<String, ReportError> {
     let first = log.first_fitted.min(log.t_s.len()).min(log.measured_rad.len());
     let length = log.t_s.len().min(log.measured_rad.len());

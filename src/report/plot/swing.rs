@@ -21,6 +21,9 @@ const TOO_UNEQUAL: f64 = 8.0;
 /// Draws one log: readings as dots, models as lines, below them the residuals with the band of half a quantisation step.
 ///
 /// The time before the release is shaded. Residuals are measured minus model.
+///
+/// # Errors
+/// [`ReportError::Font`] and [`ReportError::Draw`], neither of which depends on the data.
 pub fn swing(joint: &str, log: &LogCurves) -> Result<String, ReportError> {
     let title = format!("{joint} swing, {} ({})", log.file, log.role);
     let models = [&log.simple_rad, &log.extensive_rad];

@@ -12,6 +12,9 @@ const ROUNDING: f64 = 1e-12;
 /// Draws the criterion of each model above its own minimum, logarithmically, against the iteration.
 ///
 /// Iterations at the minimum have no logarithm; they stand on the lower edge.
+///
+/// # Errors
+/// [`ReportError::Font`] and [`ReportError::Draw`], neither of which depends on the data.
 pub fn optimiser_trace(joint: &str, models: &[ModelSummary]) -> Result<String, ReportError> {
     let traces: Vec<_> = models.iter().map(|model| above_minimum(&model.trace_rad2_s)).collect();
     let longest = models.iter().map(|model| model.trace_rad2_s.len()).max().unwrap_or(0);
