@@ -1,8 +1,27 @@
 //! Layer 8: reports and plots.
+//!
+//! Which question: what did the fit find, how sure is it, and what did the logs look like? A [`DropReport`] is plain
+//! data; [`drop_text`] writes it for a terminal, [`render_html`] as one page that needs no network, [`figures`] as SVG.
+//! Nothing is computed here but what the eye needs (thinning, a smoothed speed for the phase portrait).
 
+mod error;
+mod html;
 mod model;
+mod number;
+mod plot;
+mod rows;
+#[cfg(test)]
+mod sample;
+mod table;
 
+pub use error::ReportError;
+pub use html::render_html;
 pub use model::{
     Correlation, DropReport, FrictionPoint, LogCurves, LogHealthRow, ModelSummary, ParameterRow, ParameterStatus,
     Provenance,
 };
+pub use number::{WithUncertainty, format_with_uncertainty};
+pub use plot::{
+    Figure, correlation_matrix, figures, friction_curve, optimiser_trace, parameter_intervals, phase_portrait, swing,
+};
+pub use table::drop_text;

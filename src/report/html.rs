@@ -1,0 +1,158 @@
+//! The report as one page that opens without a network.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use minijinja::{Environment, Value, context};
+
+use super::number::{UNKNOWN, significant};
+use super::plot::{FONT_BOLD, FONT_REGULAR, Figure, log_figures, model_figures};
+use super::rows::{ParameterCells, is_shown, typeset_unit};
+use super::{DropReport, LogHealthRow, ModelSummary, ParameterRow, ReportError};
+
+/// Logs whose figures stand open on the page; the others can be unfolded.
+const OPEN_LOGS: usize = 8;
+/// The ending makes the template engine escape every text.
+const TEMPLATE_NAME: &str = "report.html";
+
+/// Puts a drop report into one HTML page: verdict, notes, models, parameters, data health, figures, provenance.
+///
+/// The page holds its figures and its font, runs no scripts and loads nothing. Same report, same bytes.
+///
+/// # Errors
+/// [`ReportError::Draw`] or [`ReportError::Font`] from the figures, [`ReportError::Page`] from the template; none depends
+/// on the data.
+pub fn render_html(report: &DropReport) -> Result<String, ReportError> {
+    let mut logs: Vec<Value> = log_figures(report)?.into_iter().map(figure_view).collect();
+    let folded = logs.split_off(OPEN_LOGS.min(logs.len()));
+    let others: Vec<Value> = model_figures(report)?.into_iter().map(figure_view).collect();
+    let provenance = report.provenance.clone();
+
+    let mut environment = Environment::new();
+    environment.add_template(TEMPLATE_NAME, include_str!("template.html"))?;
+    let page = environment.get_template(TEMPLATE_NAME)?.render(context! {
+        font_regular => STANDARD.encode(FONT_REGULAR),
+        font_bold => STANDARD.encode(FONT_BOLD),
+        joint => report.joint.as_str(),
+        sentence => report.sentence.as_str(),
+        notes => report.notes.clone(),
+        models => report.models.iter().map(model_view).collect::<Vec<_>>(),
+        health => report.health.iter().map(health_view).collect::<Vec<_>>(),
+        logs,
+        folded,
+        figures => others,
+        has_friction => !report.friction.is_empty(),
+        version => provenance.version,
+        command => provenance.command,
+        inputs => provenance.inputs,
+    })?;
+    Ok(page)
+}
+
+fn figure_view(figure: Figure) -> Value {
+    context! { title => figure.title, caption => figure.caption, svg => Value::from_safe_string(figure.svg) }
+}
+
+fn model_view(model: &ModelSummary) -> Value {
+    context! {
+        name => model.name.as_str(),
+        rms_mrad => significant(1e3 * model.rms_rad, 3),
+        criterion => significant(model.criterion_rad2_s, 3),
+        method => model.method.as_str(),
+        stop => model.stop.as_str(),
+        evaluations => model.evaluations,
+        parameters => model.parameters.iter().map(parameter_view).collect::<Vec<_>>(),
+    }
+}
+
+fn parameter_view(row: &ParameterRow) -> Value {
+    let cells = ParameterCells::from(row);
+    context! {
+        label => cells.label,
+        unit => typeset_unit(&cells.unit),
+        estimate => cells.estimate,
+        is_words => !is_shown(row),
+        interval => cells.interval,
+        naive => cells.naive,
+        nominal => cells.nominal,
+    }
+}
+
+fn health_view(row: &LogHealthRow) -> Value {
+    let milli = |value: f64| significant(1e3 * value, 3);
+    let seconds = |value: f64| if value.is_finite() { format!("{value:.3}") } else { UNKNOWN.to_owned() };
+    let dash = || "–".to_owned();
+    context! {
+        file => row.file.as_str(),
+        role => row.role.as_str(),
+        samples => row.samples,
+        duration_s => seconds(row.duration_s),
+        period_ms => milli(row.period_s),
+        jitter_ms => milli(row.jitter_s),
+        lost => row.lost,
+        resolution_mrad => if row.resolution_rad == 0.0 { "none found".to_owned() } else { milli(row.resolution_rad) },
+        noise_mrad => row.noise_rad.map_or_else(dash, milli),
+        release_s => row.release_s.map_or_else(dash, seconds),
+        rest_from_s => row.rest_from_s.map_or_else(dash, seconds),
+        remarks => row.remarks.clone(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::sample;
+
+    fn page(report: &DropReport) -> String {
+        render_html(report).expect("a page for any report")
+    }
+
+    #[test]
+    fn page_needs_no_network_and_no_script() {
+        let page = page(&sample::troubled());
+        assert!(!page.contains("<script") && !page.contains("src=") && !page.contains("href="));
+        let addresses = page.matches("http").count();
+        assert_eq!(addresses, page.matches("xmlns=\"http://www.w3.org/2000/svg\"").count());
+    }
+
+    #[test]
+    fn sections_stand_in_the_order_in_which_one_reads() {
+        let page = page(&sample::single());
+        let headings = [
+            "class=\"verdict\"",
+            ">Models<",
+            ">Parameters<",
+            ">Data health<",
+            ">Swings<",
+            ">About the fit<",
+            ">Provenance<",
+        ];
+        let places: Vec<_> = headings.iter().map(|heading| page.find(heading)).collect();
+        assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{places:?}");
+    }
+
+    #[test]
+    fn texts_are_escaped() {
+        let page = page(&sample::troubled());
+        assert!(page.contains("&lt;b&gt;") && !page.contains("<b>"));
+    }
+
+    #[test]
+    fn undetermined_value_is_nowhere_on_the_page() {
+        let page = page(&sample::troubled());
+        assert!(page.contains("not determined") && page.contains("held at 9.81") && !page.contains(sample::SECRET));
+    }
+
+    #[test]
+    fn more_than_eight_logs_are_folded() {
+        let page = page(&sample::many(12));
+        let fold = page.find("<details").expect("a fold");
+        assert_eq!(page[..fold].matches("<figure").count(), OPEN_LOGS);
+        assert!(page.contains("4 more swings"));
+    }
+
+    #[test]
+    fn same_report_same_bytes_and_empty_report_makes_a_page() {
+        assert_eq!(page(&sample::single()), page(&sample::single()));
+        assert!(page(&sample::empty()).contains("</html>"));
+    }
+}

@@ -1,0 +1,113 @@
+//! Figures as SVG, one function each; the drawing library stays in here.
+
+mod canvas;
+mod correlation;
+mod friction;
+mod intervals;
+mod phase;
+mod swing;
+#[cfg(test)]
+mod tests;
+mod trace;
+
+pub(super) use canvas::{FONT_BOLD, FONT_REGULAR};
+pub use correlation::correlation_matrix;
+pub use friction::friction_curve;
+pub use intervals::parameter_intervals;
+pub use phase::phase_portrait;
+pub use swing::swing;
+pub use trace::optimiser_trace;
+
+use super::{DropReport, LogCurves, ReportError};
+
+/// One figure of a report.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Figure {
+    /// Name for its file, unique in its report, without characters that a file system minds.
+    pub file_name: String,
+    /// What it shows, in a few words.
+    pub title: String,
+    /// How to read it, in a sentence.
+    pub caption: String,
+    /// The drawing, a whole SVG document.
+    pub svg: String,
+}
+
+/// Draws every figure of a report, in the order in which the page shows them.
+///
+/// A figure that would be empty is left out: friction where its scale is not determined, the correlation of fewer than
+/// two parameters, everything about models where there are none.
+///
+/// # Errors
+/// [`ReportError::Font`] and [`ReportError::Draw`], neither of which depends on the data.
+pub fn figures(report: &DropReport) -> Result<Vec<Figure>, ReportError> {
+    let mut figures = log_figures(report)?;
+    figures.extend(model_figures(report)?);
+    Ok(figures)
+}
+
+/// One figure per log, in their order.
+pub(super) fn log_figures(report: &DropReport) -> Result<Vec<Figure>, ReportError> {
+    let figure = |(i, log): (usize, &LogCurves)| {
+        Ok(Figure {
+            file_name: format!("swing-{:02}-{}.svg", i + 1, plain(&log.file)),
+            title: format!("Swing {} ({})", log.file, log.role),
+            caption: "Above: readings and models. Below: measured minus model; a model that explains the log leaves \
+                      little outside the band, and no pattern. Mind the scales where each model has a panel of its own."
+                .to_owned(),
+            svg: swing(&report.joint, log)?,
+        })
+    };
+    report.logs.iter().enumerate().map(figure).collect()
+}
+
+/// The figures about the models, after those of the logs.
+pub(super) fn model_figures(report: &DropReport) -> Result<Vec<Figure>, ReportError> {
+    let joint = &report.joint;
+    let mut figures = Vec::new();
+    let mut add = |name: &str, title: &str, caption: &str, svg: String| {
+        let [file_name, title, caption] = [format!("{name}.svg"), title.to_owned(), caption.to_owned()];
+        figures.push(Figure { file_name, title, caption, svg });
+    };
+    if let Some(log) = widest_swing(&report.logs) {
+        let caption = "The log that swings widest. Where the dots leave the line, the model has the wrong speed.";
+        add("phase-portrait", "Phase portrait", caption, phase_portrait(joint, log)?);
+    }
+    if !report.friction.is_empty() {
+        let caption = "Friction torque of the extensive model; the band is its 95 % interval.";
+        add("friction", "Friction against speed", caption, friction_curve(joint, &report.friction)?);
+    }
+    if !report.models.is_empty() {
+        let caption = "Each parameter on its own scale: the robust interval allows for residuals that hang together in \
+                   time, the naive one does not. An arrow is a nominal value beyond the edge.";
+        add("intervals", "Parameters and their intervals", caption, parameter_intervals(joint, &report.models)?);
+    }
+    if report.correlation.names.len() > 1 {
+        let caption = "Near +1 or \u{2212}1 the logs fix a combination of two parameters better than either alone.";
+        let svg = correlation_matrix(joint, &report.correlation)?;
+        add("correlation", "Correlation of the fitted parameters", caption, svg);
+    }
+    if !report.models.is_empty() {
+        let caption =
+            "A steep end is a clean convergence; a long flat one means that the criterion hardly changes there.";
+        add("optimiser", "Optimiser", caption, optimiser_trace(joint, &report.models)?);
+    }
+    Ok(figures)
+}
+
+/// The log whose fitted readings span the widest angle; the first of equals.
+fn widest_swing(logs: &[LogCurves]) -> Option<&LogCurves> {
+    let span = |log: &LogCurves| {
+        let fitted = log.measured_rad.iter().skip(log.first_fitted).filter(|angle| angle.is_finite());
+        let (low, high) = fitted.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), a| (low.min(*a), high.max(*a)));
+        (high - low).max(0.0)
+    };
+    logs.iter().rev().max_by(|a, b| span(a).total_cmp(&span(b)))
+}
+
+/// A file name without folder and ending, reduced to letters, digits and dashes.
+fn plain(file: &str) -> String {
+    let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
+    let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
+    stem.chars().take(40).map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' }).collect()
+}
