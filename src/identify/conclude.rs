@@ -94,26 +94,45 @@ pub fn conclude<M: JointModel + Clone>(
         };
         let held = free[k];
         open[held] = true;
-        let parameter = &mut model.parameters_mut()[held];
-        parameter.fixed = true;
+        let (name, nominal) = (model.parameters()[held].name.clone(), model.parameters()[held].nominal);
         // Without any nominal value everything is counted per unit of inertia.
-        let known = parameter.nominal.or((parameter.name == "inertia").then_some(1.0));
-        parameter.start = known.unwrap_or(found.values[held]);
-        if known.is_none() {
-            // What goes with it is no better known: held at an arbitrary value, it would look determined.
-            for other in companions(k, free.len(), &verdict) {
-                open[free[other]] = true;
+        let scale = match name.as_str() {
+            "inertia" if nominal.is_none() => Some(1.0),
+            "moment" => nominal,
+            _ => None,
+        };
+        let at_nominal = scale.or(nominal).map(|value| {
+            hold(&mut model, held, value);
+            let mut at_nominal = refine(&model, experiments, &found, method, budget);
+            if at_nominal.solution.criterion > CONTRADICTED * found.solution.criterion
+                && let Ok(again) = search(&model, experiments, method, budget)
+                && again.solution.criterion < at_nominal.solution.criterion
+            {
+                at_nominal = again;
             }
-        }
-        let before = found.solution.criterion;
-        found = refine(&model, experiments, &found, method, budget);
-        if found.solution.criterion > 1.05 * before {
-            let again = search(&model, experiments, method, budget)?;
-            if again.solution.criterion < found.solution.criterion {
-                found = again;
+            at_nominal
+        });
+        found = match at_nominal {
+            Some(at) if scale.is_some() || at.solution.criterion <= CONTRADICTED * found.solution.criterion => at,
+            _ => {
+                // Nothing that is known fits: the best point stays, and what goes with the parameter is as open as it.
+                for other in companions(k, free.len(), &verdict) {
+                    open[free[other]] = true;
+                }
+                hold(&mut model, held, found.values[held]);
+                refine(&model, experiments, &found, method, budget)
             }
-        }
+        };
     }
+}
+
+/// A nominal value that makes the criterion this many times larger is contradicted by the logs.
+const CONTRADICTED: f64 = 1.02;
+
+fn hold<M: JointModel>(model: &mut M, parameter: usize, value: f64) {
+    let parameter = &mut model.parameters_mut()[parameter];
+    parameter.fixed = true;
+    parameter.start = value;
 }
 
 /// Correlation beyond which two parameters are open together.
