@@ -1,5 +1,6 @@
 //! Turns logs of robot joints into trustworthy dynamics.
 
+pub mod cli;
 pub mod fit;
 pub mod geometry;
 pub mod identify;

@@ -1,1 +1,7 @@
-fn main() {}
+//! The program: see [`aibo_fit::cli`].
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    aibo_fit::cli::run()
+}

@@ -1,8 +1,12 @@
 //! Between fit and pendulum: logs made ready, models with named parameters, and what the logs say about them.
 
+mod case;
 mod conclude;
+mod directives;
+mod drop;
 mod equation_error;
 mod experiment;
+mod leg;
 mod model;
 mod parameter;
 mod problem;
@@ -11,8 +15,12 @@ mod scale;
 mod smooth;
 mod weights;
 
+pub use case::{Case, CaseError, Item};
 pub use conclude::{Estimate, Fitted, Status, conclude};
+pub use directives::{DirectiveError, Directives};
+pub use drop::{DropError, DropFit, DropOptions, SimpleFit, fit_drop};
 pub use experiment::{Body, Experiment, Load, Signal};
+pub use leg::LegCase;
 pub use model::{BodyMass, ExtensiveModel, JointModel, LinkBy, SimpleModel};
 pub use parameter::{Parameter, Search};
 pub use problem::Problem;

@@ -98,8 +98,15 @@ impl ExtensiveModel {
         Self { parameters, link_by: LinkBy::Lump, link: 2, stribeck }
     }
 
-    /// One mass per body with its nominal value, all fixed but `free`; the rest angle becomes the encoder's zero.
-    pub fn bodies(scale: &Scale, masses: &[BodyMass], friction: Option<&Nominal>, stribeck: bool) -> Self {
+    /// One mass per body with its nominal value, all fixed but `free`; the rest angle becomes the encoder's zero, which
+    /// is nominally 0 where the pose is known.
+    pub fn bodies(
+        scale: &Scale,
+        masses: &[BodyMass],
+        pose_known: bool,
+        friction: Option<&Nominal>,
+        stribeck: bool,
+    ) -> Self {
         let mut parameters: Vec<Parameter> = masses
             .iter()
             .map(|m| {
@@ -109,7 +116,7 @@ impl ExtensiveModel {
             .collect();
         let link = parameters.len();
         parameters.extend(scale.friction(friction, stribeck));
-        parameters.push(Parameter::angle("zero", "q_0", Some(0.0), 0.0));
+        parameters.push(Parameter::angle("zero", "q_0", pose_known.then_some(0.0), 0.0));
         Self { parameters, link_by: LinkBy::Bodies, link, stribeck }
     }
 

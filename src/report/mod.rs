@@ -4,9 +4,12 @@
 //! data; [`drop_text`] writes it for a terminal, [`render_html`] as one page that needs no network, [`figures`] as SVG.
 //! Nothing is computed here but what the eye needs (thinning, a smoothed speed for the phase portrait).
 
+mod assemble;
 mod error;
+mod fit_json;
 mod html;
 mod model;
+mod notes;
 mod number;
 mod plot;
 mod rows;
@@ -14,12 +17,15 @@ mod rows;
 mod sample;
 mod table;
 
+pub use assemble::drop_report;
 pub use error::ReportError;
+pub use fit_json::{EffectFit, FitFile, JointFit, LogFit, ModelFit, Quantity, SCHEMA};
 pub use html::render_html;
 pub use model::{
     Correlation, DropReport, FrictionPoint, LogCurves, LogHealthRow, ModelSummary, ParameterRow, ParameterStatus,
     Provenance,
 };
+pub use notes::{resting_gravity_nm, still};
 pub use number::{WithUncertainty, format_with_uncertainty};
 pub use plot::{
     Figure, correlation_matrix, figures, friction_curve, optimiser_trace, parameter_intervals, phase_portrait, swing,

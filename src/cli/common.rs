@@ -1,0 +1,78 @@
+//! Options that every command has.
+
+use super::CliError;
+use crate::log::write_atomically;
+use clap::Args;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Where results go, and how the program behaves.
+#[derive(Args, Debug)]
+pub(super) struct CommonArgs {
+    /// Write everything that was found as JSON to this file
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Folder for report and figures [default: fits/<name of the log or of the study's folder>]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Worker threads; the results do not depend on it [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// No text on standard output, no progress
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+impl CommonArgs {
+    /// Runs the work on the threads asked for.
+    pub fn on_threads<R: Send>(&self, work: impl FnOnce() -> R + Send) -> Result<R, CliError> {
+        let Some(threads) = self.threads else { return Ok(work()) };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build();
+        Ok(pool.map_err(|error| CliError::Threads(error.to_string()))?.install(work))
+    }
+
+    /// The output folder: as asked for, or `fits/<name>`.
+    pub fn folder(&self, name: &str) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| Path::new("fits").join(name))
+    }
+
+    /// Writes the JSON where it was asked for.
+    pub fn write_json(&self, value: &impl Serialize) -> Result<(), CliError> {
+        match &self.json {
+            Some(path) => write_json(path, value),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Writes a value as indented JSON, whole or not at all.
+pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), CliError> {
+    write_atomically(path, |out| {
+        serde_json::to_writer_pretty(&mut *out, value)?;
+        out.write_all(b"\n")
+    })?;
+    Ok(())
+}
+
+/// Writes a text file, whole or not at all.
+pub(super) fn write_text(path: &Path, text: &str) -> Result<(), CliError> {
+    write_atomically(path, |out| out.write_all(text.as_bytes()))?;
+    Ok(())
+}
+
+/// Prints a result; a reader that has gone away (a closed pipe) is no error.
+pub(super) fn print(text: &str) {
+    use std::io::Write;
+    let _ = std::io::stdout().lock().write_all(text.as_bytes());
+}
+
+/// Name for the output of a study: its folder's, or the file's own where it lies in the working folder.
+pub(super) fn study_name(study: &Path) -> String {
+    let folder = study.parent().and_then(Path::file_name).or(study.file_stem());
+    folder.map_or_else(|| "study".to_owned(), |name| name.to_string_lossy().into_owned())
+}
+
+/// A log's name without folder and extension.
+pub(super) fn log_name(log: &Path) -> String {
+    log.file_stem().map_or_else(|| "log".to_owned(), |name| name.to_string_lossy().into_owned())
+}

@@ -1,0 +1,203 @@
+//! `aibo-fit drop`: fits the simple and the extensive pendulum to logged swings.
+
+use super::CliError;
+use super::common::{CommonArgs, log_name, print, study_name, write_json, write_text};
+use super::error::{NO, NOT_CONVERGED};
+use super::progress::Progress;
+use super::provenance::provenance;
+use crate::fit::{Budget, Method, Stop};
+use crate::identify::{Case, Directives, DropError, DropFit, DropOptions, fit_drop};
+use crate::log::Role;
+use crate::report::{DropReport, FitFile, drop_report, drop_text, figures, render_html, resting_gravity_nm, still};
+use clap::{Args, ValueEnum};
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Fit the simple and the extensive pendulum to logged swings of a joint
+///
+/// Reads LOGs (CSV: t [s], q [rad], optional drive, q_ref, tau) with the sidecar NAME.toml and pose.toml beside them,
+/// or a study with several logs. Prints a table, and writes report.html, the figures as SVG, fit.json and fit.toml.
+#[derive(Args, Debug)]
+#[command(after_help = "Parameters: inertia [kg m^2], moment [kg m], coulomb [N m], viscous [N m s/rad], rest [rad]; \
+legs of the ERS-7: mass_shoulder, mass_upper_leg, mass_lower_leg [kg], zero [rad]; \
+simple model: b_over_ml2 [1/s], g_over_l [1/s^2].\n\nExample: aibo-fit drop data/q1.csv")]
+pub(super) struct DropArgs {
+    /// Logs of one joint, fitted together
+    #[arg(value_name = "LOG", required_unless_present = "study", conflicts_with = "study")]
+    logs: Vec<PathBuf>,
+    /// A study: nominal model and logs in one TOML file
+    #[arg(long, value_name = "FILE")]
+    study: Option<PathBuf>,
+    /// The joint: q1, q2 or q3 of an ERS-7 leg, or any other name [default: from sidecar or file name]
+    #[arg(long, value_name = "NAME", conflicts_with = "study")]
+    joint: Option<String>,
+    /// How to search
+    #[arg(long, value_enum, default_value_t = MethodArg::Lm)]
+    method: MethodArg,
+    /// Hold a parameter at a value, or at its nominal value; repeatable
+    #[arg(long, value_name = "NAME[=VALUE]", value_parser = name_and_value)]
+    fix: Vec<(String, Option<f64>)>,
+    /// Search a parameter that is held otherwise; repeatable
+    #[arg(long, value_name = "NAME")]
+    free: Vec<String>,
+    /// Search a parameter between two values only; repeatable
+    #[arg(long, value_name = "NAME=LOW:HIGH", value_parser = name_and_range)]
+    bound: Vec<(String, [f64; 2])>,
+    /// Begin the search at a value; repeatable
+    #[arg(long, value_name = "NAME=VALUE", value_parser = name_with_value)]
+    start: Vec<(String, f64)>,
+    /// Friction by (3.11): static friction above Coulomb's and a Stribeck speed
+    #[arg(long)]
+    stribeck: bool,
+    /// Fit inertia and moment of the link even where its bodies are known
+    #[arg(long)]
+    lump: bool,
+    #[command(flatten)]
+    common: CommonArgs,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum MethodArg {
+    /// Levenberg-Marquardt
+    Lm,
+    /// Broyden-Fletcher-Goldfarb-Shanno
+    Bfgs,
+    /// Davidon-Fletcher-Powell, the thesis's method
+    Dfp,
+}
+
+impl From<MethodArg> for Method {
+    fn from(method: MethodArg) -> Self {
+        match method {
+            MethodArg::Lm => Method::Lm,
+            MethodArg::Bfgs => Method::Bfgs,
+            MethodArg::Dfp => Method::Dfp,
+        }
+    }
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    text.trim().parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| format!("`{text}` is not a number"))
+}
+
+fn name_and_value(text: &str) -> Result<(String, Option<f64>), String> {
+    match text.split_once('=') {
+        Some((name, value)) => Ok((name.trim().to_owned(), Some(number(value)?))),
+        None => Ok((text.trim().to_owned(), None)),
+    }
+}
+
+fn name_with_value(text: &str) -> Result<(String, f64), String> {
+    match name_and_value(text)? {
+        (name, Some(value)) => Ok((name, value)),
+        (name, None) => Err(format!("`{name}` lacks a value; write {name}=VALUE")),
+    }
+}
+
+fn name_and_range(text: &str) -> Result<(String, [f64; 2]), String> {
+    let expected = || format!("`{text}` is not a range; write NAME=LOW:HIGH");
+    let (name, range) = text.split_once('=').ok_or_else(expected)?;
+    let (low, high) = range.split_once(':').ok_or_else(expected)?;
+    let range = [number(low)?, number(high)?];
+    if range[0] < range[1] {
+        Ok((name.trim().to_owned(), range))
+    } else {
+        Err(format!("`{text}`: LOW must be below HIGH"))
+    }
+}
+
+/// Runs the command.
+pub(super) fn run(args: &DropArgs) -> Result<u8, CliError> {
+    let progress = Progress::new(args.common.quiet);
+    progress.say("reading");
+    let (case, name) = match &args.study {
+        Some(study) => (Case::of_study(study)?, study_name(study)),
+        None => {
+            let name = args.logs.first().map(|log| log_name(log)).unwrap_or_default();
+            (Case::of_logs(&args.logs, args.joint.as_deref())?, name)
+        }
+    };
+    let options = DropOptions {
+        method: args.method.into(),
+        directives: Directives {
+            fix: args.fix.clone(),
+            free: args.free.clone(),
+            bound: args.bound.clone(),
+            start: args.start.clone(),
+        },
+        stribeck: args.stribeck,
+        lump: args.lump,
+        budget: Budget::default(),
+    };
+    let fit = args.common.on_threads(|| fit_drop(&case, &options, &|what| progress.say(what)));
+    let fit = match fit? {
+        Err(DropError::NeverMoved) => return never_moved(args, &case),
+        fit => fit?,
+    };
+    progress.say("drawing");
+    let logs = case.items.iter().map(|item| item.entry.path.clone());
+    let report = drop_report(&case, &fit, provenance(logs.chain(case.documents.iter().cloned()))?);
+    let written = write_report(args, &fit, &report, &name)?;
+    drop(progress);
+    if !args.common.quiet {
+        print(&drop_text(&report));
+        print(&format!("\nreport: {}\n", written.display()));
+    }
+    let budget_spent = fit.extensive.stop() == Stop::BudgetSpent;
+    Ok(if budget_spent { NOT_CONVERGED } else { 0 })
+}
+
+/// Draws everything first and writes it then, so that an error leaves no half of a report.
+fn write_report(args: &DropArgs, fit: &DropFit, report: &DropReport, name: &str) -> Result<PathBuf, CliError> {
+    let folder = args.common.folder(name);
+    let html = render_html(report)?;
+    let figures = figures(report)?;
+    let file = FitFile::of_drop(fit, report);
+    let toml = toml::to_string(&file).map_err(|error| CliError::Usage(error.to_string()))?;
+    for figure in &figures {
+        write_text(&folder.join(&figure.file_name), &figure.svg)?;
+    }
+    write_json(&folder.join("fit.json"), &file)?;
+    write_text(&folder.join("fit.toml"), &toml)?;
+    let page = folder.join("report.html");
+    write_text(&page, &html)?;
+    args.common.write_json(&file)?;
+    Ok(page)
+}
+
+/// The joint never moved: that is an answer.
+fn never_moved(args: &DropArgs, case: &Case) -> Result<u8, CliError> {
+    let fitted = case.items.iter().filter(|item| item.entry.role == Role::Fit);
+    let sentences: Vec<String> = fitted.clone().map(|item| still(case, item)).collect();
+    let logs: Vec<_> = fitted
+        .map(|item| {
+            json!({ "file": item.entry.file, "moved": false,
+                "breakaway_at_least_nm": resting_gravity_nm(case, item) })
+        })
+        .collect();
+    args.common.write_json(&json!({
+        "schema": 1, "name": case.joint.name, "moved": false, "sentence": sentences.join(" "), "logs": logs,
+    }))?;
+    if !args.common.quiet {
+        print(&format!("{}: no fit.\n", case.joint.name));
+        for sentence in sentences {
+            print(&format!("{sentence}\n"));
+        }
+    }
+    Ok(NO)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn demands_are_parsed_or_refused_with_the_form_expected() {
+        assert_eq!(name_and_value("moment"), Ok(("moment".into(), None)));
+        assert_eq!(name_and_value("moment=0.05"), Ok(("moment".into(), Some(0.05))));
+        assert_eq!(name_and_range("viscous=0:0.1"), Ok(("viscous".into(), [0.0, 0.1])));
+        assert!(name_with_value("moment").unwrap_err().contains("moment=VALUE"));
+        assert!(name_and_range("viscous=0.1:0").unwrap_err().contains("LOW must be below HIGH"));
+        assert!(name_and_value("moment=five").unwrap_err().contains("not a number"));
+    }
+}

@@ -1,0 +1,80 @@
+//! How a command fails, and with which exit code.
+
+use crate::identify::{CaseError, DirectiveError, DropError};
+use crate::log::LogError;
+use crate::report::ReportError;
+use std::path::PathBuf;
+
+/// The answer is "no": the joint never moved.
+pub(super) const NO: u8 = 1;
+/// The command line cannot be understood.
+pub(super) const USAGE: u8 = 2;
+/// A file is wrong.
+const DATA: u8 = 3;
+/// The search did not converge, or the motion diverged.
+pub(super) const NOT_CONVERGED: u8 = 4;
+/// A file cannot be read or written.
+const IO: u8 = 5;
+
+/// Why a command failed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CliError {
+    /// A log or study cannot be read, is wrong, or a result cannot be written.
+    #[error(transparent)]
+    Log(#[from] LogError),
+    /// The logs do not make a case.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    /// No fit can be made.
+    #[error(transparent)]
+    Drop(#[from] DropError),
+    /// A figure cannot be drawn.
+    #[error(transparent)]
+    Report(#[from] ReportError),
+    /// The command line asks for something impossible.
+    #[error("{0}")]
+    Usage(String),
+    /// A motion diverged.
+    #[error("{file}: {source}; check the parameters' units and sizes")]
+    Diverged {
+        /// The log that was predicted.
+        file: String,
+        /// When it ran away.
+        source: crate::pendulum::Diverged,
+    },
+    /// A fit file cannot be understood.
+    #[error("{}: {what}", file.display())]
+    FitFile {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong with it, and what was expected.
+        what: String,
+    },
+    /// The worker threads cannot be started.
+    #[error("cannot start the worker threads: {0}")]
+    Threads(String),
+}
+
+impl CliError {
+    /// The exit code of the specification.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            CliError::Log(error) | CliError::Case(CaseError::Log(error)) => {
+                if error.is_io() {
+                    IO
+                } else {
+                    DATA
+                }
+            }
+            CliError::Case(CaseError::JointsDiffer { .. }) | CliError::Usage(_) => USAGE,
+            CliError::Drop(DropError::Directive(
+                DirectiveError::Unknown { .. } | DirectiveError::Impossible { .. },
+            )) => USAGE,
+            CliError::Drop(DropError::NeverMoved) => NO,
+            CliError::Drop(_) | CliError::Diverged { .. } => NOT_CONVERGED,
+            CliError::Case(_) | CliError::FitFile { .. } => DATA,
+            CliError::Report(_) | CliError::Threads(_) => IO,
+        }
+    }
+}

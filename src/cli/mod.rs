@@ -1,0 +1,52 @@
+//! The command line: parses, runs, and says how it ended.
+
+mod common;
+mod drop;
+mod error;
+mod progress;
+mod provenance;
+mod simulate;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+pub use error::CliError;
+
+/// Turns logs of robot joints into trustworthy dynamics.
+#[derive(Parser, Debug)]
+#[command(name = "aibo-fit", version, max_term_width = 100, propagate_version = true)]
+#[command(after_help = "Exit codes: 0 done; 1 the answer is no (the joint never moved); 2 usage; 3 bad data; \
+4 did not converge; 5 could not read or write.\n\nExample: aibo-fit drop data/q1.csv")]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand, Debug)]
+enum Command {
+    Drop(Box<drop::DropArgs>),
+    Simulate(simulate::SimulateArgs),
+}
+
+/// Runs the program and answers with its exit code.
+pub fn run() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help and version are no errors; clap knows which stream they go to.
+            let _ = error.print();
+            return ExitCode::from(if error.use_stderr() { error::USAGE } else { 0 });
+        }
+    };
+    let result = match cli.command {
+        Command::Drop(args) => drop::run(&args),
+        Command::Simulate(args) => simulate::run(&args),
+    };
+    match result {
+        Ok(code) => ExitCode::from(code),
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(error.exit_code())
+        }
+    }
+}

@@ -1,0 +1,205 @@
+//! `aibo-fit simulate`: predicts the logs of a study from their start.
+
+use super::CliError;
+use super::common::{CommonArgs, log_name, print, study_name, write_text};
+use super::progress::Progress;
+use super::provenance::provenance;
+use crate::fit::{Budget, Method};
+use crate::identify::{Case, Experiment, ExtensiveModel, Item, JointModel, Prediction, Scale, conclude, predict};
+use crate::log::{Nominal, Role};
+use crate::report::{FitFile, Quantity, SCHEMA};
+use clap::Args;
+use serde_json::json;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Predict the logs of a study from their start, with given or fitted parameters
+///
+/// Only where each log starts is taken from the log itself: its angle, and its speed or the instant of release.
+/// Prints the RMS of each log and writes <log>.predicted.csv (t [s], q [rad], dq [rad/s], q_measured [rad]).
+#[derive(Args, Debug)]
+#[command(after_help = "Example: aibo-fit simulate study.toml --fit fits/study/fit.json")]
+pub(super) struct SimulateArgs {
+    /// The study whose logs are predicted
+    #[arg(value_name = "STUDY")]
+    study: PathBuf,
+    /// Parameters found by drop [default: the study's nominal model]
+    #[arg(long, value_name = "FIT.json")]
+    fit: Option<PathBuf>,
+    /// Predict this log instead, by the study's joint and by what the study says of its first log
+    #[arg(long, value_name = "LOG.csv")]
+    log: Option<PathBuf>,
+    #[command(flatten)]
+    common: CommonArgs,
+}
+
+/// Parameters in force, and where they come from.
+struct InForce {
+    nominal: Nominal,
+    rest_rad: Option<f64>,
+    /// Static friction and Stribeck speed.
+    stribeck: Option<(f64, f64)>,
+    source: String,
+}
+
+/// Runs the command.
+pub(super) fn run(args: &SimulateArgs) -> Result<u8, CliError> {
+    let progress = Progress::new(args.common.quiet);
+    progress.say("reading");
+    let case = match &args.log {
+        Some(log) => Case::of_log_in_study(&args.study, log)?,
+        None => Case::of_study(&args.study)?,
+    };
+    let in_force = in_force(args, &case)?;
+    progress.say("predicting");
+    let predicted = args.common.on_threads(|| predictions(&case, &in_force))??;
+    let folder = args.common.folder(&study_name(&args.study));
+    let inputs = case.items.iter().map(|i| i.entry.path.clone()).chain(case.documents.iter().cloned());
+    let provenance = provenance(inputs.chain(args.fit.iter().cloned()))?;
+    let mut rows = Vec::new();
+    let mut text = format!("{}: parameters from {}\n\n", case.joint.name, in_force.source);
+    let _ = writeln!(text, "{:<40} {:<9} {:>8} {:>12}", "log", "role", "samples", "RMS [mrad]");
+    for (item, prediction) in &predicted {
+        let role = match item.entry.role {
+            Role::Fit => "fit",
+            Role::Validate => "validate",
+        };
+        let Some((experiment, prediction)) = prediction else {
+            let _ = writeln!(text, "{:<40} {role:<9} {:>8} {:>12}", item.entry.file, item.log.len(), "never moves");
+            rows.push(json!({ "file": item.entry.file, "role": role, "rms": null, "moved": false }));
+            continue;
+        };
+        let csv = folder.join(format!("{}.predicted.csv", log_name(&item.entry.path)));
+        write_text(&csv, &predicted_csv(item, experiment, prediction))?;
+        let samples = experiment.compared();
+        let _ = writeln!(text, "{:<40} {role:<9} {samples:>8} {:>12.3}", item.entry.file, 1e3 * prediction.rms_rad);
+        rows.push(json!({ "file": item.entry.file, "role": role, "rms": prediction.rms_rad, "samples": samples,
+            "criterion": prediction.criterion_rad2_s, "predicted": csv.display().to_string() }));
+    }
+    args.common.write_json(&json!({
+        "schema": SCHEMA, "joint": case.joint.name, "parameters": in_force.source, "logs": rows,
+        "version": provenance.version, "command": provenance.command,
+        "inputs": provenance.inputs.iter().map(|(file, hash)| json!({ "file": file, "sha256": hash })).collect::<Vec<_>>(),
+    }))?;
+    drop(progress);
+    if !args.common.quiet {
+        print(&text);
+        print(&format!("\npredictions: {}\n", folder.display()));
+    }
+    Ok(0)
+}
+
+/// The parameters of the fit file, or of the study.
+fn in_force(args: &SimulateArgs, case: &Case) -> Result<InForce, CliError> {
+    let Some(path) = &args.fit else {
+        let nominal = case.joint.nominal.ok_or_else(|| CliError::FitFile {
+            file: args.study.clone(),
+            what: "the study has no nominal model; give parameters with --fit".into(),
+        })?;
+        let source = format!("{}, as given", args.study.display());
+        return Ok(InForce { nominal, rest_rad: case.joint.rest_rad, stribeck: None, source });
+    };
+    let file = read_fit(path)?;
+    let wrong = |what: String| CliError::FitFile { file: path.clone(), what };
+    let number = |key: &str, quantity: &Quantity, zero_allowed: bool| match quantity.value {
+        Some(v) if v.is_finite() && (v > 0.0 || v == 0.0 && zero_allowed) => Ok(v),
+        Some(v) => Err(wrong(format!(
+            "{key}.value is {v}, expected a number {} zero",
+            if zero_allowed { "not below" } else { "above" }
+        ))),
+        None => Err(wrong(format!("{key}.value is null: this fit does not determine it"))),
+    };
+    let nominal = if file.ratios.is_empty() {
+        Nominal {
+            inertia_kg_m2: number("joint.inertia", &file.joint.inertia, false)?,
+            moment_kg_m: number("joint.moment", &file.joint.moment, true)?,
+            coulomb_nm: number("joint.coulomb", &file.joint.coulomb, true)?,
+            viscous_nm_s_rad: number("joint.viscous", &file.joint.viscous, true)?,
+        }
+    } else {
+        // Only ratios are known: everything per unit of inertia moves the same.
+        let ratio = |key: &str| {
+            let quantity = file.ratios.get(key).ok_or_else(|| wrong(format!("ratios.{key} is missing")))?;
+            number(&format!("ratios.{key}"), quantity, true)
+        };
+        Nominal {
+            inertia_kg_m2: 1.0,
+            moment_kg_m: ratio("moment_per_inertia")?,
+            coulomb_nm: ratio("coulomb_per_inertia")?,
+            viscous_nm_s_rad: ratio("viscous_per_inertia")?,
+        }
+    };
+    let mut stribeck = None;
+    for effect in &file.effects {
+        if effect.id != "stribeck" {
+            return Err(wrong(format!(
+                "effects: `{}` is not an effect that simulate knows; it knows stribeck",
+                effect.id
+            )));
+        }
+        let parameter = |name: &str| {
+            let quantity =
+                effect.parameters.get(name).ok_or_else(|| wrong(format!("effects: stribeck lacks {name}")))?;
+            number(&format!("effects: stribeck {name}"), quantity, name == "mu_st")
+        };
+        stribeck = Some((parameter("mu_st")?, parameter("v_st")?));
+    }
+    let rest_rad = file.joint.rest.as_ref().and_then(|r| r.value).or(case.joint.rest_rad);
+    Ok(InForce { nominal, rest_rad, stribeck, source: path.display().to_string() })
+}
+
+fn read_fit(path: &Path) -> Result<FitFile, CliError> {
+    let text =
+        fs::read_to_string(path).map_err(|source| crate::log::LogError::Read { file: path.to_path_buf(), source })?;
+    let wrong = |what: String| CliError::FitFile { file: path.to_path_buf(), what };
+    let file: FitFile = serde_json::from_str(&text)
+        .map_err(|error| wrong(format!("{error}; expected a fit.json as `aibo-fit drop` writes it")))?;
+    if file.schema == SCHEMA { Ok(file) } else { Err(wrong(format!("schema is {}, expected {SCHEMA}", file.schema))) }
+}
+
+type Predicted<'a> = (&'a Item, Option<(Experiment, Prediction)>);
+
+/// Predicts every log of a case; a log in which nothing moves has no prediction.
+fn predictions<'a>(case: &'a Case, in_force: &InForce) -> Result<Vec<Predicted<'a>>, CliError> {
+    let moving: Vec<Experiment> = case.items.iter().filter_map(|i| i.experiment.clone()).collect();
+    let scale = Scale::of(&moving, Some(&in_force.nominal), in_force.rest_rad);
+    let mut model = ExtensiveModel::lumped(&scale, Some(&in_force.nominal), in_force.stribeck.is_some());
+    for p in model.parameters_mut() {
+        if let Some((static_nm, speed_rad_s)) = in_force.stribeck {
+            match p.name.as_str() {
+                "static_excess" => p.start = (static_nm - in_force.nominal.coulomb_nm).max(0.0),
+                "stribeck_speed" => p.start = speed_rad_s,
+                _ => {}
+            }
+        }
+        p.fixed |= p.name != "rest";
+    }
+    let mut values: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
+    if in_force.rest_rad.is_none() && !moving.is_empty() {
+        // Nobody states where the joint hangs: the logs say it.
+        let fitted =
+            conclude(&model, &moving, Method::Lm, Budget::default()).map_err(crate::identify::DropError::from)?;
+        values = fitted.found.values;
+    }
+    case.items
+        .iter()
+        .map(|item| {
+            let Some(experiment) = &item.experiment else { return Ok((item, None)) };
+            let prediction = predict(&model, std::slice::from_ref(experiment), &values)
+                .map_err(|source| CliError::Diverged { file: item.entry.file.clone(), source })?;
+            Ok((item, prediction.into_iter().next().map(|p| (experiment.clone(), p))))
+        })
+        .collect()
+}
+
+/// Times of the log, prediction and reading.
+fn predicted_csv(item: &Item, e: &Experiment, prediction: &Prediction) -> String {
+    let t0 = item.log.t_s[0];
+    let mut text = String::from("t,q,dq,q_measured\n");
+    for k in e.uncompared..e.t_s.len() {
+        let (t, q, dq) = (t0 + e.t_s[k], prediction.angle_rad[k], prediction.rate_rad_s[k]);
+        let _ = writeln!(text, "{t:.6},{q:.7},{dq:.6},{:.7}", e.measured_rad[k]);
+    }
+    text
+}

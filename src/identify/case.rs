@@ -1,0 +1,311 @@
+//! What a user hands over, made ready: a study, or logs with their sidecars, as one joint and its experiments.
+
+use super::{Experiment, LegCase};
+use crate::geometry::{GeometryError, LegJoint};
+use crate::log::{
+    DriveMode, Health, JointSpec, Log, LogError, Role, SensorSpec, Study, StudyLog, health, read_joint_log, read_log,
+    read_pose_for, read_sidecar_for, read_study, read_study_logs,
+};
+use std::path::{Path, PathBuf};
+
+/// One joint and its logs.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// Name, gravity, rest angle; the nominal model of the study, or of the thesis's tables for a leg.
+    pub joint: JointSpec,
+    /// The leg of the ERS-7 that swings; `None` for any other joint, and where a study states a nominal model and no
+    /// pose stands beside its logs.
+    pub leg: Option<LegCase>,
+    /// The link is written by the masses of its bodies, because nothing else is stated of it.
+    pub by_bodies: bool,
+    /// In the order given.
+    pub items: Vec<Item>,
+    /// Files that were read beside the logs: study, sidecars, poses.
+    pub documents: Vec<PathBuf>,
+}
+
+/// One log of a case.
+#[derive(Clone, Debug)]
+pub struct Item {
+    /// What was recorded.
+    pub log: Log,
+    /// What the study or the sidecar says of it.
+    pub entry: StudyLog,
+    /// Its encoder.
+    pub sensor: SensorSpec,
+    /// What it is like.
+    pub health: Health,
+    /// The log made ready; `None` where the joint never moved, or was never let go.
+    pub experiment: Option<Experiment>,
+}
+
+/// Why logs do not make a case.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CaseError {
+    /// A file cannot be read or is wrong.
+    #[error(transparent)]
+    Log(#[from] LogError),
+    /// The sidecar's or pose's geometry is impossible.
+    #[error("{}: {source}", file.display())]
+    Geometry {
+        /// The log whose geometry it is.
+        file: PathBuf,
+        /// What is impossible about it.
+        source: GeometryError,
+    },
+    /// Logs of different joints were given together.
+    #[error("{}: a log of joint {found}, but {} is of joint {expected}; fit one joint at a time, or name it with --joint", file.display(), first.display())]
+    JointsDiffer {
+        /// The log that differs.
+        file: PathBuf,
+        /// Its joint.
+        found: String,
+        /// The first log.
+        first: PathBuf,
+        /// The first log's joint.
+        expected: String,
+    },
+    /// Sidecars of the logs contradict each other.
+    #[error("{}: {key} is {found}, but {} has {expected}; logs that are fitted together share it", file.display(), first.display())]
+    SidecarsDiffer {
+        /// The log that differs.
+        file: PathBuf,
+        /// Which key.
+        key: &'static str,
+        /// Its value.
+        found: String,
+        /// The first log.
+        first: PathBuf,
+        /// The first log's value.
+        expected: String,
+    },
+    /// A log is shorter than what is to be found from it.
+    #[error("{}: {samples} samples after release, but at least {needed} are needed for {needed} unknowns; record longer", file.display())]
+    TooFewSamples {
+        /// The log.
+        file: PathBuf,
+        /// Samples that count.
+        samples: usize,
+        /// Free parameters, with the start.
+        needed: usize,
+    },
+}
+
+/// Unknowns of a baseline fit of one log: inertia, two frictions, rest angle, and the start's two.
+const UNKNOWNS: usize = 6;
+
+impl Case {
+    /// A study with its logs.
+    ///
+    /// # Errors
+    /// [`CaseError`] where a file cannot be read or is wrong.
+    pub fn of_study(path: &Path) -> Result<Self, CaseError> {
+        let study = read_study(path)?;
+        let logs = read_study_logs(&study)?;
+        let Study { joint, sensor, logs: entries, .. } = study;
+        let items = logs.into_iter().zip(entries).map(|(log, entry)| (log, entry, sensor)).collect();
+        Self::new(joint, items, vec![path.to_path_buf()])
+    }
+
+    /// A log that a study does not name, read by the study's joint and by what the study says of its first log.
+    ///
+    /// # Errors
+    /// As [`Case::of_study`].
+    pub fn of_log_in_study(path: &Path, log: &Path) -> Result<Self, CaseError> {
+        let mut study = read_study(path)?;
+        study.logs.truncate(1);
+        for entry in &mut study.logs {
+            entry.file = log.display().to_string();
+            entry.path = log.to_path_buf();
+            entry.role = Role::Validate;
+            entry.extra = read_sidecar_for(log)?.and_then(|sidecar| sidecar.logs.first()?.extra).or(entry.extra);
+        }
+        let logs = read_study_logs(&study)?;
+        let Study { joint, sensor, logs: entries, .. } = study;
+        let items = logs.into_iter().zip(entries).map(|(log, entry)| (log, entry, sensor)).collect();
+        Self::new(joint, items, vec![path.to_path_buf()])
+    }
+
+    /// Logs with their sidecars; `joint` overrides what sidecar and file name say.
+    ///
+    /// # Errors
+    /// As [`Case::of_study`], and where the logs are not of one joint.
+    pub fn of_logs(paths: &[PathBuf], joint: Option<&str>) -> Result<Self, CaseError> {
+        let mut first: Option<(PathBuf, JointSpec)> = None;
+        let mut items = Vec::with_capacity(paths.len());
+        let mut documents = Vec::new();
+        for path in paths {
+            let sidecar = read_sidecar_for(path)?;
+            if sidecar.is_some() {
+                documents.push(path.with_extension("toml"));
+            }
+            let log = match read_log(path) {
+                Err(LogError::SeveralJoints { .. }) if joint.is_some() => read_joint_log(path, joint)?,
+                read => read?,
+            };
+            let (mut spec, sensor, entry) = match sidecar {
+                Some(Study { joint, sensor, mut logs, .. }) if !logs.is_empty() => (joint, sensor, logs.remove(0)),
+                Some(Study { joint, sensor, .. }) => (joint, sensor, plain_entry(path)),
+                None => (plain_joint(path), SensorSpec::default(), plain_entry(path)),
+            };
+            if let Some(name) = joint {
+                spec.name = name.to_owned();
+            } else if spec.name.is_empty() {
+                spec.name = name_from_file(path);
+            }
+            // On the command line the path is what the user typed.
+            let entry = StudyLog { file: path.display().to_string(), path: path.clone(), ..entry };
+            match &first {
+                None => first = Some((path.clone(), spec)),
+                Some((first, expected)) => same_joint(path, &spec, first, expected)?,
+            }
+            items.push((log, entry, sensor));
+        }
+        let spec = first.map_or_else(|| plain_joint(Path::new("joint")), |(_, spec)| spec);
+        Self::new(spec, items, documents)
+    }
+
+    fn new(
+        mut joint: JointSpec,
+        items: Vec<(Log, StudyLog, SensorSpec)>,
+        mut documents: Vec<PathBuf>,
+    ) -> Result<Self, CaseError> {
+        let by_bodies = joint.nominal.is_none();
+        let mut leg = None;
+        if let Ok(leg_joint) = joint.name.parse::<LegJoint>() {
+            let path = items.first().map_or_else(PathBuf::new, |(_, entry, _)| entry.path.clone());
+            let pose = read_pose_for(&path, &leg_joint.to_string())?;
+            if pose.is_some() {
+                documents.push(path.with_file_name("pose.toml"));
+            }
+            if pose.is_some() || by_bodies {
+                let impossible = |source| CaseError::Geometry { file: path.clone(), source };
+                let case = LegCase::new(leg_joint, pose.as_ref(), joint.gravity_m_s2).map_err(impossible)?;
+                if by_bodies {
+                    joint.nominal = Some(case.nominal().map_err(impossible)?);
+                }
+                leg = Some(case);
+            }
+        }
+        let gravity_m_s2 = match &leg {
+            Some(leg) => {
+                leg.bare()
+                    .map_err(|source| CaseError::Geometry { file: PathBuf::from("pose.toml"), source })?
+                    .gravity_m_s2
+            }
+            None => joint.gravity_m_s2,
+        };
+        joint.gravity_m_s2 = gravity_m_s2;
+        let items = items
+            .into_iter()
+            .map(|(log, entry, sensor)| item(log, entry, sensor, gravity_m_s2, leg.as_ref()))
+            .collect::<Result<_, _>>()?;
+        let by_bodies = by_bodies && leg.is_some();
+        Ok(Self { joint, leg, by_bodies, items, documents })
+    }
+
+    /// Experiments of the logs with a role, in order; logs in which nothing moved are left out.
+    pub fn experiments(&self, role: Role) -> Vec<Experiment> {
+        self.items.iter().filter(|i| i.entry.role == role).filter_map(|i| i.experiment.clone()).collect()
+    }
+}
+
+fn item(
+    log: Log,
+    entry: StudyLog,
+    sensor: SensorSpec,
+    gravity_m_s2: f64,
+    leg: Option<&LegCase>,
+) -> Result<Item, CaseError> {
+    let health = health(&log, &sensor, entry.drive);
+    let resolution_rad = sensor.resolution_rad.or(health.step_rad).unwrap_or(0.0);
+    let mut experiment =
+        health.moved.then(|| Experiment::new(&log, &entry, &health, resolution_rad, gravity_m_s2)).flatten();
+    if let Some(e) = &mut experiment {
+        if e.compared() < UNKNOWNS {
+            let (file, samples) = (entry.path.clone(), e.compared());
+            return Err(CaseError::TooFewSamples { file, samples, needed: UNKNOWNS });
+        }
+        if let Some(leg) = leg {
+            let impossible = |source| CaseError::Geometry { file: entry.path.clone(), source };
+            e.bodies = leg.bodies().map_err(impossible)?;
+            e.load = entry.extra.as_ref().map(|extra| leg.load(extra)).transpose().map_err(impossible)?;
+        }
+    }
+    Ok(Item { log, entry, sensor, health, experiment })
+}
+
+fn same_joint(path: &Path, spec: &JointSpec, first: &Path, expected: &JointSpec) -> Result<(), CaseError> {
+    let (file, first) = (path.to_path_buf(), first.to_path_buf());
+    if spec.name != expected.name {
+        let (found, expected) = (spec.name.clone(), expected.name.clone());
+        return Err(CaseError::JointsDiffer { file, found, first, expected });
+    }
+    if spec.gravity_m_s2 != expected.gravity_m_s2 {
+        let (found, expected) = (spec.gravity_m_s2.to_string(), expected.gravity_m_s2.to_string());
+        return Err(CaseError::SidecarsDiffer { file, key: "[joint] gravity", found, first, expected });
+    }
+    if spec.rest_rad != expected.rest_rad {
+        let word = |rest: Option<f64>| rest.map_or("absent".to_owned(), |r| r.to_string());
+        let (found, expected) = (word(spec.rest_rad), word(expected.rest_rad));
+        return Err(CaseError::SidecarsDiffer { file, key: "[joint] rest", found, first, expected });
+    }
+    Ok(())
+}
+
+/// Gravity where nobody states it \[m/s^2\].
+const GRAVITY_M_S2: f64 = 9.81;
+
+fn plain_joint(path: &Path) -> JointSpec {
+    JointSpec { name: name_from_file(path), nominal: None, gravity_m_s2: GRAVITY_M_S2, rest_rad: None }
+}
+
+fn plain_entry(path: &Path) -> StudyLog {
+    StudyLog {
+        file: path.display().to_string(),
+        path: path.to_path_buf(),
+        role: Role::Fit,
+        drive: DriveMode::Off,
+        motor: None,
+        extra: None,
+    }
+}
+
+/// `q1` for `q1.csv`, `q1-bare-0.csv` and `Q1_402g.csv`; the file's stem where it names no leg joint.
+fn name_from_file(path: &Path) -> String {
+    let stem = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+    let head = stem.split(['-', '_', '.', ' ']).next().unwrap_or_default().to_lowercase();
+    if head.parse::<LegJoint>().is_ok() { head } else { stem }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_joint_is_known_from_the_file_name() {
+        for (file, joint) in
+            [("q1.csv", "q1"), ("a/Q2_bare.csv", "q2"), ("q3-220g-1.csv", "q3"), ("pendulum.csv", "pendulum")]
+        {
+            assert_eq!(name_from_file(Path::new(file)), joint);
+        }
+    }
+
+    #[test]
+    fn a_log_with_sidecar_and_pose_is_a_leg() {
+        let case = Case::of_logs(&[PathBuf::from("data/q1.csv")], None).expect("readable");
+        let leg = case.leg.expect("q1 is a joint of the leg");
+        assert!(leg.pose_known);
+        let e = case.items[0].experiment.as_ref().expect("it swings");
+        assert_eq!((e.bodies.len(), e.uncompared), (3, 1));
+        assert_eq!(case.documents.len(), 2);
+    }
+
+    #[test]
+    fn logs_of_two_joints_are_refused() {
+        let paths = ["data/thesis-robot/q1-bare-0.csv", "data/thesis-robot/q2-bare-0.csv"].map(PathBuf::from);
+        let error = Case::of_logs(&paths, None).expect_err("two joints");
+        assert!(error.to_string().contains("q2-bare-0.csv: a log of joint q2"), "{error}");
+    }
+}

@@ -1,0 +1,192 @@
+//! `fit.json`: what a fit found, for programs (specification, section 6).
+
+use super::{DropReport, ModelSummary, ParameterRow, ParameterStatus};
+use crate::identify::{DropFit, Status};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// The format's version.
+pub const SCHEMA: u32 = 1;
+
+/// A fit as it is written and read.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FitFile {
+    /// [`SCHEMA`].
+    pub schema: u32,
+    /// The joint's name.
+    #[serde(default)]
+    pub name: String,
+    /// The bare link and its friction.
+    pub joint: JointFit,
+    /// Effects beyond the baseline joint.
+    #[serde(default)]
+    pub effects: Vec<EffectFit>,
+    /// Masses of the link's bodies \[kg\], where they were the parameters.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub masses: BTreeMap<String, Quantity>,
+    /// Ratios to the inertia, where the logs determine nothing else.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub ratios: BTreeMap<String, Quantity>,
+    /// The models that were fitted, `simple` and `extensive`.
+    #[serde(default)]
+    pub models: BTreeMap<String, ModelFit>,
+    /// RMS per log, of the extensive model.
+    #[serde(default)]
+    pub logs: Vec<LogFit>,
+    /// What was said to the reader.
+    #[serde(default)]
+    pub notes: Vec<String>,
+    /// One sentence.
+    #[serde(default)]
+    pub sentence: String,
+    /// `lm`, `bfgs` or `dfp`.
+    #[serde(default)]
+    pub method: String,
+    /// Why the optimiser stopped.
+    #[serde(default)]
+    pub stop: String,
+    /// Version of the program.
+    #[serde(default)]
+    pub version: String,
+    /// Input files and their SHA-256.
+    #[serde(default)]
+    pub inputs: BTreeMap<String, String>,
+}
+
+/// The baseline joint's numbers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JointFit {
+    /// `I*` \[kg m^2\]
+    pub inertia: Quantity,
+    /// `M*` \[kg m\]
+    pub moment: Quantity,
+    /// `mu_c` \[N m\]
+    pub coulomb: Quantity,
+    /// `mu_v` \[N m s/rad\]
+    pub viscous: Quantity,
+    /// Angle at which the bare link hangs \[rad\].
+    #[serde(default)]
+    pub rest: Option<Quantity>,
+}
+
+/// A number with its unit and its intervals.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Quantity {
+    /// The estimate, or the value at which it was held; null where there is none.
+    pub value: Option<f64>,
+    /// Its unit.
+    #[serde(default)]
+    pub unit: String,
+    /// 95 %, allowing for correlated residuals; null where the logs do not determine the quantity.
+    #[serde(default)]
+    pub interval: Option<[f64; 2]>,
+    /// 95 %, as if residuals were white.
+    #[serde(default)]
+    pub interval_naive: Option<[f64; 2]>,
+    /// Whether the logs determine it.
+    #[serde(default)]
+    pub identifiable: bool,
+}
+
+/// An effect with its parameters, by the catalogue's names.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EffectFit {
+    /// The catalogue's id.
+    pub id: String,
+    /// By name.
+    pub parameters: BTreeMap<String, Quantity>,
+}
+
+/// One fitted model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ModelFit {
+    /// \[rad\]
+    pub rms: f64,
+    /// The integral (3.7) \[rad^2 s\].
+    pub criterion: f64,
+    /// By name.
+    pub parameters: BTreeMap<String, Quantity>,
+}
+
+/// One log's residual.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LogFit {
+    /// As the user named it.
+    pub file: String,
+    /// `fit` or `validate`.
+    pub role: String,
+    /// \[rad\]
+    pub rms: f64,
+}
+
+impl Quantity {
+    fn of(row: &ParameterRow) -> Self {
+        Self {
+            value: row.value.is_finite().then_some(row.value),
+            unit: row.unit.clone(),
+            interval: row.interval,
+            interval_naive: row.interval_naive,
+            identifiable: row.status == ParameterStatus::Determined,
+        }
+    }
+}
+
+impl FitFile {
+    /// The file of a drop fit and its report.
+    pub fn of_drop(fit: &DropFit, report: &DropReport) -> Self {
+        let rows = super::assemble::joint_rows(fit);
+        let quantity = |name: &str| rows.iter().find(|r| r.name == name).map(Quantity::of);
+        let joint = JointFit {
+            inertia: quantity("inertia").unwrap_or_default(),
+            moment: quantity("moment").unwrap_or_default(),
+            coulomb: quantity("coulomb").unwrap_or_default(),
+            viscous: quantity("viscous").unwrap_or_default(),
+            rest: quantity("rest"),
+        };
+        let masses = fit.extensive.estimates.iter().filter(|e| e.name.starts_with("mass_")).map(|e| {
+            let quantity = Quantity {
+                value: Some(e.value),
+                unit: e.unit.clone(),
+                interval: e.interval,
+                interval_naive: e.interval_naive,
+                identifiable: e.status == Status::Determined,
+            };
+            (e.name.clone(), quantity)
+        });
+        let stribeck = super::assemble::stribeck_rows(fit);
+        let effects = if stribeck.is_empty() {
+            Vec::new()
+        } else {
+            let parameters = stribeck.iter().map(|row| (row.name.clone(), Quantity::of(row))).collect();
+            vec![EffectFit { id: "stribeck".into(), parameters }]
+        };
+        let ratios = super::assemble::ratio_rows(fit);
+        let key = |m: &ModelSummary| if m.name.starts_with("simple") { "simple" } else { "extensive" };
+        let model = |m: &ModelSummary| ModelFit {
+            rms: m.rms_rad,
+            criterion: m.criterion_rad2_s,
+            parameters: m.parameters.iter().map(|row| (row.name.clone(), Quantity::of(row))).collect(),
+        };
+        let extensive = report.models.iter().find(|m| key(m) == "extensive");
+        Self {
+            schema: SCHEMA,
+            name: report.joint.clone(),
+            joint,
+            effects,
+            masses: masses.collect(),
+            ratios: ratios.iter().map(|row| (row.name.clone(), Quantity::of(row))).collect(),
+            models: report.models.iter().map(|m| (key(m).to_owned(), model(m))).collect(),
+            logs: report
+                .logs
+                .iter()
+                .map(|l| LogFit { file: l.file.clone(), role: l.role.clone(), rms: l.extensive_rms_rad })
+                .collect(),
+            notes: report.notes.clone(),
+            sentence: report.sentence.clone(),
+            method: extensive.map(|m| m.method.clone()).unwrap_or_default(),
+            stop: extensive.map(|m| m.stop.clone()).unwrap_or_default(),
+            version: report.provenance.version.clone(),
+            inputs: report.provenance.inputs.iter().cloned().collect(),
+        }
+    }
+}
