@@ -26,7 +26,7 @@ pub(super) fn provenance(inputs: impl IntoIterator<Item = PathBuf>) -> Result<Pr
     }
     let words: Vec<String> = std::env::args().skip(1).collect();
     Ok(Provenance {
-        version: format!("aibo-fit {}", env!("CARGO_PKG_VERSION")),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
         command: format!("aibo-fit {}", words.join(" ")),
         inputs: hashed,
     })

@@ -154,7 +154,7 @@ fn companions(k: usize, free: usize, verdict: &Result<Uncertainty, Undetermined>
 fn most_open<M: JointModel>(model: &M, free: &[usize], u: &Uncertainty) -> Option<usize> {
     let openness = |k: usize| {
         let p = &model.parameters()[free[k]];
-        let half_width = u.half_width_robust(k);
+        let half_width = u.half_width_robust(k).max(p.known_to);
         match p.search {
             Search::Logarithm if p.name == "moment" && p.nominal.is_some() => half_width / OPEN_MOMENT,
             Search::Logarithm => half_width / OPEN_FACTOR,

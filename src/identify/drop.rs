@@ -128,7 +128,7 @@ fn extensive_model(case: &Case, fitted: &[Experiment], options: &DropOptions) ->
     let scale = Scale::of(fitted, nominal, case.joint.rest_rad);
     let mut model = match &case.leg {
         Some(leg) if case.by_bodies && !options.lump => {
-            ExtensiveModel::bodies(&scale, &leg.masses()?, leg.pose_known, nominal, options.stribeck)
+            ExtensiveModel::bodies(&scale, fitted, &leg.masses()?, leg.pose_known, nominal, options.stribeck)
         }
         _ => ExtensiveModel::lumped(&scale, nominal, options.stribeck),
     };

@@ -102,6 +102,7 @@ impl ExtensiveModel {
     /// is nominally 0 where the pose is known.
     pub fn bodies(
         scale: &Scale,
+        experiments: &[Experiment],
         masses: &[BodyMass],
         pose_known: bool,
         friction: Option<&Nominal>,
@@ -111,7 +112,8 @@ impl ExtensiveModel {
             .iter()
             .map(|m| {
                 let p = Parameter::positive(&m.name, &m.symbol, "kg", Some(m.nominal_kg), m.nominal_kg);
-                if m.free { p } else { p.fixed() }
+                let known_to = BENCH_PRECISION / share(experiments, masses, &m.name);
+                Parameter { known_to, fixed: !m.free, ..p }
             })
             .collect();
         let link = parameters.len();
@@ -172,6 +174,26 @@ impl JointModel for ExtensiveModel {
         ExtensivePendulum { link, coulomb_nm: values[c], viscous_nm_s_rad: values[v], stribeck }
             .chain(experiment.motor.map(Motor::new))
     }
+}
+
+/// How well the lengths and masses of a set-up are usually known, as a share.
+const BENCH_PRECISION: f64 = 0.01;
+
+/// The largest share that a body has in the inertia or in the moment of all that turns, over the experiments.
+fn share(experiments: &[Experiment], masses: &[BodyMass], name: &str) -> f64 {
+    let share_in = |e: &Experiment| {
+        let (mut inertia, mut moment) = e.load.map_or((0.0, 0.0), |l| (l.inertia_kg_m2, l.moment_kg_m));
+        let mut own = (0.0, 0.0);
+        for (body, mass) in e.bodies.iter().zip(masses) {
+            let part = (mass.nominal_kg * body.inertia_per_kg_m2, mass.nominal_kg * body.lever_m);
+            (inertia, moment) = (inertia + part.0, moment + part.1);
+            if body.name == name {
+                own = part;
+            }
+        }
+        (own.0 / inertia).max(own.1 / moment)
+    };
+    experiments.iter().map(share_in).fold(0.0, f64::max)
 }
 
 /// A body's mass as a parameter.

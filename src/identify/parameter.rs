@@ -29,6 +29,9 @@ pub struct Parameter {
     pub upper: f64,
     /// Not searched.
     pub fixed: bool,
+    /// Half-width, as a logarithm or in typical sizes, below which no log can tell the parameter, because other things
+    /// that are taken as known are not known better.
+    pub known_to: f64,
 }
 
 /// Search range of a logarithmic parameter, either way of its start: a factor of 3000.
@@ -47,6 +50,7 @@ impl Parameter {
             lower: 0.0,
             upper: f64::INFINITY,
             fixed: false,
+            known_to: 0.0,
         }
     }
 

@@ -66,6 +66,7 @@ fn derived_row(
     function: impl Fn(&[f64]) -> f64,
 ) -> ParameterRow {
     let (value, interval, naive) = fit.extensive.derived(function);
+    let determined = determined && interval[1] - interval[0] > 1e-9 * value.abs();
     ParameterRow {
         name: name.into(),
         symbol: symbol.into(),

@@ -73,19 +73,21 @@ pub(super) fn notes(case: &Case, fit: &DropFit) -> Vec<String> {
     }
     for e in &fit.extensive.estimates {
         if e.status == Status::Determined && e.value == 0.0 && e.unit != "rad" {
-            notes
-                .push(format!("{} is at its bound of zero: the logs would rather have it negative.", capital(&e.name)));
+            notes.push(format!(
+                "{} is at its bound of zero: the logs would rather have it negative.",
+                capital(&words(&e.name))
+            ));
         }
         if let (Some(nominal), Some([low, high])) = (e.nominal, e.interval)
             && !(low..=high).contains(&nominal)
             && e.name != "zero"
         {
             notes.push(format!(
-                "{} {} lies outside the interval of what was believed: {} {}.",
-                capital(&e.name),
+                "{} came out as {} {unit}; the {} {unit} that was believed lies outside its interval.",
+                capital(&words(&e.name)),
                 format_with_uncertainty(e.value, [low, high]).value,
                 crate::report::number::significant(nominal, 4),
-                e.unit
+                unit = e.unit
             ));
         }
     }
@@ -117,17 +119,17 @@ fn open_notes(case: &Case, fit: &DropFit, open: &[&Estimate]) -> Vec<String> {
     let mut notes = Vec::new();
     if fit.by_bodies() {
         for e in open.iter().filter(|e| e.name.starts_with("mass_")) {
-            let name = e.name.trim_start_matches("mass_").replace('_', " ");
             let why = if e.name == "mass_shoulder" { ": it lies on the joint's axis" } else { "" };
             notes.push(format!(
-                "The {name} mass is not determined by these logs{why}. It was left at Table A.2's {} kg, which changes \
-                 nothing that is shown.",
+                "{} is not determined by these logs{why}. It was left at Table A.2's {} kg, which changes nothing that is \
+                 shown.",
+                capital(&words(&e.name)),
                 e.value
             ));
         }
     }
     let others: Vec<&&Estimate> = open.iter().filter(|e| !e.name.starts_with("mass_")).collect();
-    let names = |estimates: &[&&Estimate]| estimates.iter().map(|e| e.name.as_str()).collect::<Vec<_>>().join(", ");
+    let names = |estimates: &[&&Estimate]| estimates.iter().map(|e| words(&e.name)).collect::<Vec<_>>().join(", ");
     let (scale, rest): (Vec<&&Estimate>, Vec<&&Estimate>) = others.iter().partition(|e| e.name == "moment");
     if let Some(moment) = scale.first() {
         let source = if case.by_bodies { "Table A.2" } else { "the study" };
@@ -145,6 +147,21 @@ fn open_notes(case: &Case, fit: &DropFit, open: &[&Estimate]) -> Vec<String> {
         ));
     }
     notes
+}
+
+/// A parameter in words.
+fn words(name: &str) -> String {
+    match name {
+        "coulomb" => "Coulomb friction".into(),
+        "viscous" => "viscous friction".into(),
+        "rest" => "the hanging angle".into(),
+        "zero" => "the encoder's zero".into(),
+        "static_excess" => "static friction above Coulomb's".into(),
+        "stribeck_speed" => "the Stribeck speed".into(),
+        "inertia" | "moment" => format!("the {name}"),
+        _ if name.starts_with("mass_") => format!("the {} mass", name.trim_start_matches("mass_").replace('_', " ")),
+        _ => name.into(),
+    }
 }
 
 fn capital(text: &str) -> String {

@@ -7,11 +7,11 @@ use super::rows::{ParameterCells, shorten};
 use super::{DropReport, ModelSummary, ParameterRow};
 
 /// Columns of the text.
-const WIDTH: usize = 98;
+const WIDTH: usize = 108;
 /// Characters of a file name.
 const NAME: usize = 36;
 
-/// Writes a drop report as plain text, as a rule at most 98 columns wide, ending in a newline.
+/// Writes a drop report as plain text, as a rule at most 108 columns wide, ending in a newline.
 ///
 /// The sentence, one line per log, the parameters of each model with both intervals, then the notes.
 pub fn drop_text(report: &DropReport) -> String {
@@ -63,7 +63,7 @@ fn model(model: &ModelSummary) -> String {
 
 fn parameter(row: &ParameterRow) -> [Cell; 6] {
     let cells = ParameterCells::from(row);
-    let [label, unit] = [shorten(&one_line(&cells.label), 20), shorten(&one_line(&cells.unit), 14)];
+    let [label, unit] = [shorten(&one_line(&cells.label), 30), shorten(&one_line(&cells.unit), 14)];
     [
         Cell::new(label),
         Cell::new(unit),
@@ -141,7 +141,7 @@ mod tests {
         for report in [sample::single(), sample::troubled(), sample::many(12), sample::empty()] {
             let text = drop_text(&report);
             let widest = text.lines().map(|line| line.chars().count()).max().unwrap_or(0);
-            assert!(widest <= 100, "{widest} columns:\n{text}");
+            assert!(widest <= WIDTH, "{widest} columns:\n{text}");
             assert!(text.ends_with('\n') && !text.contains(" \n"));
         }
     }
@@ -155,7 +155,7 @@ mod tests {
     #[test]
     fn wrapping_breaks_at_blanks_and_indents() {
         let text = wrap(&"word ".repeat(40), "- ", "  ");
-        assert!(text.lines().all(|line| line.len() <= WIDTH) && text.lines().count() == 3);
+        assert!(text.lines().all(|line| line.len() <= WIDTH) && text.lines().count() == 2);
         assert!(text.starts_with("- word") && text.contains("\n  word"));
     }
 }

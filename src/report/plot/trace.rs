@@ -24,7 +24,7 @@ pub fn optimiser_trace(joint: &str, models: &[ModelSummary]) -> Result<String, R
     let floor = if nothing { -3 } else { low.floor() as i32 - 1 };
     let ceiling = if nothing { 0 } else { (high.ceil() as i32).max(floor + 2) };
     let value = Axis::decades(floor, ceiling);
-    let iteration = Axis::counting(1, longest);
+    let iteration = Axis::counting(0, longest.saturating_sub(1));
 
     sketch(&format!("{joint} optimiser"), HEIGHT, |root| {
         let names = models.iter().zip(MODEL_COLOURS).map(|(m, colour)| (Sign::Line, colour.to_rgba(), name(m)));
@@ -48,12 +48,12 @@ fn name(model: &ModelSummary) -> String {
     format!("{}: {}, {}, {} evaluations", model.name, model.method, model.stop, model.evaluations)
 }
 
-/// Iterations from 1 and how far each lies above the lowest; `None` for those that do not.
+/// Iterations from 0, the start, and how far each lies above the lowest; `None` for those that do not.
 fn above_minimum(trace: &[f64]) -> Vec<(usize, Option<f64>)> {
     let finite = || trace.iter().enumerate().filter(|(_, value)| drawable(**value));
     let least = finite().map(|(_, value)| *value).fold(f64::INFINITY, f64::min);
     let above = |value: f64| Some(value - least).filter(|above| *above > ROUNDING * least.abs() && *above > 1e-280);
-    finite().map(|(i, value)| (i + 1, above(*value))).collect()
+    finite().map(|(i, value)| (i, above(*value))).collect()
 }
 
 #[cfg(test)]
@@ -63,7 +63,7 @@ mod tests {
     #[test]
     fn iterations_at_the_minimum_or_lost_in_rounding_have_no_height() {
         let trace = above_minimum(&[3.0, f64::NAN, 1.0 + 1e-15, 1.0]);
-        assert_eq!(trace, [(1, Some(2.0)), (3, None), (4, None)]);
+        assert_eq!(trace, [(0, Some(2.0)), (2, None), (3, None)]);
         assert!(above_minimum(&[]).is_empty());
     }
 }
