@@ -6,6 +6,7 @@ use std::ops::Range;
 /// One coordinate in which an optimiser moves; the problem maps it to a physical parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coordinate {
+    /// For messages.
     pub name: String,
     /// Lowest allowed value; may be minus infinity.
     pub lower: f64,
@@ -19,6 +20,7 @@ pub struct Coordinate {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("trial point rejected: {why}")]
 pub struct Rejected {
+    /// What happened there.
     pub why: String,
 }
 
@@ -69,9 +71,13 @@ pub trait Residuals: Sync {
 /// Normal equations of a linearised problem: `J'J` and `J'r`, with the criterion and the number of residuals.
 #[derive(Clone, Debug)]
 pub struct Normal {
+    /// `J'J`
     pub jtj: DMatrix<f64>,
+    /// `J'r`
     pub jtr: DVector<f64>,
+    /// `r'r`, the criterion (3.7) \[rad^2 s\].
     pub criterion: f64,
+    /// Number of residuals.
     pub residuals: usize,
 }
 

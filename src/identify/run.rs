@@ -28,7 +28,8 @@ const FURTHER_EVALUATIONS: usize = 24;
 
 /// Fits the free parameters of a model to experiments.
 ///
-/// The search starts from the best of several candidates ([`candidates`]). Where the fit it ends in leaves more than
+/// The search starts from the best of several candidates : the given ones, those that explain the smoothed accelerations or short
+/// parts of the logs, and variations of both. Where the fit it ends in leaves more than
 /// the encoder explains, more starts are spread around the best point, and the best of those is carried to the end.
 ///
 /// # Errors

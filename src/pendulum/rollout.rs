@@ -13,16 +13,30 @@ use crate::log::Hold;
 pub enum Input<'a> {
     /// Motor off.
     Off,
-    /// Torque \[N m\], held from its sample to the next.
-    Torque { torque_nm: &'a [f64], on: Option<&'a [bool]> },
-    /// Setpoint \[rad\] through the chain's motor.
-    Position { setpoint_rad: &'a [f64], hold: Hold, on: Option<&'a [bool]> },
+    /// A torque on the joint.
+    Torque {
+        /// Held from its sample to the next \[N m\].
+        torque_nm: &'a [f64],
+        /// Whether the motor is on; `None`: always.
+        on: Option<&'a [bool]>,
+    },
+    /// A setpoint through the chain's motor.
+    Position {
+        /// \[rad\]
+        setpoint_rad: &'a [f64],
+        /// How it is read between its samples.
+        hold: Hold,
+        /// Whether the motor is on; `None`: always.
+        on: Option<&'a [bool]>,
+    },
 }
 
 /// How a motion begins.
 #[derive(Clone, Copy, Debug)]
 pub struct Start<T> {
+    /// Joint angle \[rad\].
     pub angle_rad: T,
+    /// Joint speed \[rad/s\].
     pub rate_rad_s: T,
     /// The joint is held still until this instant \[s\]; `None`: it is free from the first sample on.
     pub release_s: Option<T>,
@@ -31,7 +45,9 @@ pub struct Start<T> {
 /// The joint at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State<T> {
+    /// Joint angle \[rad\].
     pub angle_rad: T,
+    /// Joint speed \[rad/s\].
     pub rate_rad_s: T,
 }
 
@@ -39,6 +55,7 @@ pub struct State<T> {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("the motion diverged at t = {at_s} s")]
 pub struct Diverged {
+    /// When \[s\].
     pub at_s: f64,
 }
 
