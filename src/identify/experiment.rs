@@ -101,11 +101,11 @@ pub struct Experiment {
     pub gravity_m_s2: f64,
     /// Quantisation step \[rad\]; 0: none known.
     pub resolution_rad: f64,
-    /// Runs of one reading among the compared samples.
+    /// Phases among the compared samples in which the encoder repeats one rounding error.
     pub runs: Vec<Range<usize>>,
 }
 
-/// Runs of identical readings at least this long count as one rounding error each.
+/// Phases of one repeated rounding error count once from this length on.
 const LONG_RUN: usize = 12;
 
 impl Experiment {
@@ -150,7 +150,7 @@ impl Experiment {
             }
         };
         let weights_s = super::weights::trapezoid(&t_s[uncompared..]);
-        let runs = super::weights::runs_of_one_reading(&measured_rad[uncompared..], LONG_RUN);
+        let runs = super::weights::repeated_roundings(&measured_rad[uncompared..], resolution_rad, LONG_RUN);
         Some(Self {
             file: entry.file.clone(),
             role: entry.role,
