@@ -1,0 +1,236 @@
+//! How long a fit takes, and its parts. `cargo bench --bench fit [NAME]`; figures are in `benches/README.md`.
+//!
+//! Everything but `conclude_on_threads/2` runs on one thread. With
+//! `--estimate LOG.csv INERTIA MOMENT COULOMB VISCOUS` (SI units) it prints, as one line of JSON, the time of an
+//! estimate of that log from that start; `scipy_fit.py --ratio` reads it.
+
+use aibo_fit::fit::{Budget, Method, Residuals, Solution, Uncertainty, solve, uncertainty};
+use aibo_fit::identify::{Experiment, ExtensiveModel, JointModel, Problem, Scale, conclude, prediction, search};
+use aibo_fit::joint::Real;
+use aibo_fit::log::{Log, Nominal, Study, health, read_log, read_sidecar_for, write_log};
+use aibo_fit::pendulum::{Input, Start, rollout};
+use divan::{Bencher, black_box};
+use num_dual::DualSVec64;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::path::Path;
+use std::time::Instant;
+
+/// Tables 3.2, 3.3 and A.2: the right front q1 of the ERS-7.
+const Q1: Nominal =
+    Nominal { inertia_kg_m2: 5.974e-4, moment_kg_m: 5.972e-3, coulomb_nm: 0.001, viscous_nm_s_rad: 0.017 };
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().collect();
+    match arguments.iter().position(|a| a == "--estimate") {
+        Some(at) => print_estimate(&arguments[at + 1..]),
+        None => divan::main(),
+    }
+}
+
+/// A log with what is known of it, in memory.
+struct Case {
+    log: Log,
+    study: Study,
+    nominal: Nominal,
+}
+
+impl Case {
+    /// A log with its sidecar.
+    fn read(log: &Path, nominal: Nominal) -> Self {
+        let study = read_sidecar_for(log).expect("the sidecar is readable").expect("the log has a sidecar");
+        Self { log: read_log(log).expect("the log is readable"), study, nominal }
+    }
+
+    /// The swing that the repository brings: 5.6 s at 8 ms, 0.402 kg on the leg.
+    fn q1() -> Self {
+        Self::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("data/q1.csv"), Q1)
+    }
+
+    /// Release and health of the log, and the samples that count.
+    fn experiment(&self) -> Experiment {
+        let (sensor, entry) = (&self.study.sensor, &self.study.logs[0]);
+        let found = health(&self.log, sensor, entry.drive);
+        let resolution_rad = sensor.resolution_rad.or(found.step_rad).unwrap_or(0.0);
+        Experiment::new(&self.log, entry, &found, resolution_rad, self.study.joint.gravity_m_s2)
+            .expect("enough samples are free")
+    }
+
+    /// The extensive model. One load alone shows ratios only, so the moment is held at its nominal value.
+    fn model(&self, experiments: &[Experiment]) -> ExtensiveModel {
+        let mut model =
+            ExtensiveModel::lumped(&Scale::of(experiments, Some(&self.nominal), None), Some(&self.nominal), false);
+        model.parameters[1].fixed = true;
+        model
+    }
+}
+
+/// From a log in memory to parameters with their intervals: health, samples, search from the nominal values, intervals.
+fn estimate(case: &Case, method: Method) -> (Solution, Vec<f64>, Uncertainty) {
+    let experiments = [case.experiment()];
+    let model = case.model(&experiments);
+    let problem = Problem::new(&model, &experiments);
+    let solution = solve(&problem, &nominal_point(&problem), method, Budget::default());
+    let blocks = problem.linearise(&solution.x).expect("the solution has a motion");
+    let uncertainty = uncertainty(&problem, &blocks).expect("the log determines the parameters");
+    let values = problem.values(&solution.x);
+    (solution, values, uncertainty)
+}
+
+fn nominal_point(problem: &Problem<'_, ExtensiveModel>) -> Vec<f64> {
+    let values: Vec<f64> = problem.model.parameters().iter().map(|p| p.start).collect();
+    problem.coordinates_of(&values)
+}
+
+/// A pool in which parallel work runs on so many threads.
+fn pool(threads: usize) -> ThreadPool {
+    ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be had")
+}
+
+// ------------------------------------------------------------------ parts
+
+/// Five seconds of free swing, 8 ms apart: angles only.
+#[divan::bench]
+fn rollout_5s(bencher: Bencher<'_, '_>) {
+    swing::<f64>(bencher, |values| values.to_vec());
+}
+
+/// The same with its derivatives to three parameters, rest angle and start.
+#[divan::bench]
+fn rollout_5s_with_six_derivatives(bencher: Bencher<'_, '_>) {
+    swing::<DualSVec64<6>>(bencher, |values| {
+        let variable = |(i, &value): (usize, &f64)| DualSVec64::from_re(value).derivative(i.min(5));
+        values.iter().enumerate().map(variable).collect()
+    });
+}
+
+fn swing<T: Real>(bencher: Bencher<'_, '_>, values: impl Fn(&[f64]) -> Vec<T>) {
+    let experiment = Case::q1().experiment();
+    let model = Case::q1().model(std::slice::from_ref(&experiment));
+    let chain = model
+        .chain(&values(&[Q1.inertia_kg_m2, Q1.moment_kg_m, Q1.coulomb_nm, Q1.viscous_nm_s_rad, -0.1]), &experiment);
+    let t_s: Vec<f64> = (0..=625).map(|k| 0.008 * f64::from(k)).collect();
+    let start = Start { angle_rad: T::constant(0.95), rate_rad_s: T::nought(), release_s: None };
+    bencher.bench_local(|| {
+        let mut last = T::nought();
+        rollout(&chain, Input::Off, &t_s, start, |_, s| last = s.angle_rad).expect("it swings");
+        last
+    });
+}
+
+/// Residuals and Jacobian of the log at the nominal values.
+#[divan::bench]
+fn linearise(bencher: Bencher<'_, '_>) {
+    let case = Case::q1();
+    let experiments = [case.experiment()];
+    let model = case.model(&experiments);
+    let problem = Problem::new(&model, &experiments);
+    let x = nominal_point(&problem);
+    bencher.bench_local(|| problem.linearise(black_box(&x)).expect("it swings"));
+}
+
+/// Health, release and samples of a log in memory.
+#[divan::bench]
+fn prepare_log(bencher: Bencher<'_, '_>) {
+    let case = Case::q1();
+    bencher.bench_local(|| case.experiment());
+}
+
+/// A log of a million rows, from a file.
+#[divan::bench(sample_count = 5, sample_size = 1)]
+fn read_million_rows(bencher: Bencher<'_, '_>) {
+    let folder = tempfile::tempdir().expect("a temporary folder can be made");
+    let path = folder.path().join("long.csv");
+    let t_s: Vec<f64> = (0..1_000_000).map(|k| 1e-3 * f64::from(k)).collect();
+    let q_rad = t_s.iter().map(|t| (0.5 * (8.0 * t).sin() / 0.006).round() * 0.006).collect();
+    let short = read_log(&Path::new(env!("CARGO_MANIFEST_DIR")).join("data/q1.csv")).expect("the log is readable");
+    write_log(&path, &Log { t_s, q_rad, drive: None, ..short }).expect("the temporary folder can be written");
+    bencher.bench_local(|| read_log(&path).expect("the log is readable").len());
+}
+
+// ------------------------------------------------------------------ fits
+
+/// The search alone, from the nominal values.
+#[divan::bench(args = [Method::Lm, Method::Bfgs, Method::Dfp])]
+fn search_from_nominal(bencher: Bencher<'_, '_>, method: Method) {
+    let case = Case::q1();
+    let experiments = [case.experiment()];
+    let model = case.model(&experiments);
+    let problem = Problem::new(&model, &experiments);
+    let x = nominal_point(&problem);
+    bencher.bench_local(|| solve(&problem, &x, method, Budget::default()).criterion);
+}
+
+/// From the log in memory to parameters with naive and robust intervals, from the nominal values.
+#[divan::bench]
+fn estimate_from_nominal(bencher: Bencher<'_, '_>) {
+    let case = Case::q1();
+    bencher.bench_local(|| estimate(&case, Method::Lm).2.half_width_naive(0));
+}
+
+/// The same with the search's own candidates: nominal, equation error, short parts, and changes of them.
+#[divan::bench(args = [Method::Lm, Method::Bfgs, Method::Dfp], sample_count = 10)]
+fn search_from_candidates(bencher: Bencher<'_, '_>, method: Method) {
+    let case = Case::q1();
+    let one_thread = pool(1);
+    bencher.bench_local(|| {
+        one_thread.install(|| {
+            let experiments = [case.experiment()];
+            let model = case.model(&experiments);
+            search(&model, &experiments, method, Budget::default()).expect("it swings").solution.criterion
+        })
+    });
+}
+
+/// Everything: the moment free too, then held because one load does not show it, and the fit run again.
+#[divan::bench(args = [1, 2], sample_count = 10)]
+fn conclude_on_threads(bencher: Bencher<'_, '_>, threads: usize) {
+    let case = Case::q1();
+    let pool = pool(threads);
+    bencher.bench_local(|| {
+        pool.install(|| {
+            let experiments = [case.experiment()];
+            let model = ExtensiveModel::lumped(&Scale::of(&experiments, Some(&Q1), None), Some(&Q1), false);
+            conclude(&model, &experiments, Method::Lm, Budget::default()).expect("it swings").estimates.len()
+        })
+    });
+}
+
+// ------------------------------------------------------------------ for scipy_fit.py
+
+/// Repetitions of which the median counts.
+const REPEATS: usize = 21;
+
+/// Prints the time of an estimate and what it found.
+fn print_estimate(arguments: &[String]) {
+    let [log, numbers @ ..] = arguments else { panic!("usage: --estimate LOG.csv INERTIA MOMENT COULOMB VISCOUS") };
+    let numbers: Vec<f64> = numbers.iter().filter_map(|n| n.parse().ok()).collect();
+    let [inertia_kg_m2, moment_kg_m, coulomb_nm, viscous_nm_s_rad] = numbers[..] else {
+        panic!("four numbers are needed after the log: inertia, moment, coulomb, viscous")
+    };
+    let case = Case::read(Path::new(log), Nominal { inertia_kg_m2, moment_kg_m, coulomb_nm, viscous_nm_s_rad });
+    let mut times_ms: Vec<f64> = (0..REPEATS)
+        .map(|_| {
+            let began = Instant::now();
+            black_box(estimate(&case, Method::Lm));
+            began.elapsed().as_secs_f64() * 1e3
+        })
+        .collect();
+    times_ms.sort_by(f64::total_cmp);
+    let (solution, values, uncertainty) = estimate(&case, Method::Lm);
+    let experiments = [case.experiment()];
+    let model = case.model(&experiments);
+    let problem = Problem::new(&model, &experiments);
+    let rms_rad = prediction(&problem, &solution.x, 0).expect("the solution has a motion").rms_rad;
+    let parameters: serde_json::Map<String, serde_json::Value> =
+        model.parameters.iter().zip(&values).map(|(p, &v)| (p.name.clone(), v.into())).collect();
+    let line = serde_json::json!({
+        "estimate_ms": times_ms[REPEATS / 2],
+        "fastest_ms": times_ms[0],
+        "rms_rad": rms_rad,
+        "evaluations": solution.evaluations,
+        "stop": solution.stop.words(),
+        "parameters": parameters,
+        "half_width_naive": uncertainty.half_width_naive(0),
+    });
+    println!("{line}");
+}
