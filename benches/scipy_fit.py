@@ -23,6 +23,7 @@ import itertools
 import json
 import math
 import os
+import subprocess
 import sys
 import threading
 import time
@@ -725,10 +726,13 @@ def main():
     parser.add_argument("--random", type=int, default=0, metavar="N", help="N further starts drawn at random (seeded)")
     parser.add_argument("--json", metavar="OUT", help="write the result as JSON")
     parser.add_argument("--time", action="store_true", help="also time a single rollout and a fit from the nominal start alone")
+    parser.add_argument("--ratio", action="store_true", help="with --log of one file: also time aibo-fit on it and print the ratio")
     parser.add_argument("--starts", action="store_true", help="print where every start ended")
     args = parser.parse_args()
     if bool(args.study) == bool(args.log):
         parser.error("give one STUDY.toml or --log FILE.csv")
+    if args.ratio and (args.study or len(args.log) > 1 or args.until or args.free_moment or args.fix_rest is not None):
+        parser.error("--ratio compares fits of one whole log with the rest angle free: give --log FILE.csv alone")
     try:
         study = Study(args.study, args.until) if args.study else Sidecars(args.log, args.until, args.nominal)
     except (BadData, OSError, KeyError, tomllib.TOMLDecodeError) as error:
@@ -799,7 +803,7 @@ def main():
     print(f"  integrator: RMS changes by {abs(finer - done['rms']):.1e} rad at half the step")
     print(f"  wall time of the whole fit: {done['seconds']:.2f} s, {done['calls']} batched evaluations")
     result.update(seconds=done["seconds"], evaluations=done["calls"], starts=done["starts"], step_check=abs(finer - done["rms"]))
-    if args.time:
+    if args.time or args.ratio:
         x0 = problem.start_vector(x[:problem.shared])
         one = min(timed(lambda: problem.evaluate([x0], False)) for _ in range(3))
         both = min(timed(lambda: problem.evaluate([x0], True)) for _ in range(3))
@@ -810,10 +814,35 @@ def main():
         print(f"  all logs once: {one:.3f} s; with the Jacobian: {both:.3f} s; fit from the nominal start alone: "
               f"{alone:.2f} s, RMS {single[0][0]:.5f} rad, {single[0][3]} evaluations")
         result["timing"] = {"rollout_s": one, "jacobian_s": both, "single_start_s": alone, "single_start_rms": single[0][0]}
+    if args.ratio:
+        result["ratio"] = print_ratio(args.log[0], study.joint, alone, single[0][0], done["seconds"], done["rms"])
     if args.json:
         with open(args.json, "w", encoding="utf-8") as handle:
             json.dump(result, handle, indent=1)
     return 0
+
+
+def print_ratio(log, joint, alone_s, alone_rms, whole_s, whole_rms):
+    """Times aibo-fit on the same log, and prints how many times as long scipy took. None where it cannot be run."""
+    numbers = [repr(float(joint[key])) for key in ("inertia", "moment", "coulomb", "viscous")]
+    command = ["cargo", "bench", "--quiet", "--bench", "fit", "--", "--estimate", os.path.abspath(log), *numbers]
+    try:
+        run = subprocess.run(command, cwd=os.path.dirname(os.path.abspath(__file__)), capture_output=True, text=True)
+        ours = json.loads(run.stdout.strip().splitlines()[-1])
+    except FileNotFoundError:
+        print("  ratio skipped: cargo is not installed")
+        return None
+    except (IndexError, ValueError):
+        reason = [line for line in run.stderr.splitlines() if "error" in line or "panicked" in line]
+        print(f"  ratio skipped: the bench of aibo-fit did not run: {reason[0] if reason else f'exit code {run.returncode}'}")
+        return None
+    estimate_s, search_s = ours["estimate_ms"] / 1e3, ours["search_ms"] / 1e3
+    print(f"  on one thread each        {'scipy':>10s} {'aibo-fit':>10s}  ratio")
+    print(f"  from the nominal start    {alone_s:8.3f} s {ours['estimate_ms']:7.2f} ms  {alone_s / estimate_s:.0f}"
+          f"   (RMS {alone_rms:.5f} and {ours['rms_rad']:.5f} rad)")
+    print(f"  all starts                {whole_s:8.3f} s {ours['search_ms']:7.2f} ms  {whole_s / search_s:.0f}"
+          f"   (RMS {whole_rms:.5f} and {ours['search_rms_rad']:.5f} rad)")
+    return {**ours, "single_start_ratio": alone_s / estimate_s, "all_starts_ratio": whole_s / search_s}
 
 
 def timed(call):
