@@ -107,27 +107,27 @@ fn pool(threads: usize) -> ThreadPool {
 
 // ------------------------------------------------------------------ parts
 
-/// Five seconds of free swing, 8 ms apart: angles only.
-#[divan::bench]
-fn rollout_5s(bencher: Bencher<'_, '_>) {
-    swing::<f64>(bencher, |values| values.to_vec());
+/// Five seconds of free swing, samples so many milliseconds apart: angles only.
+#[divan::bench(args = [8, 1])]
+fn rollout_5s(bencher: Bencher<'_, '_>, period_ms: u32) {
+    swing::<f64>(bencher, period_ms, |values| values.to_vec());
 }
 
 /// The same with its derivatives to three parameters, rest angle and start.
-#[divan::bench]
-fn rollout_5s_with_six_derivatives(bencher: Bencher<'_, '_>) {
-    swing::<DualSVec64<6>>(bencher, |values| {
+#[divan::bench(args = [8, 1])]
+fn rollout_5s_with_six_derivatives(bencher: Bencher<'_, '_>, period_ms: u32) {
+    swing::<DualSVec64<6>>(bencher, period_ms, |values| {
         let variable = |(i, &value): (usize, &f64)| DualSVec64::from_re(value).derivative(i.min(5));
         values.iter().enumerate().map(variable).collect()
     });
 }
 
-fn swing<T: Real>(bencher: Bencher<'_, '_>, values: impl Fn(&[f64]) -> Vec<T>) {
+fn swing<T: Real>(bencher: Bencher<'_, '_>, period_ms: u32, values: impl Fn(&[f64]) -> Vec<T>) {
     let experiment = Case::q1().experiment();
     let model = Case::q1().model(std::slice::from_ref(&experiment));
     let chain = model
         .chain(&values(&[Q1.inertia_kg_m2, Q1.moment_kg_m, Q1.coulomb_nm, Q1.viscous_nm_s_rad, -0.1]), &experiment);
-    let t_s: Vec<f64> = (0..=625).map(|k| 0.008 * f64::from(k)).collect();
+    let t_s: Vec<f64> = (0..=5000 / period_ms).map(|k| 1e-3 * f64::from(k * period_ms)).collect();
     let start = Start { angle_rad: T::constant(0.95), rate_rad_s: T::nought(), release_s: None };
     bencher.bench_local(|| {
         let mut last = T::nought();
