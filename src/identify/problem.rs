@@ -10,7 +10,9 @@ use rayon::prelude::*;
 
 /// A model, the experiments it is held against, and the coordinates that are searched.
 pub struct Problem<'a, M: JointModel> {
+    /// The model whose parameters are searched.
     pub model: &'a M,
+    /// The logs it is held against; each is one block of residuals.
     pub experiments: &'a [Experiment],
     /// Free parameters of the model first, then two start coordinates for each experiment.
     coordinates: Vec<Coordinate>,

@@ -4,7 +4,9 @@ use super::{Contact, Friction, Link, Motor, Real};
 
 /// The mechanical side of the chain for one log: link, friction, and the motor that drives it.
 pub struct Chain<T: Real> {
+    /// Inertia and gravity.
     pub link: Link<T>,
+    /// What resists.
     pub friction: Friction<T>,
     /// `None` where no log is driven by position.
     pub motor: Option<Motor>,

@@ -14,15 +14,29 @@ pub enum Input<'a> {
     /// Motor off.
     Off,
     /// Torque \[N m\], held from its sample to the next.
-    Torque { torque_nm: &'a [f64], on: Option<&'a [bool]> },
+    Torque {
+        /// The torque \[N m\].
+        torque_nm: &'a [f64],
+        /// Where the motor is on; `None`: always.
+        on: Option<&'a [bool]>,
+    },
     /// Setpoint \[rad\] through the chain's motor.
-    Position { setpoint_rad: &'a [f64], hold: Hold, on: Option<&'a [bool]> },
+    Position {
+        /// The setpoint \[rad\].
+        setpoint_rad: &'a [f64],
+        /// What the setpoint is between two samples.
+        hold: Hold,
+        /// Where the motor is on; `None`: always.
+        on: Option<&'a [bool]>,
+    },
 }
 
 /// How a motion begins.
 #[derive(Clone, Copy, Debug)]
 pub struct Start<T> {
+    /// \[rad\]
     pub angle_rad: T,
+    /// \[rad/s\]
     pub rate_rad_s: T,
     /// The joint is held still until this instant \[s\]; `None`: it is free from the first sample on.
     pub release_s: Option<T>,
@@ -31,7 +45,9 @@ pub struct Start<T> {
 /// The joint at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State<T> {
+    /// \[rad\]
     pub angle_rad: T,
+    /// \[rad/s\]
     pub rate_rad_s: T,
 }
 
@@ -39,6 +55,7 @@ pub struct State<T> {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("the motion diverged at t = {at_s} s")]
 pub struct Diverged {
+    /// The instant at which it was given up \[s\].
     pub at_s: f64,
 }
 
