@@ -102,6 +102,8 @@ pub fn rollout_refined<T: Real>(
         y: [start.angle_rad, start.rate_rad_s, T::nought()],
         mode,
         steps_left: (refinement.max(1.0) as usize) * (STEPS_PER_SAMPLE * t_s.len() + 10_000),
+        swinging_rad_s: chain.fastest_rad_s(false),
+        driven_rad_s: chain.fastest_rad_s(true),
         refinement,
     };
     let mut release_s = start.release_s;
@@ -200,6 +202,9 @@ struct Run<'a, T: Real> {
     y: [T; 3],
     mode: Mode,
     steps_left: usize,
+    /// Fastest oscillation with the motor off, and on \[rad/s\]; they bound the step.
+    swinging_rad_s: f64,
+    driven_rad_s: f64,
     /// Divides the longest step.
     refinement: f64,
 }
@@ -318,7 +323,8 @@ impl<T: Real> Run<'_, T> {
     fn slip(&mut self, until: T, command: Command<T>, direction: f64) -> Result<(), Diverged> {
         let motor_on = matches!(command, Command::Pid { .. });
         let whole = until - self.t_s;
-        let longest_s = self.chain.longest_step_s(self.y[1].re(), motor_on) / self.refinement;
+        let fastest_rad_s = if motor_on { self.driven_rad_s } else { self.swinging_rad_s };
+        let longest_s = self.chain.longest_step_s(fastest_rad_s, self.y[1].re(), motor_on) / self.refinement;
         let parts = (whole.re() / longest_s).ceil().max(1.0);
         if !(parts <= self.steps_left as f64) {
             return Err(Diverged { at_s: self.t_s.re() });
@@ -333,8 +339,8 @@ impl<T: Real> Run<'_, T> {
         let bracket = if after <= 0.0 {
             Some(step.re())
         } else {
-            let last = rate(self.t_s + step, &y1);
-            self.dip(before, after, first[1].re() * direction, last[1].re() * direction, step.re())
+            let slope_after = || rate(self.t_s + step, &y1)[1].re() * direction;
+            dip([before, after], first[1].re() * direction, slope_after, step.re())
                 .filter(|&dt| speed(&rk4(rate, self.t_s, &self.y, &first, T::constant(dt))) <= 0.0)
         };
         let Some(bracket) = bracket else {
@@ -363,16 +369,25 @@ impl<T: Real> Run<'_, T> {
         self.mode = Mode::Stuck;
         Ok(())
     }
+}
 
-    /// The instant inside a step at which a speed that falls and rises again may have dipped below zero.
-    fn dip(&self, before: f64, after: f64, slope_before: f64, slope_after: f64, step_s: f64) -> Option<f64> {
-        if !(slope_before < 0.0 && slope_after > 0.0) || before <= 0.0 {
-            return None;
-        }
-        // Minimum of the parabola with these end slopes; a step is short against the curvature's change.
-        let dt = step_s * slope_before / (slope_before - slope_after);
-        (before.min(after) + 0.5 * slope_before * dt < 0.0).then_some(dt)
+/// The instant inside a step at which a speed that falls and rises again may have dipped below zero.
+///
+/// `speed` holds the speeds at both ends. The slope at the end costs a rate, so it is asked for only where the deepest
+/// dip that the first slope allows would reach zero.
+fn dip(speed: [f64; 2], slope_before: f64, slope_after: impl Fn() -> f64, step_s: f64) -> Option<f64> {
+    let [before, after] = speed;
+    let lowest = |dt: f64| before.min(after) + 0.5 * slope_before * dt;
+    if before <= 0.0 || !(slope_before < 0.0 && lowest(step_s) < 0.0) {
+        return None;
     }
+    let slope_after = slope_after();
+    if !(slope_after > 0.0) {
+        return None;
+    }
+    // Minimum of the parabola with these end slopes; a step is short against the curvature's change.
+    let dt = step_s * slope_before / (slope_before - slope_after);
+    (lowest(dt) < 0.0).then_some(dt)
 }
 
 /// The instant in `(0, bracket]` at which `speed`, positive just after 0, falls through zero (Illinois method).
