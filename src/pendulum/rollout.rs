@@ -124,13 +124,16 @@ pub fn rollout_refined<T: Real>(
             }
             run.advance(until, command)?;
             if releases {
+                // A release that falls on a sample must still bear its derivative: the clock takes it over.
+                if until.re() >= run.t_s.re() {
+                    run.t_s = until;
+                }
                 (release_s, run.mode) = (None, Mode::Stuck);
             }
             if run.t_s.re() >= to {
                 break;
             }
         }
-        run.t_s = T::constant(to);
         if !(run.y[0].re().abs() < RUNAWAY_RAD && run.y[1].re().is_finite()) {
             return Err(Diverged { at_s: to });
         }
