@@ -5,9 +5,14 @@
 
 use super::Coordinate;
 
+/// Share of a coordinate's scale over which a one-sided bound is rounded off.
+///
+/// Beyond it the mapping is nearly the identity, so that a small friction is not seen through a strongly bent one.
+const ROUNDED: f64 = 0.05;
+
 /// The bounded value of an unbounded one, and its derivative.
 pub(super) fn inside(c: &Coordinate, u: f64) -> (f64, f64) {
-    let s = c.scale;
+    let s = ROUNDED * c.scale;
     match (c.lower.is_finite(), c.upper.is_finite()) {
         (false, false) => (u, 1.0),
         (true, false) => {
@@ -28,7 +33,7 @@ pub(super) fn inside(c: &Coordinate, u: f64) -> (f64, f64) {
 /// An unbounded value of a bounded one; a value on its bound is moved off it by a thousandth of the scale, because
 /// the slope there is zero and an optimiser could not leave.
 pub(super) fn outside(c: &Coordinate, x: f64) -> f64 {
-    let s = c.scale;
+    let s = ROUNDED * c.scale;
     match (c.lower.is_finite(), c.upper.is_finite()) {
         (false, false) => x,
         (true, false) => s * ((1.0 + (x - c.lower).max(1e-3 * s) / s).powi(2) - 1.0).sqrt(),

@@ -18,8 +18,8 @@ pub(super) struct StrongWolfe {
     direction: Vector,
     /// Curvature condition: 0.9 for BFGS, 0.1 for DFP, which needs an accurate search.
     curvature: f64,
-    /// Longest first step, as the largest change of any coordinate.
-    longest: f64,
+    /// Largest change of each coordinate in the first step.
+    longest: Vector,
 }
 
 /// Sufficient decrease.
@@ -35,7 +35,7 @@ struct Point {
 }
 
 impl StrongWolfe {
-    pub(super) fn new(curvature: f64, longest: f64) -> Self {
+    pub(super) fn new(curvature: f64, longest: Vector) -> Self {
         Self { direction: Vector::zeros(0), curvature, longest }
     }
 }
@@ -75,7 +75,9 @@ where
             Ok(Point { step, cost, slope })
         };
         let flat = |p: &Point| p.slope.abs() <= -self.curvature * start.slope;
-        let best = search(start.clone(), (self.longest / self.direction.amax()).min(1.0), flat, |s| at(s, problem))?;
+        let share = |(d, longest): (&f64, &f64)| longest / d.abs().max(f64::MIN_POSITIVE);
+        let first = self.direction.iter().zip(&self.longest).map(share).fold(1.0, f64::min);
+        let best = search(start.clone(), first, flat, |s| at(s, problem))?;
         if best.step == 0.0 {
             return Err(Error::msg("line search stalled"));
         }

@@ -4,6 +4,10 @@
 //! comes back in every half swing, and an encoder at rest repeats one rounding error for seconds. The robust
 //! covariance is a sandwich, `H^-1 S H^-1`, whose middle sums the products of the scores `J_i r_i` over lags (Newey
 //! and West 1987, Bartlett weights), and adds each run of identical readings as one rounding error.
+//!
+//! `tests/coverage.rs` measures what that is worth when the model is right: 95 % on 200 sets, where the textbook
+//! interval has 83 %, and 20 % on logs without read noise that end stuck. When the model lacks something no interval
+//! can know: of a friction that the model spreads over the wrong terms even the robust one contains next to nothing.
 
 use super::{Block, Normal, Residuals};
 use nalgebra::{DMatrix, DVector};

@@ -26,6 +26,13 @@ const SUSPICIOUS: f64 = 2.5;
 const FURTHER: usize = 24;
 const FURTHER_EVALUATIONS: usize = 24;
 
+/// A fit that leaves this many times what noise and rounding explain may sit between two kinks of sticking.
+const STRUCTURED: f64 = 1.05;
+/// Factors on the Coulomb friction that are tried then, evaluations for each, and how often.
+const STOP_FACTORS: [f64; 10] = [0.4, 0.6, 0.8, 0.9, 0.97, 1.03, 1.1, 1.25, 1.6, 2.5];
+const NEIGHBOUR_EVALUATIONS: usize = 16;
+const NEIGHBOURHOODS: usize = 3;
+
 /// Fits the free parameters of a model to experiments.
 ///
 /// The search starts from the best of several candidates : the given ones, those that explain the smoothed accelerations or short
@@ -59,6 +66,24 @@ pub fn search<M: JointModel>(
         let promising = 2.0 * best.criterion();
         for solution in further.into_iter().take(SEARCHES).filter(|s| s.criterion < promising) {
             best.keep(solve(&problem, &solution.x, method, budget));
+        }
+    }
+    for _ in 0..NEIGHBOURHOODS {
+        let Some(here) = best.solution.as_ref().map(|s| s.x.clone()) else { break };
+        let before = best.criterion();
+        if !leaves_structure(&problem, &here) {
+            break;
+        }
+        let short = Budget { evaluations: NEIGHBOUR_EVALUATIONS };
+        let mut neighbours: Vec<Solution> =
+            other_stops(model, &problem, &here).par_iter().map(|x| solve(&problem, x, Method::Lm, short)).collect();
+        neighbours.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        best.evaluations += neighbours.iter().map(|s| s.evaluations).sum::<usize>();
+        if let Some(neighbour) = neighbours.into_iter().next().filter(|n| n.criterion < before) {
+            best.keep(solve(&problem, &neighbour.x, method, budget));
+        }
+        if !(best.criterion() < 0.999 * before) {
+            break;
         }
     }
     let mut solution = best
@@ -112,6 +137,42 @@ impl Best {
             self.solution = Some(solution);
         }
     }
+}
+
+/// Whether a fit leaves more than the noise of the readings, as their own roughness shows it, and their rounding.
+fn leaves_structure<M: JointModel>(problem: &Problem<'_, M>, x: &[f64]) -> bool {
+    let (mut left, mut explained) = (0.0, 0.0);
+    for (k, e) in problem.experiments.iter().enumerate() {
+        let mut residual = Vec::with_capacity(e.t_s.len());
+        if problem.motion(x, k, |i, s| residual.push(s.angle_rad - e.measured_rad[i])).is_err() {
+            return false;
+        }
+        let residual = &residual[e.uncompared..];
+        // Second differences of white noise have six times its variance; a smooth misfit has hardly any.
+        let rough: f64 = residual.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).powi(2)).sum();
+        let white = rough / (6.0 * residual.len().saturating_sub(2).max(1) as f64);
+        explained += e.weights_s.iter().sum::<f64>() * white.max(e.resolution_rad.powi(2) / 12.0);
+        left += residual.iter().zip(&e.weights_s).map(|(r, w)| w * r * r).sum::<f64>();
+    }
+    left > STRUCTURED * explained
+}
+
+/// Points at which the joint stops in other half swings: the Coulomb friction changed by factors.
+///
+/// Where a joint sticks, the criterion has a kink for every stop that comes or goes, and between two kinks there may be
+/// a minimum of its own.
+fn other_stops<M: JointModel>(model: &M, problem: &Problem<'_, M>, x: &[f64]) -> Vec<Vec<f64>> {
+    let free = free_of(model.parameters());
+    let Some(at) = free.iter().position(|&i| model.parameters()[i].name == "coulomb") else { return Vec::new() };
+    let c = &problem.coordinates()[at];
+    STOP_FACTORS
+        .iter()
+        .map(|factor| {
+            let mut other = x.to_vec();
+            other[at] = ((x[at] + 1e-4 * c.scale) * factor).clamp(c.lower, c.upper);
+            other
+        })
+        .collect()
 }
 
 /// Points of a problem in the order of their criterion; those without a motion are left out.
