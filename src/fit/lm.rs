@@ -9,6 +9,11 @@ use super::{Budget, Normal, Residuals, Solution, Stop};
 /// Distance to the optimum, in standard deviations squared, below which the fit has converged.
 pub(super) const CONVERGED_VARIANCES: f64 = 1e-8;
 
+/// Accepted steps that gain less than this, in the same unit, creep along a valley that the logs leave open...
+const CREEPING_VARIANCES: f64 = 0.05;
+/// ... and this many of them in a row end the search.
+const PATIENCE: usize = 8;
+
 /// Minimises the criterion from `start`.
 pub(super) fn levenberg_marquardt(problem: &dyn Residuals, start: &[f64], budget: Budget) -> Solution {
     let coordinates = problem.coordinates();
@@ -29,7 +34,7 @@ pub(super) fn levenberg_marquardt(problem: &dyn Residuals, start: &[f64], budget
         if evaluations >= budget.evaluations {
             break Stop::BudgetSpent;
         }
-        if damping > 1e14 || idle >= 3 {
+        if damping > 1e14 || idle >= PATIENCE {
             break Stop::NoFurtherDecrease;
         }
         let Some(step) = normal.step(&free, coordinates, damping) else {
@@ -59,7 +64,8 @@ pub(super) fn levenberg_marquardt(problem: &dyn Residuals, start: &[f64], budget
         };
         evaluations += 1;
         let next = Normal::of(&blocks, x.len());
-        idle = if normal.criterion - next.criterion < 1e-13 * normal.criterion { idle + 1 } else { 0 };
+        let gained_variances = (normal.criterion - next.criterion) / next.criterion * next.residuals as f64;
+        idle = if gained_variances < CREEPING_VARIANCES { idle + 1 } else { 0 };
         (x, normal) = (trial, next);
         trace.push(normal.criterion);
         damping = (damping * (1.0 - (2.0 * gain - 1.0).powi(3)).clamp(1.0 / 3.0, 2.0)).max(1e-12);

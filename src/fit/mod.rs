@@ -45,7 +45,7 @@ pub struct Budget {
 
 impl Default for Budget {
     fn default() -> Self {
-        Self { evaluations: 4000 }
+        Self { evaluations: 1500 }
     }
 }
 

@@ -24,6 +24,9 @@ pub struct SimpleModel {
     pub parameters: Vec<Parameter>,
 }
 
+/// Damping beyond which a pendulum only creeps and `B/ML^2` and `g/L` show in their ratio alone, in natural frequencies.
+const MOST_DAMPED: f64 = 15.0;
+
 impl SimpleModel {
     /// `scale` tells what is known beforehand; `driven` frees `M L^2`, which a free swing does not show.
     pub fn new(scale: &Scale, driven: bool) -> Self {
@@ -33,7 +36,10 @@ impl SimpleModel {
         Self {
             parameters: vec![
                 if driven { ml2 } else { ml2.fixed() },
-                Parameter::friction("b_over_ml2", "B/ML^2", "1/s", None, 1.0, scale.frequency_rad_s),
+                Parameter {
+                    upper: MOST_DAMPED * scale.frequency_rad_s,
+                    ..Parameter::friction("b_over_ml2", "B/ML^2", "1/s", None, 1.0, scale.frequency_rad_s)
+                },
                 Parameter::positive("g_over_l", "g/L", "1/s^2", None, g_over_l),
                 scale.rest(),
             ],

@@ -41,8 +41,8 @@ pub struct Parameter {
     pub known_to: f64,
 }
 
-/// Search range of a logarithmic parameter, either way of its start: a factor of 3000.
-const LOG_REACH: f64 = 8.0;
+/// Search range of a logarithmic parameter, either way of its start: a factor of 150.
+const LOG_REACH: f64 = 5.0;
 
 impl Parameter {
     /// A positive quantity, searched by its logarithm.

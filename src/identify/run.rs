@@ -35,9 +35,9 @@ const NEIGHBOURHOODS: usize = 3;
 
 /// Fits the free parameters of a model to experiments.
 ///
-/// The search starts from the best of several candidates : the given ones, those that explain the smoothed accelerations or short
-/// parts of the logs, and variations of both. Where the fit it ends in leaves more than
-/// the encoder explains, more starts are spread around the best point, and the best of those is carried to the end.
+/// The search starts from the best of several candidates: the given values, those that explain the smoothed
+/// accelerations or short parts of the logs, and variations of both. Where the fit it ends in leaves more than the
+/// encoder explains, more starts are spread around the best point, and the best of those is carried to the end.
 ///
 /// # Errors
 /// [`Rejected`] where no candidate gives a motion at all.

@@ -61,8 +61,9 @@ pub struct Diverged {
 
 /// Beyond this angle \[rad\] a motion counts as diverged.
 const RUNAWAY_RAD: f64 = 1e4;
-/// Integration steps per sample, on average, after which a motion counts as diverged.
-const STEPS_PER_SAMPLE: usize = 400;
+/// Integration steps per sample, on average, after which a motion counts as diverged: a decay that needs more is over
+/// long before the next sample, so that no log could tell it from a faster one.
+const STEPS_PER_SAMPLE: usize = 60;
 
 /// Integrates a joint through the sample times of a log and shows each sample's state to `visit`.
 ///
