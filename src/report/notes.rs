@@ -97,6 +97,7 @@ pub(super) fn notes(case: &Case, fit: &DropFit) -> Vec<String> {
             capital(&words(&e.name))
         )
     }));
+    notes.extend(misled(fit));
     notes.extend(contradicted(fit));
     notes.extend(correlated(fit));
     notes.extend(held_back(fit));
@@ -124,6 +125,19 @@ pub(super) fn notes(case: &Case, fit: &DropFit) -> Vec<String> {
 
 fn on_zero(e: &Estimate) -> bool {
     e.status == Status::Determined && e.value == 0.0
+}
+
+/// The simple model, which believes nothing that is stated of the link, follows the logs much better.
+fn misled(fit: &DropFit) -> Option<String> {
+    let (simple, extensive) = (simple_rms(fit), fit.extensive.rms_rad(&fit.fitted));
+    (extensive > MUCH_WORSE * simple).then(|| {
+        format!(
+            "The simple model follows these logs much better ({} against {} RMS): what is stated of the link contradicts \
+             them. Check masses, extra mass, distance, pose and the joint's name.",
+            mrad(simple),
+            mrad(extensive)
+        )
+    })
 }
 
 /// Nominal values that the logs contradict, in one sentence.
@@ -166,8 +180,8 @@ fn correlated(fit: &DropFit) -> Option<String> {
     ))
 }
 
-/// How much larger the error on held-back logs has to be to be mentioned.
-const CARRIES_OVER: f64 = 2.0;
+/// How many times larger an RMS has to be than what it is compared with to be mentioned.
+const MUCH_WORSE: f64 = 2.0;
 
 /// Held-back logs that the model does not predict as well as it follows the fitted ones.
 fn held_back(fit: &DropFit) -> Option<String> {
@@ -175,7 +189,7 @@ fn held_back(fit: &DropFit) -> Option<String> {
     let squares: f64 =
         fit.predictions.iter().zip(&fit.validated).map(|(p, e)| p.rms_rad.powi(2) * e.compared() as f64).sum();
     let (held_back, fitted) = ((squares / samples.max(1) as f64).sqrt(), fit.extensive.rms_rad(&fit.fitted));
-    (held_back > CARRIES_OVER * fitted).then(|| {
+    (held_back > MUCH_WORSE * fitted).then(|| {
         format!(
             "On the held-back logs the extensive model errs by {} RMS, on the fitted ones by {}: it does not carry over.",
             mrad(held_back),
