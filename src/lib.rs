@@ -1,4 +1,40 @@
 //! Turns logs of robot joints into trustworthy dynamics.
+//!
+//! A joint log (time, angle, perhaps a setpoint or a torque) goes in; inertia, moment and friction come out, each with
+//! an interval that stays honest when the model lacks something, or with the plain statement that the log does not
+//! determine it. The models are those of a 2005 thesis on the Sony ERS-7 (equation numbers throughout are its own):
+//! the simple pendulum (3.2) and the extensive one with Coulomb, viscous and Stribeck friction (3.11-3.13), integrated
+//! with true sticking and fitted by Levenberg-Marquardt, BFGS or DFP to the integral of the squared error (3.7).
+//!
+//! # The joint as a chain
+//! ```text
+//! setpoint -> controller (PID) -> motor (limits) -> link (inertia, gravity, friction) -> encoder -> log
+//! ```
+//! A stage is perfect until the logs say otherwise. The stages live in [`joint`]; they are generic over the number
+//! type, so that dual numbers carry exact sensitivities through sticking, release and breakaway.
+//!
+//! # Layers, each using only those above it
+//! [`log`] reads and checks · [`geometry`] lumps a leg into a pendulum · [`joint`] has the stages · [`integrate`] and
+//! [`pendulum`] move them · [`fit`] minimises and says how sure it is · [`identify`] brings logs and models together ·
+//! [`report`] draws · [`cli`] is the program.
+//!
+//! # A swing, fitted
+//! ```
+//! use aibo_fit::{Case, DropOptions, Status, fit_drop};
+//!
+//! // Reads data/q1.csv, its sidecar data/q1.toml and data/pose.toml beside it.
+//! let case = Case::of_logs(&["data/q1.csv".into()], None)?;
+//! let fit = fit_drop(&case, &DropOptions::default(), &|_| {})?;
+//!
+//! let coulomb = fit.extensive.estimate("coulomb").expect("every extensive model has it");
+//! let [low, high] = coulomb.interval.expect("this swing determines it");
+//! assert!(low < 0.001 && 0.001 < high, "Table 3.3 has 0.001 N m");
+//!
+//! // The shoulder lies on the axis of q1: no swing can weigh it, and the fit says so.
+//! let shoulder = fit.extensive.estimate("mass_shoulder").expect("a body of the leg");
+//! assert_eq!(shoulder.status, Status::NotDetermined);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod cli;
 pub mod fit;
@@ -9,3 +45,11 @@ pub mod joint;
 pub mod log;
 pub mod pendulum;
 pub mod report;
+
+pub use fit::{Budget, Method, Stop};
+pub use geometry::{Ers7Tables, Leg, LegJoint, LegPose, lump};
+pub use identify::{
+    Case, Directives, DropFit, DropOptions, Estimate, Experiment, ExtensiveModel, Parameter, Status, conclude, fit_drop,
+};
+pub use log::{Log, Study, read_log, read_study};
+pub use pendulum::{ExtensivePendulum, SimplePendulum, rollout};

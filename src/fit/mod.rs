@@ -77,11 +77,13 @@ impl Stop {
 /// Where a solve ended: the best point it saw.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
+    /// The best point, in the problem's coordinates.
     pub x: Vec<f64>,
     /// The criterion (3.7) at `x` \[rad^2 s\]; infinite where the start was rejected.
     pub criterion: f64,
     /// The criterion after each iteration.
     pub trace: Vec<f64>,
+    /// Why the solve ended.
     pub stop: Stop,
     /// Evaluations of the criterion or of the residuals with their derivatives.
     pub evaluations: usize,

@@ -6,6 +6,7 @@ use std::ops::Range;
 /// One coordinate in which an optimiser moves; the problem maps it to a physical parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coordinate {
+    /// For messages.
     pub name: String,
     /// Lowest allowed value; may be minus infinity.
     pub lower: f64,
@@ -19,6 +20,7 @@ pub struct Coordinate {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("trial point rejected: {why}")]
 pub struct Rejected {
+    /// What happened there.
     pub why: String,
 }
 
@@ -69,9 +71,13 @@ pub trait Residuals: Sync {
 /// Normal equations of a linearised problem: `J'J` and `J'r`, with the criterion and the number of residuals.
 #[derive(Clone, Debug)]
 pub struct Normal {
+    /// `J'J`
     pub jtj: DMatrix<f64>,
+    /// `J'r`
     pub jtr: DVector<f64>,
+    /// `r'r`, the criterion (3.7) \[rad^2 s\].
     pub criterion: f64,
+    /// Number of residuals.
     pub residuals: usize,
 }
 
@@ -85,7 +91,12 @@ impl Normal {
             residuals: 0,
         };
         for block in blocks {
+            normal.criterion += block.residual.iter().map(|r| r * r).sum::<f64>();
+            normal.residuals += block.residual.len();
             let m = block.columns.len();
+            if m == 0 {
+                continue;
+            }
             let mut jtj = vec![0.0; m * m];
             let mut jtr = vec![0.0; m];
             for (row, &r) in block.jacobian.chunks_exact(m).zip(&block.residual) {
@@ -95,9 +106,7 @@ impl Normal {
                         jtj[i * m + k] += row[i] * row[k];
                     }
                 }
-                normal.criterion += r * r;
             }
-            normal.residuals += block.residual.len();
             for (i, &ci) in block.columns.iter().enumerate() {
                 normal.jtr[ci] += jtr[i];
                 for (k, &ck) in block.columns.iter().enumerate() {
@@ -172,6 +181,13 @@ mod tests {
         let c = Coordinate { name: "x".into(), lower: f64::NEG_INFINITY, upper: f64::INFINITY, scale: 1.0 };
         let step = n.step(&[0, 1, 2], &[c.clone(), c.clone(), c], 0.0).expect("three rows, three coordinates");
         assert_relative_eq!(step.as_slice(), [-1.0, -1.0, 1.0].as_slice(), epsilon = 1e-9);
+    }
+
+    #[test]
+    fn a_block_to_which_no_coordinate_matters_still_counts() {
+        let block = Block { columns: Vec::new(), residual: vec![3.0, 4.0], jacobian: Vec::new() };
+        let n = Normal::of(&[block], 0);
+        assert_eq!((n.criterion, n.residuals), (25.0, 2));
     }
 
     #[test]

@@ -23,9 +23,13 @@ pub enum Status {
 /// A parameter after the fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
+    /// The name in `fit.json` and on the command line.
     pub name: String,
+    /// The letter in the equations.
     pub symbol: String,
+    /// Its unit.
     pub unit: String,
+    /// What may be said of it.
     pub status: Status,
     /// The estimate, or the value at which it was held.
     pub value: f64,
@@ -33,6 +37,7 @@ pub struct Estimate {
     pub interval: Option<[f64; 2]>,
     /// 95 % interval as if residuals were white.
     pub interval_naive: Option<[f64; 2]>,
+    /// What the engineer believed, where known.
     pub nominal: Option<f64>,
 }
 
@@ -43,12 +48,15 @@ pub struct Fitted<M> {
     pub model: M,
     /// One for each parameter of the model, in its order.
     pub estimates: Vec<Estimate>,
+    /// Where the search ended.
     pub found: Found,
     /// One for each experiment that was fitted.
     pub predictions: Vec<Prediction>,
     /// Free parameters, in the order of the covariance.
     pub free: Vec<usize>,
+    /// Covariances at the solution: the free parameters first, then the starts.
     pub uncertainty: Uncertainty,
+    /// How it was searched.
     pub method: Method,
 }
 

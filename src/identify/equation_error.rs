@@ -109,6 +109,9 @@ pub(super) fn equation_error_values<M: JointModel>(
 ) -> Option<Vec<f64>> {
     let parameters = model.parameters();
     let free = free_of(parameters);
+    if free.is_empty() {
+        return None;
+    }
     let moments: Vec<Vec<Moment>> = experiments
         .iter()
         .map(|e| {

@@ -48,9 +48,24 @@ pub struct Body {
 /// What drives the joint; the vectors are as long as the experiment's times.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Signal {
+    /// Nothing: a free swing.
     Off,
-    Torque { torque_nm: Vec<f64>, on: Option<Vec<bool>> },
-    Position { setpoint_rad: Vec<f64>, hold: Hold, on: Option<Vec<bool>> },
+    /// A torque on the joint.
+    Torque {
+        /// Held from its sample to the next \[N m\].
+        torque_nm: Vec<f64>,
+        /// Whether the motor is on; `None`: always.
+        on: Option<Vec<bool>>,
+    },
+    /// A setpoint through the motor's controller.
+    Position {
+        /// \[rad\]
+        setpoint_rad: Vec<f64>,
+        /// How it is read between its samples.
+        hold: Hold,
+        /// Whether the motor is on; `None`: always.
+        on: Option<Vec<bool>>,
+    },
 }
 
 /// One log made ready.
@@ -58,22 +73,27 @@ pub enum Signal {
 pub struct Experiment {
     /// As the user named it.
     pub file: String,
+    /// What the log is used for.
     pub role: Role,
     /// Where in the log the experiment begins.
     pub first_sample: usize,
     /// From the experiment's first sample on, relative to the log's first sample \[s\].
     pub t_s: Vec<f64>,
+    /// Readings \[rad\].
     pub measured_rad: Vec<f64>,
     /// Samples at the beginning that are not compared: the last held one.
     pub uncompared: usize,
     /// Weights of the compared samples \[s\] (3.7): half the time to either neighbour.
     pub weights_s: Vec<f64>,
+    /// What drives the joint.
     pub signal: Signal,
+    /// The controller of a position-driven log.
     pub motor: Option<MotorSpec>,
     /// A log that begins held: the two instants between which the joint was let go \[s\].
     pub release_window_s: Option<[f64; 2]>,
     /// Guess of the start.
     pub start: Start<f64>,
+    /// The known mass on the link.
     pub load: Option<Load>,
     /// Bodies of the bare link, where its geometry is known.
     pub bodies: Vec<Body>,
@@ -81,11 +101,11 @@ pub struct Experiment {
     pub gravity_m_s2: f64,
     /// Quantisation step \[rad\]; 0: none known.
     pub resolution_rad: f64,
-    /// Runs of one reading among the compared samples.
+    /// Phases among the compared samples in which the encoder repeats one rounding error.
     pub runs: Vec<Range<usize>>,
 }
 
-/// Runs of identical readings at least this long count as one rounding error each.
+/// Phases of one repeated rounding error count once from this length on.
 const LONG_RUN: usize = 12;
 
 impl Experiment {
@@ -130,7 +150,7 @@ impl Experiment {
             }
         };
         let weights_s = super::weights::trapezoid(&t_s[uncompared..]);
-        let runs = super::weights::runs_of_one_reading(&measured_rad[uncompared..], LONG_RUN);
+        let runs = super::weights::repeated_roundings(&measured_rad[uncompared..], resolution_rad, LONG_RUN);
         Some(Self {
             file: entry.file.clone(),
             role: entry.role,

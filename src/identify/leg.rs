@@ -29,7 +29,7 @@ impl LegCase {
     /// The case for a joint, with the pose that stands beside the log where there is one.
     ///
     /// # Errors
-    /// [`GeometryError::UnknownLeg`] for a leg that the robot does not have.
+    /// [`GeometryError::NotALeg`] for a leg that the robot does not have.
     pub fn new(joint: LegJoint, pose: Option<&Pose>, gravity_m_s2: f64) -> Result<Self, GeometryError> {
         let Some(pose) = pose else {
             return Ok(Self {

@@ -20,6 +20,7 @@ pub trait JointModel: Sync {
 /// The simple pendulum (3.2); the extra mass is part of the point mass.
 #[derive(Clone, Debug)]
 pub struct SimpleModel {
+    /// In the order of the values.
     pub parameters: Vec<Parameter>,
 }
 
@@ -72,7 +73,9 @@ pub enum LinkBy {
 /// The extensive pendulum (3.12, 3.13).
 #[derive(Clone, Debug)]
 pub struct ExtensiveModel {
+    /// In the order of the values.
     pub parameters: Vec<Parameter>,
+    /// How inertia and moment are written.
     pub link_by: LinkBy,
     /// Number of parameters that describe the link; friction follows, then the rest angle.
     link: usize,
@@ -203,6 +206,8 @@ pub struct BodyMass {
     pub name: String,
     /// e.g. `M_L`.
     pub symbol: String,
+    /// By the table \[kg\].
     pub nominal_kg: f64,
+    /// Whether it is searched.
     pub free: bool,
 }

@@ -9,7 +9,10 @@ pub enum Search {
     /// By its logarithm: a quantity that is never zero, and known to a factor rather than to a difference.
     Logarithm,
     /// As it is, with a typical change: friction, which may be zero, and angles.
-    Linear { scale: f64 },
+    Linear {
+        /// A typical change, in the parameter's unit.
+        scale: f64,
+    },
 }
 
 /// One parameter of a model.
@@ -19,13 +22,17 @@ pub struct Parameter {
     pub name: String,
     /// The letter in the equations, e.g. `I*`.
     pub symbol: String,
+    /// Its unit.
     pub unit: String,
+    /// How it is searched.
     pub search: Search,
     /// What the engineer believes, where known.
     pub nominal: Option<f64>,
     /// Where the search begins; the value, where the parameter is fixed.
     pub start: f64,
+    /// Lowest value; 0 for a logarithm means its own reach.
     pub lower: f64,
+    /// Highest value.
     pub upper: f64,
     /// Not searched.
     pub fixed: bool,

@@ -10,7 +10,9 @@ use rayon::prelude::*;
 
 /// A model, the experiments it is held against, and the coordinates that are searched.
 pub struct Problem<'a, M: JointModel> {
+    /// What is fitted.
     pub model: &'a M,
+    /// What it is held against.
     pub experiments: &'a [Experiment],
     /// Free parameters of the model first, then two start coordinates for each experiment.
     coordinates: Vec<Coordinate>,

@@ -28,7 +28,8 @@ const FURTHER_EVALUATIONS: usize = 24;
 
 /// Fits the free parameters of a model to experiments.
 ///
-/// The search starts from the best of several candidates ([`candidates`]). Where the fit it ends in leaves more than
+/// The search starts from the best of several candidates : the given ones, those that explain the smoothed accelerations or short
+/// parts of the logs, and variations of both. Where the fit it ends in leaves more than
 /// the encoder explains, more starts are spread around the best point, and the best of those is carried to the end.
 ///
 /// # Errors
@@ -218,13 +219,29 @@ pub fn predict<M: JointModel>(
     values: &[f64],
 ) -> Result<Vec<Prediction>, Diverged> {
     experiments
-        .iter()
+        .par_iter()
         .map(|e| {
             let problem = Problem::of_starts(model, std::slice::from_ref(e), values);
-            let solution = solve(&problem, &problem.coordinates_of(values), Method::Lm, Budget { evaluations: 100 });
-            prediction(&problem, &solution.x, 0)
+            let solve_from = |start: [f64; 2]| solve(&problem, &start, Method::Lm, Budget { evaluations: 60 });
+            let best = possible_starts(e)
+                .into_iter()
+                .map(solve_from)
+                .min_by(|a, b| a.criterion.total_cmp(&b.criterion))
+                .map_or_else(|| e.start_coordinates(&e.start).to_vec(), |s| s.x);
+            prediction(&problem, &best, 0)
         })
         .collect()
+}
+
+/// Starts from which the true one may be found: a joint near rest may stick, or be about to move either way.
+fn possible_starts(e: &Experiment) -> Vec<[f64; 2]> {
+    let [angle, second] = e.start_coordinates(&e.start);
+    let seconds = match e.release_window_s {
+        Some([low, high]) => vec![second, 0.5 * (low + high), low],
+        None => vec![second, 0.0, 0.2, -0.2],
+    };
+    let first_reading = e.measured_rad[0];
+    seconds.into_iter().flat_map(|second| [[angle, second], [first_reading, second]]).collect()
 }
 
 /// The motion of one experiment of a problem at a point.

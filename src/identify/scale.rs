@@ -13,6 +13,7 @@ pub struct Scale {
     pub inertia_kg_m2: f64,
     /// Of small swings \[rad/s\].
     pub frequency_rad_s: f64,
+    /// In the plane of motion \[m/s^2\].
     pub gravity_m_s2: f64,
     /// Where the joint hangs, by guess or as given \[rad\].
     pub rest_rad: f64,

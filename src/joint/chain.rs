@@ -4,7 +4,9 @@ use super::{Contact, Friction, Link, Motor, Real};
 
 /// The mechanical side of the chain for one log: link, friction, and the motor that drives it.
 pub struct Chain<T: Real> {
+    /// Inertia and gravity.
     pub link: Link<T>,
+    /// What resists.
     pub friction: Friction<T>,
     /// `None` where no log is driven by position.
     pub motor: Option<Motor>,
@@ -39,18 +41,27 @@ impl<T: Real> Chain<T> {
         })
     }
 
+    /// Frequency \[rad/s\] of the fastest oscillation: gravity's, with the controller's stiffness where the motor is on.
+    pub(crate) fn fastest_rad_s(&self, motor_on: bool) -> f64 {
+        let (kp, _) = self.stiffness_and_damping(motor_on);
+        ((self.link.peak_gravity_nm() + kp) / self.link.inertia_kg_m2.re()).sqrt()
+    }
+
     /// The step \[s\] that keeps the fourth-order Runge-Kutta error far below a sensor step.
     ///
-    /// A tenth of a radian of the fastest oscillation, or a quarter of the fastest decay: the phase error is then
-    /// 1e-7 rad per step.
-    pub(crate) fn longest_step_s(&self, rate_rad_s: f64, motor_on: bool) -> f64 {
-        let inertia = self.link.inertia_kg_m2.re();
-        let (kp, kd) = match &self.motor {
+    /// A tenth of a radian of the fastest oscillation ([`Chain::fastest_rad_s`], which is the same all along a motion),
+    /// or a quarter of the fastest decay: the phase error is then 1e-7 rad per step.
+    pub(crate) fn longest_step_s(&self, fastest_rad_s: f64, rate_rad_s: f64, motor_on: bool) -> f64 {
+        let (_, kd) = self.stiffness_and_damping(motor_on);
+        let speed_rad_s = rate_rad_s.abs();
+        let decay_1_s = (self.friction.slope_nm_s_rad(speed_rad_s) + kd) / self.link.inertia_kg_m2.re();
+        1.0 / (10.0 * fastest_rad_s).max(4.0 * decay_1_s).max(2.0 * speed_rad_s).max(1.0)
+    }
+
+    fn stiffness_and_damping(&self, motor_on: bool) -> (f64, f64) {
+        match &self.motor {
             Some(motor) if motor_on => motor.stiffness_and_damping(),
             _ => (0.0, 0.0),
-        };
-        let oscillation_rad_s = ((self.link.peak_gravity_nm() + kp) / inertia).sqrt();
-        let decay_1_s = (self.friction.slope_nm_s_rad(rate_rad_s.abs()) + kd) / inertia;
-        1.0 / (10.0 * oscillation_rad_s).max(4.0 * decay_1_s).max(rate_rad_s.abs() * 2.0).max(1.0)
+        }
     }
 }

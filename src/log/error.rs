@@ -11,6 +11,7 @@ use super::place::Place;
 /// Every message names the file and, where it can, the line, the column or key, what was found and what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "the fields are the words of the message above them")]
 pub enum LogError {
     /// The file could not be opened or read.
     #[error("{}: could not be read: {source}; {}", file.display(), reading_fix(source))]
@@ -143,6 +144,7 @@ impl fmt::Display for FileKind {
 /// What is wrong with a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "the fields are the words of the message above them")]
 pub enum CellFault {
     /// Nothing in it.
     Empty,
@@ -191,6 +193,7 @@ impl CellFault {
 /// A column that is in another unit than the format's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "the fields are the words of the message above them")]
 pub enum UnitFault {
     /// The median step is longer than any joint logger's.
     Time { step_s: f64, unit: &'static str },

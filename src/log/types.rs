@@ -42,7 +42,9 @@ impl Log {
 pub struct Study {
     /// The TOML file as the user named it.
     pub file: PathBuf,
+    /// The joint and its nominal model.
     pub joint: JointSpec,
+    /// Its encoder.
     pub sensor: SensorSpec,
     /// The controller of driven logs; `None` where no log is driven by position.
     pub motor: Option<MotorSpec>,
@@ -55,6 +57,7 @@ pub struct Study {
 /// Table `[joint]` of a study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointSpec {
+    /// As the robot calls it, e.g. `q1`.
     pub name: String,
     /// The nominal model; absent in the sidecar of a single log.
     pub nominal: Option<Nominal>,
@@ -115,7 +118,9 @@ pub struct MotorSpec {
     pub ki_nm_rad_s: f64,
     /// \[N m s/rad\]
     pub kd_nm_s_rad: f64,
+    /// How a setpoint is read between its samples.
     pub hold: Hold,
+    /// What the derivative term acts on.
     pub derivative: Derivative,
     /// Period at which the law itself is evaluated \[s\]; `None`: continuously.
     pub sample_period_s: Option<f64>,
@@ -128,7 +133,9 @@ pub struct MotorSpec {
 /// What a log of a study is used for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
+    /// Parameters are fitted to it.
     Fit,
+    /// Held back: predicted only.
     Validate,
 }
 
@@ -163,10 +170,13 @@ pub struct StudyLog {
     pub file: String,
     /// The file resolved against the study's folder.
     pub path: PathBuf,
+    /// What the log is used for.
     pub role: Role,
+    /// What moves the joint.
     pub drive: DriveMode,
     /// `[motor]` with this log's overrides applied.
     pub motor: Option<MotorSpec>,
+    /// A known mass on the link.
     pub extra: Option<ExtraMass>,
 }
 

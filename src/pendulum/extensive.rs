@@ -12,6 +12,7 @@ pub struct ExtensivePendulum<T> {
     pub coulomb_nm: T,
     /// `mu_v` \[N m s/rad\]
     pub viscous_nm_s_rad: T,
+    /// The Stribeck part of (3.11), where there is one.
     pub stribeck: Option<Stribeck<T>>,
 }
 

@@ -13,16 +13,30 @@ use crate::log::Hold;
 pub enum Input<'a> {
     /// Motor off.
     Off,
-    /// Torque \[N m\], held from its sample to the next.
-    Torque { torque_nm: &'a [f64], on: Option<&'a [bool]> },
-    /// Setpoint \[rad\] through the chain's motor.
-    Position { setpoint_rad: &'a [f64], hold: Hold, on: Option<&'a [bool]> },
+    /// A torque on the joint.
+    Torque {
+        /// Held from its sample to the next \[N m\].
+        torque_nm: &'a [f64],
+        /// Whether the motor is on; `None`: always.
+        on: Option<&'a [bool]>,
+    },
+    /// A setpoint through the chain's motor.
+    Position {
+        /// \[rad\]
+        setpoint_rad: &'a [f64],
+        /// How it is read between its samples.
+        hold: Hold,
+        /// Whether the motor is on; `None`: always.
+        on: Option<&'a [bool]>,
+    },
 }
 
 /// How a motion begins.
 #[derive(Clone, Copy, Debug)]
 pub struct Start<T> {
+    /// Joint angle \[rad\].
     pub angle_rad: T,
+    /// Joint speed \[rad/s\].
     pub rate_rad_s: T,
     /// The joint is held still until this instant \[s\]; `None`: it is free from the first sample on.
     pub release_s: Option<T>,
@@ -31,7 +45,9 @@ pub struct Start<T> {
 /// The joint at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State<T> {
+    /// Joint angle \[rad\].
     pub angle_rad: T,
+    /// Joint speed \[rad/s\].
     pub rate_rad_s: T,
 }
 
@@ -39,6 +55,7 @@ pub struct State<T> {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("the motion diverged at t = {at_s} s")]
 pub struct Diverged {
+    /// When \[s\].
     pub at_s: f64,
 }
 
@@ -85,6 +102,8 @@ pub fn rollout_refined<T: Real>(
         y: [start.angle_rad, start.rate_rad_s, T::nought()],
         mode,
         steps_left: (refinement.max(1.0) as usize) * (STEPS_PER_SAMPLE * t_s.len() + 10_000),
+        swinging_rad_s: chain.fastest_rad_s(false),
+        driven_rad_s: chain.fastest_rad_s(true),
         refinement,
     };
     let mut release_s = start.release_s;
@@ -124,13 +143,16 @@ pub fn rollout_refined<T: Real>(
             }
             run.advance(until, command)?;
             if releases {
+                // A release that falls on a sample must still bear its derivative: the clock takes it over.
+                if until.re() >= run.t_s.re() {
+                    run.t_s = until;
+                }
                 (release_s, run.mode) = (None, Mode::Stuck);
             }
             if run.t_s.re() >= to {
                 break;
             }
         }
-        run.t_s = T::constant(to);
         if !(run.y[0].re().abs() < RUNAWAY_RAD && run.y[1].re().is_finite()) {
             return Err(Diverged { at_s: to });
         }
@@ -180,6 +202,9 @@ struct Run<'a, T: Real> {
     y: [T; 3],
     mode: Mode,
     steps_left: usize,
+    /// Fastest oscillation with the motor off, and on \[rad/s\]; they bound the step.
+    swinging_rad_s: f64,
+    driven_rad_s: f64,
     /// Divides the longest step.
     refinement: f64,
 }
@@ -298,7 +323,8 @@ impl<T: Real> Run<'_, T> {
     fn slip(&mut self, until: T, command: Command<T>, direction: f64) -> Result<(), Diverged> {
         let motor_on = matches!(command, Command::Pid { .. });
         let whole = until - self.t_s;
-        let longest_s = self.chain.longest_step_s(self.y[1].re(), motor_on) / self.refinement;
+        let fastest_rad_s = if motor_on { self.driven_rad_s } else { self.swinging_rad_s };
+        let longest_s = self.chain.longest_step_s(fastest_rad_s, self.y[1].re(), motor_on) / self.refinement;
         let parts = (whole.re() / longest_s).ceil().max(1.0);
         if !(parts <= self.steps_left as f64) {
             return Err(Diverged { at_s: self.t_s.re() });
@@ -313,8 +339,8 @@ impl<T: Real> Run<'_, T> {
         let bracket = if after <= 0.0 {
             Some(step.re())
         } else {
-            let last = rate(self.t_s + step, &y1);
-            self.dip(before, after, first[1].re() * direction, last[1].re() * direction, step.re())
+            let slope_after = || rate(self.t_s + step, &y1)[1].re() * direction;
+            dip([before, after], first[1].re() * direction, slope_after, step.re())
                 .filter(|&dt| speed(&rk4(rate, self.t_s, &self.y, &first, T::constant(dt))) <= 0.0)
         };
         let Some(bracket) = bracket else {
@@ -343,16 +369,25 @@ impl<T: Real> Run<'_, T> {
         self.mode = Mode::Stuck;
         Ok(())
     }
+}
 
-    /// The instant inside a step at which a speed that falls and rises again may have dipped below zero.
-    fn dip(&self, before: f64, after: f64, slope_before: f64, slope_after: f64, step_s: f64) -> Option<f64> {
-        if !(slope_before < 0.0 && slope_after > 0.0) || before <= 0.0 {
-            return None;
-        }
-        // Minimum of the parabola with these end slopes; a step is short against the curvature's change.
-        let dt = step_s * slope_before / (slope_before - slope_after);
-        (before.min(after) + 0.5 * slope_before * dt < 0.0).then_some(dt)
+/// The instant inside a step at which a speed that falls and rises again may have dipped below zero.
+///
+/// `speed` holds the speeds at both ends. The slope at the end costs a rate, so it is asked for only where the deepest
+/// dip that the first slope allows would reach zero.
+fn dip(speed: [f64; 2], slope_before: f64, slope_after: impl Fn() -> f64, step_s: f64) -> Option<f64> {
+    let [before, after] = speed;
+    let lowest = |dt: f64| before.min(after) + 0.5 * slope_before * dt;
+    if before <= 0.0 || !(slope_before < 0.0 && lowest(step_s) < 0.0) {
+        return None;
     }
+    let slope_after = slope_after();
+    if !(slope_after > 0.0) {
+        return None;
+    }
+    // Minimum of the parabola with these end slopes; a step is short against the curvature's change.
+    let dt = step_s * slope_before / (slope_before - slope_after);
+    (lowest(dt) < 0.0).then_some(dt)
 }
 
 /// The instant in `(0, bracket]` at which `speed`, positive just after 0, falls through zero (Illinois method).

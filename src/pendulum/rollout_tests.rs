@@ -204,6 +204,25 @@ fn dual_numbers_agree_with_central_differences_through_events() {
 }
 
 #[test]
+fn a_release_on_a_sample_keeps_its_derivative() {
+    // A log with a `drive` column starts its search there: without the derivative the release could never leave.
+    let t = times(250, 0.008);
+    for (release, side) in [(t[0], 1.0), (t[1], 1.0), (t[1], -1.0), (t[3], -1.0)] {
+        let p = [0.011, 0.05, 0.02, 0.004, 0.9, release];
+        let exact = sensitivities(std::array::from_fn(|i| variable::<6>(p[i], i)), None, &[], &t);
+        let (mut moved, h) = (p, 1e-7);
+        moved[5] += side * h;
+        let (here, there) = (sensitivities(p, None, &[], &t), sensitivities(moved, None, &[], &t));
+        let scale = exact.iter().map(|x| gradient(x)[5].abs()).fold(0.0, f64::max);
+        assert!(scale > 1.0, "release at {release} s: {scale} rad/s");
+        for k in 0..t.len() {
+            let error = (gradient(&exact[k])[5] - side * (there[k] - here[k]) / h).abs() / scale;
+            assert!(error < 1e-3, "release at {release} s, sample {k}: {error}");
+        }
+    }
+}
+
+#[test]
 fn impossible_joints_are_rejected_and_do_not_hang() {
     let t = times(100, 0.008);
     let c = chain(1e-12, 0.05, 0.0, 10.0);

@@ -9,7 +9,9 @@ pub struct DropReport {
     pub sentence: String,
     /// Honest messages, most important first (what the logs cannot determine, what looked odd).
     pub notes: Vec<String>,
+    /// One row per log.
     pub health: Vec<LogHealthRow>,
+    /// Curves of every log that moves.
     pub logs: Vec<LogCurves>,
     /// The simple model (3.2) and the extensive model (3.13), in this order.
     pub models: Vec<ModelSummary>,
@@ -17,16 +19,20 @@ pub struct DropReport {
     pub correlation: Correlation,
     /// Friction torque against speed of the extensive model; empty where the scale is not determined.
     pub friction: Vec<FrictionPoint>,
+    /// Where the report comes from.
     pub provenance: Provenance,
 }
 
 /// One row of the data-health table.
 #[derive(Clone, Debug)]
 pub struct LogHealthRow {
+    /// As the user named it.
     pub file: String,
     /// `fit` or `validate`.
     pub role: String,
+    /// Number of samples.
     pub samples: usize,
+    /// Last time less first \[s\].
     pub duration_s: f64,
     /// Median sampling period \[s\].
     pub period_s: f64,
@@ -49,16 +55,19 @@ pub struct LogHealthRow {
 /// One log with the two models' predictions on the fitted samples.
 #[derive(Clone, Debug)]
 pub struct LogCurves {
+    /// As the user named it.
     pub file: String,
     /// `fit` or `validate`.
     pub role: String,
     /// All sample times \[s\] and readings \[rad\].
     pub t_s: Vec<f64>,
+    /// Readings \[rad\], same length.
     pub measured_rad: Vec<f64>,
     /// First fitted sample (samples before it were held).
     pub first_fitted: usize,
     /// Same length as `t_s`, from `first_fitted` on; NaN before it.
     pub simple_rad: Vec<f64>,
+    /// As `simple_rad`, of the extensive model \[rad\].
     pub extensive_rad: Vec<f64>,
     /// Speed of the extensive model \[rad/s\], NaN before `first_fitted`.
     pub extensive_rate_rad_s: Vec<f64>,
@@ -68,6 +77,7 @@ pub struct LogCurves {
     pub half_step_rad: f64,
     /// RMS of the residual on the fitted samples \[rad\].
     pub simple_rms_rad: f64,
+    /// The same of the extensive model \[rad\].
     pub extensive_rms_rad: f64,
 }
 
@@ -76,14 +86,17 @@ pub struct LogCurves {
 pub struct ModelSummary {
     /// e.g. `simple (3.2)`.
     pub name: String,
+    /// Over all fitted samples \[rad\].
     pub rms_rad: f64,
     /// The thesis's integral (3.7) \[rad^2 s\].
     pub criterion_rad2_s: f64,
+    /// In the order in which they are shown.
     pub parameters: Vec<ParameterRow>,
     /// `lm`, `bfgs` or `dfp`.
     pub method: String,
     /// Why the optimiser stopped, e.g. `converged`.
     pub stop: String,
+    /// Evaluations of the criterion or of the residuals.
     pub evaluations: usize,
     /// Criterion after each iteration \[rad^2 s\].
     pub trace_rad2_s: Vec<f64>,
@@ -96,8 +109,11 @@ pub struct ParameterRow {
     pub name: String,
     /// e.g. `I*`; may be empty.
     pub symbol: String,
+    /// Its unit.
     pub unit: String,
+    /// What may be said of it.
     pub status: ParameterStatus,
+    /// The estimate, or the value at which it was held.
     pub value: f64,
     /// 95 % interval that allows for correlated residuals; `None` for a held parameter.
     pub interval: Option<[f64; 2]>,
@@ -121,23 +137,29 @@ pub enum ParameterStatus {
 /// Correlation matrix of fitted parameters, row-major.
 #[derive(Clone, Debug, Default)]
 pub struct Correlation {
+    /// Parameter names, in the order of the rows.
     pub names: Vec<String>,
+    /// Between -1 and 1.
     pub matrix: Vec<Vec<f64>>,
 }
 
 /// One point of the friction-speed curve.
 #[derive(Clone, Copy, Debug)]
 pub struct FrictionPoint {
+    /// Speed \[rad/s\].
     pub rate_rad_s: f64,
+    /// Friction torque \[N m\].
     pub torque_nm: f64,
     /// 95 % band \[N m\].
     pub low_nm: f64,
+    /// Upper edge \[N m\].
     pub high_nm: f64,
 }
 
 /// Where the report comes from.
 #[derive(Clone, Debug)]
 pub struct Provenance {
+    /// Version of the program.
     pub version: String,
     /// The command line, with the paths as the user gave them.
     pub command: String,
