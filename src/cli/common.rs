@@ -1,7 +1,7 @@
 //! Options that every command has.
 
 use super::CliError;
-use crate::log::write_atomically;
+use crate::log::Outputs;
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -36,28 +36,31 @@ impl CommonArgs {
         self.out.clone().unwrap_or_else(|| Path::new("fits").join(name))
     }
 
-    /// Writes the JSON where it was asked for.
-    pub fn write_json(&self, value: &impl Serialize) -> Result<(), CliError> {
-        match &self.json {
-            Some(path) => write_json(path, value),
-            None => Ok(()),
+    /// Adds the JSON where it was asked for.
+    pub fn add_json(&self, outputs: &mut Outputs, value: &impl Serialize) -> Result<(), CliError> {
+        if let Some(path) = &self.json {
+            outputs.add(path, json_text(value)?);
         }
+        Ok(())
     }
 }
 
-/// Writes a value as indented JSON, whole or not at all.
-pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), CliError> {
-    write_atomically(path, |out| {
-        serde_json::to_writer_pretty(&mut *out, value)?;
-        out.write_all(b"\n")
-    })?;
-    Ok(())
+/// A value as indented JSON.
+pub(super) fn json_text(value: &impl Serialize) -> Result<String, CliError> {
+    let text = serde_json::to_string_pretty(value).map_err(|error| CliError::Encode(error.to_string()))?;
+    Ok(text + "\n")
 }
 
-/// Writes a text file, whole or not at all.
-pub(super) fn write_text(path: &Path, text: &str) -> Result<(), CliError> {
-    write_atomically(path, |out| out.write_all(text.as_bytes()))?;
-    Ok(())
+/// Writes all results or none; a result never takes the place of a file that was read.
+pub(super) fn write_outputs(outputs: Outputs, inputs: &[PathBuf]) -> Result<(), CliError> {
+    let read: Vec<(&PathBuf, PathBuf)> = inputs.iter().filter_map(|i| Some((i, i.canonicalize().ok()?))).collect();
+    for path in outputs.paths() {
+        let there = path.canonicalize().ok();
+        if let Some((input, _)) = read.iter().find(|(_, input)| there.as_ref() == Some(input)) {
+            return Err(CliError::Overwrites { input: (*input).clone() });
+        }
+    }
+    Ok(outputs.write()?)
 }
 
 /// Prints a result; a reader that has gone away (a closed pipe) is no error.

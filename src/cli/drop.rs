@@ -1,13 +1,13 @@
 //! `aibo-fit drop`: fits the simple and the extensive pendulum to logged swings.
 
 use super::CliError;
-use super::common::{CommonArgs, log_name, print, study_name, write_json, write_text};
+use super::common::{CommonArgs, json_text, log_name, print, study_name, write_outputs};
 use super::error::{NO, NOT_CONVERGED};
 use super::progress::Progress;
 use super::provenance::provenance;
 use crate::fit::{Budget, Method, Stop};
 use crate::identify::{Case, Directives, DropError, DropFit, DropOptions, fit_drop};
-use crate::log::Role;
+use crate::log::{Outputs, Role};
 use crate::report::{DropReport, FitFile, drop_report, drop_text, figures, render_html, resting_gravity_nm, still};
 use clap::{Args, ValueEnum};
 use serde_json::json;
@@ -29,7 +29,7 @@ pub(super) struct DropArgs {
     #[arg(long, value_name = "FILE")]
     study: Option<PathBuf>,
     /// The joint: q1, q2 or q3 of an ERS-7 leg, or any other name [default: from sidecar or file name]
-    #[arg(long, value_name = "NAME", conflicts_with = "study")]
+    #[arg(long, value_name = "NAME", conflicts_with = "study", value_parser = joint_name)]
     joint: Option<String>,
     /// How to search
     #[arg(long, value_enum, default_value_t = MethodArg::Lm)]
@@ -74,6 +74,14 @@ impl From<MethodArg> for Method {
             MethodArg::Dfp => Method::Dfp,
         }
     }
+}
+
+fn joint_name(text: &str) -> Result<String, String> {
+    let name = text.trim();
+    if name.is_empty() || name.chars().any(char::is_control) {
+        return Err("a joint needs a name, such as q1".into());
+    }
+    Ok(name.to_owned())
 }
 
 fn number(text: &str) -> Result<f64, String> {
@@ -135,9 +143,8 @@ pub(super) fn run(args: &DropArgs) -> Result<u8, CliError> {
         fit => fit?,
     };
     progress.say("drawing");
-    let logs = case.items.iter().map(|item| item.entry.path.clone());
-    let report = drop_report(&case, &fit, provenance(logs.chain(case.documents.iter().cloned()))?);
-    let written = write_report(args, &fit, &report, &name)?;
+    let report = drop_report(&case, &fit, provenance(case.inputs())?);
+    let written = write_report(args, &case, &fit, &report, &name)?;
     drop(progress);
     if !args.common.quiet {
         print(&drop_text(&report));
@@ -148,20 +155,25 @@ pub(super) fn run(args: &DropArgs) -> Result<u8, CliError> {
 }
 
 /// Draws everything first and writes it then, so that an error leaves no half of a report.
-fn write_report(args: &DropArgs, fit: &DropFit, report: &DropReport, name: &str) -> Result<PathBuf, CliError> {
+fn write_report(
+    args: &DropArgs,
+    case: &Case,
+    fit: &DropFit,
+    report: &DropReport,
+    name: &str,
+) -> Result<PathBuf, CliError> {
     let folder = args.common.folder(name);
-    let html = render_html(report)?;
-    let figures = figures(report)?;
     let file = FitFile::of_drop(fit, report);
-    let toml = toml::to_string(&file).map_err(|error| CliError::Usage(error.to_string()))?;
-    for figure in &figures {
-        write_text(&folder.join(&figure.file_name), &figure.svg)?;
+    let mut outputs = Outputs::default();
+    for figure in figures(report)? {
+        outputs.add(folder.join(figure.file_name), figure.svg);
     }
-    write_json(&folder.join("fit.json"), &file)?;
-    write_text(&folder.join("fit.toml"), &toml)?;
+    outputs.add(folder.join("fit.json"), json_text(&file)?);
+    outputs.add(folder.join("fit.toml"), toml::to_string(&file).map_err(|error| CliError::Encode(error.to_string()))?);
     let page = folder.join("report.html");
-    write_text(&page, &html)?;
-    args.common.write_json(&file)?;
+    outputs.add(&page, render_html(report)?);
+    args.common.add_json(&mut outputs, &file)?;
+    write_outputs(outputs, &case.inputs())?;
     Ok(page)
 }
 
@@ -175,9 +187,12 @@ fn never_moved(args: &DropArgs, case: &Case) -> Result<u8, CliError> {
                 "breakaway_at_least_nm": resting_gravity_nm(case, item) })
         })
         .collect();
-    args.common.write_json(&json!({
-        "schema": 1, "name": case.joint.name, "moved": false, "sentence": sentences.join(" "), "logs": logs,
-    }))?;
+    let mut outputs = Outputs::default();
+    args.common.add_json(
+        &mut outputs,
+        &json!({ "schema": 1, "name": case.joint.name, "moved": false, "sentence": sentences.join(" "), "logs": logs }),
+    )?;
+    write_outputs(outputs, &case.inputs())?;
     if !args.common.quiet {
         print(&format!("{}: no fit.\n", case.joint.name));
         for sentence in sentences {

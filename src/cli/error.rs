@@ -1,6 +1,6 @@
 //! How a command fails, and with which exit code.
 
-use crate::identify::{CaseError, DirectiveError, DropError};
+use crate::identify::{CaseError, DropError};
 use crate::log::LogError;
 use crate::report::ReportError;
 use std::path::PathBuf;
@@ -35,6 +35,15 @@ pub enum CliError {
     /// The command line asks for something impossible.
     #[error("{0}")]
     Usage(String),
+    /// A result would be written over a file that was read.
+    #[error("{}: a result would be written over this input; choose another --out or --json", input.display())]
+    Overwrites {
+        /// The input.
+        input: PathBuf,
+    },
+    /// A result cannot be put into JSON or TOML.
+    #[error("a result cannot be written down: {0}; please report this")]
+    Encode(String),
     /// A motion diverged.
     #[error("{file}: {source}; check the parameters' units and sizes")]
     Diverged {
@@ -67,14 +76,12 @@ impl CliError {
                     DATA
                 }
             }
-            CliError::Case(CaseError::JointsDiffer { .. }) | CliError::Usage(_) => USAGE,
-            CliError::Drop(DropError::Directive(
-                DirectiveError::Unknown { .. } | DirectiveError::Impossible { .. },
-            )) => USAGE,
+            CliError::Case(CaseError::JointsDiffer { .. }) | CliError::Usage(_) | CliError::Overwrites { .. } => USAGE,
+            CliError::Drop(DropError::Directive(_)) => USAGE,
             CliError::Drop(DropError::NeverMoved) => NO,
             CliError::Drop(_) | CliError::Diverged { .. } => NOT_CONVERGED,
             CliError::Case(_) | CliError::FitFile { .. } => DATA,
-            CliError::Report(_) | CliError::Threads(_) => IO,
+            CliError::Report(_) | CliError::Threads(_) | CliError::Encode(_) => IO,
         }
     }
 }

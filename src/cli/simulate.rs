@@ -1,12 +1,12 @@
 //! `aibo-fit simulate`: predicts the logs of a study from their start.
 
 use super::CliError;
-use super::common::{CommonArgs, log_name, print, study_name, write_text};
+use super::common::{CommonArgs, log_name, print, study_name, write_outputs};
 use super::progress::Progress;
 use super::provenance::provenance;
 use crate::fit::{Budget, Method};
 use crate::identify::{Case, Experiment, ExtensiveModel, Item, JointModel, Prediction, Scale, conclude, predict};
-use crate::log::{Nominal, Role};
+use crate::log::{LogError, Nominal, Outputs, Role};
 use crate::report::{FitFile, Quantity, SCHEMA};
 use clap::Args;
 use serde_json::json;
@@ -43,6 +43,9 @@ struct InForce {
     source: String,
 }
 
+/// No parameter of a joint is larger, whatever its SI unit.
+const LARGEST: f64 = 1e6;
+
 /// Runs the command.
 pub(super) fn run(args: &SimulateArgs) -> Result<u8, CliError> {
     let progress = Progress::new(args.common.quiet);
@@ -55,8 +58,10 @@ pub(super) fn run(args: &SimulateArgs) -> Result<u8, CliError> {
     progress.say("predicting");
     let predicted = args.common.on_threads(|| predictions(&case, &in_force))??;
     let folder = args.common.folder(&study_name(&args.study));
-    let inputs = case.items.iter().map(|i| i.entry.path.clone()).chain(case.documents.iter().cloned());
-    let provenance = provenance(inputs.chain(args.fit.iter().cloned()))?;
+    let mut inputs = case.inputs();
+    inputs.extend(args.fit.iter().cloned());
+    let provenance = provenance(inputs.iter().cloned())?;
+    let mut outputs = Outputs::default();
     let mut rows = Vec::new();
     let mut text = format!("{}: parameters from {}\n\n", case.joint.name, in_force.source);
     let _ = writeln!(text, "{:<40} {:<9} {:>8} {:>12}", "log", "role", "samples", "RMS [mrad]");
@@ -70,18 +75,20 @@ pub(super) fn run(args: &SimulateArgs) -> Result<u8, CliError> {
             rows.push(json!({ "file": item.entry.file, "role": role, "rms": null, "moved": false }));
             continue;
         };
-        let csv = folder.join(format!("{}.predicted.csv", log_name(&item.entry.path)));
-        write_text(&csv, &predicted_csv(item, experiment, prediction))?;
+        let csv = free_name(&outputs, &folder, &log_name(&item.entry.path));
+        outputs.add(&csv, predicted_csv(item, experiment, prediction));
         let samples = experiment.compared();
         let _ = writeln!(text, "{:<40} {role:<9} {samples:>8} {:>12.3}", item.entry.file, 1e3 * prediction.rms_rad);
         rows.push(json!({ "file": item.entry.file, "role": role, "rms": prediction.rms_rad, "samples": samples,
             "criterion": prediction.criterion_rad2_s, "predicted": csv.display().to_string() }));
     }
-    args.common.write_json(&json!({
+    let hashes = provenance.inputs.iter().map(|(file, hash)| json!({ "file": file, "sha256": hash }));
+    let found = json!({
         "schema": SCHEMA, "joint": case.joint.name, "parameters": in_force.source, "logs": rows,
-        "version": provenance.version, "command": provenance.command,
-        "inputs": provenance.inputs.iter().map(|(file, hash)| json!({ "file": file, "sha256": hash })).collect::<Vec<_>>(),
-    }))?;
+        "version": provenance.version, "command": provenance.command, "inputs": hashes.collect::<Vec<_>>(),
+    });
+    args.common.add_json(&mut outputs, &found)?;
+    write_outputs(outputs, &inputs)?;
     drop(progress);
     if !args.common.quiet {
         print(&text);
@@ -103,12 +110,14 @@ fn in_force(args: &SimulateArgs, case: &Case) -> Result<InForce, CliError> {
     let file = read_fit(path)?;
     let wrong = |what: String| CliError::FitFile { file: path.clone(), what };
     let number = |key: &str, quantity: &Quantity, zero_allowed: bool| match quantity.value {
-        Some(v) if v.is_finite() && (v > 0.0 || v == 0.0 && zero_allowed) => Ok(v),
+        Some(v) if v < LARGEST && (v > 0.0 || v == 0.0 && zero_allowed) => Ok(v),
         Some(v) => Err(wrong(format!(
-            "{key}.value is {v}, expected a number {} zero",
+            "{key}.value is {v:?}, expected a number {} zero and below {LARGEST:e} in SI units",
             if zero_allowed { "not below" } else { "above" }
         ))),
-        None => Err(wrong(format!("{key}.value is null: this fit does not determine it"))),
+        None => Err(wrong(format!(
+            "{key}.value is null: this fit does not determine it; fit more logs, or write a value there"
+        ))),
     };
     let nominal = if file.ratios.is_empty() {
         Nominal {
@@ -146,16 +155,36 @@ fn in_force(args: &SimulateArgs, case: &Case) -> Result<InForce, CliError> {
         stribeck = Some((parameter("mu_st")?, parameter("v_st")?));
     }
     let rest_rad = file.joint.rest.as_ref().and_then(|r| r.value).or(case.joint.rest_rad);
+    if let Some(rest) = rest_rad.filter(|rest| !(rest.abs() <= std::f64::consts::TAU)) {
+        return Err(wrong(format!("joint.rest.value is {rest:?}, expected an angle within 2 pi (6.283) rad")));
+    }
     Ok(InForce { nominal, rest_rad, stribeck, source: path.display().to_string() })
 }
 
+/// `<log>.predicted.csv`, or with a number where another log of that name has it already.
+fn free_name(outputs: &Outputs, folder: &Path, log: &str) -> PathBuf {
+    let taken = |path: &PathBuf| outputs.paths().any(|other| other == path);
+    let plain = folder.join(format!("{log}.predicted.csv"));
+    let numbered = (2..).map(|n| folder.join(format!("{log}-{n}.predicted.csv")));
+    std::iter::once(plain.clone()).chain(numbered).find(|path| !taken(path)).unwrap_or(plain)
+}
+
 fn read_fit(path: &Path) -> Result<FitFile, CliError> {
-    let text =
-        fs::read_to_string(path).map_err(|source| crate::log::LogError::Read { file: path.to_path_buf(), source })?;
+    const EXPECTED: &str = "expected a fit.json as `aibo-fit drop` writes it";
+    let bytes = fs::read(path).map_err(|source| LogError::Read { file: path.to_path_buf(), source })?;
     let wrong = |what: String| CliError::FitFile { file: path.to_path_buf(), what };
-    let file: FitFile = serde_json::from_str(&text)
-        .map_err(|error| wrong(format!("{error}; expected a fit.json as `aibo-fit drop` writes it")))?;
-    if file.schema == SCHEMA { Ok(file) } else { Err(wrong(format!("schema is {}, expected {SCHEMA}", file.schema))) }
+    let text = String::from_utf8(bytes).map_err(|_| wrong(format!("not UTF-8 text; {EXPECTED}")))?;
+    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+    let any: serde_json::Value = serde_json::from_str(text).map_err(|error| wrong(format!("{error}; {EXPECTED}")))?;
+    match any.get("schema") {
+        Some(schema) if *schema == SCHEMA => {}
+        Some(schema) => return Err(wrong(format!("schema is {schema}, expected {SCHEMA}, the only schema there is"))),
+        None => return Err(wrong(format!("key `schema` is missing; {EXPECTED}"))),
+    }
+    if any.get("moved") == Some(&serde_json::Value::Bool(false)) {
+        return Err(wrong("the joint never moved, so this holds no fit; leave --fit out, or fit another log".into()));
+    }
+    serde_json::from_str(text).map_err(|error| wrong(format!("{error}; {EXPECTED}")))
 }
 
 type Predicted<'a> = (&'a Item, Option<(Experiment, Prediction)>);

@@ -3,8 +3,8 @@
 use super::{Experiment, LegCase};
 use crate::geometry::{GeometryError, LegJoint};
 use crate::log::{
-    DriveMode, Health, JointSpec, Log, LogError, Role, SensorSpec, Study, StudyLog, health, read_joint_log, read_log,
-    read_pose_for, read_sidecar_for, read_study, read_study_logs,
+    DriveMode, Health, JointSpec, Log, LogError, Role, SensorSpec, Start, Study, StudyLog, health, read_joint_log,
+    read_log, read_pose_for, read_sidecar_for, read_study, read_study_logs, thinned,
 };
 use std::path::{Path, PathBuf};
 
@@ -27,7 +27,7 @@ pub struct Case {
 /// One log of a case.
 #[derive(Clone, Debug)]
 pub struct Item {
-    /// What was recorded.
+    /// What was recorded; of a free log longer than [`MOST_SAMPLES`] so many of its samples.
     pub log: Log,
     /// What the study or the sidecar says of it.
     pub entry: StudyLog,
@@ -81,19 +81,24 @@ pub enum CaseError {
         expected: String,
     },
     /// A log is shorter than what is to be found from it.
-    #[error("{}: {samples} samples after release, but at least {needed} are needed for {needed} unknowns; record longer", file.display())]
+    #[error("{}: only {samples} samples while the joint is free, but at least {needed} are needed for 6 unknowns; record longer", file.display())]
     TooFewSamples {
         /// The log.
         file: PathBuf,
         /// Samples that count.
         samples: usize,
-        /// Free parameters, with the start.
+        /// Samples that are needed.
         needed: usize,
     },
 }
 
-/// Unknowns of a baseline fit of one log: inertia, two frictions, rest angle, and the start's two.
-const UNKNOWNS: usize = 6;
+/// A baseline fit of one log has six unknowns: inertia, two frictions, rest angle, and the start's two. Two samples more
+/// show how well it does.
+const FEWEST_SAMPLES: usize = 8;
+
+/// Samples of a free log that are fitted at the most. A swing holds no more news than that, and a search looks at every
+/// sample hundreds of times. Driven logs are fitted whole: what drives them between two samples counts.
+pub const MOST_SAMPLES: usize = 20_000;
 
 impl Case {
     /// A study with its logs.
@@ -205,6 +210,11 @@ impl Case {
         Ok(Self { joint, leg, by_bodies, items, documents })
     }
 
+    /// Every file that was read: logs first, then what stood beside them.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        self.items.iter().map(|item| item.entry.path.clone()).chain(self.documents.iter().cloned()).collect()
+    }
+
     /// Experiments of the logs with a role, in order; logs in which nothing moved are left out.
     pub fn experiments(&self, role: Role) -> Vec<Experiment> {
         self.items.iter().filter(|i| i.entry.role == role).filter_map(|i| i.experiment.clone()).collect()
@@ -218,14 +228,20 @@ fn item(
     gravity_m_s2: f64,
     leg: Option<&LegCase>,
 ) -> Result<Item, CaseError> {
-    let health = health(&log, &sensor, entry.drive);
+    let whole = health(&log, &sensor, entry.drive);
+    let short = if entry.drive == DriveMode::Off { thinned(&log, &whole, MOST_SAMPLES) } else { None };
+    let (log, health) = short.unwrap_or((log, whole));
+    let free = health.start.held().map_or(log.len(), |held| log.len() - held.first_free);
+    if free < FEWEST_SAMPLES && health.start != Start::AlwaysHeld {
+        return Err(CaseError::TooFewSamples { file: entry.path.clone(), samples: free, needed: FEWEST_SAMPLES });
+    }
     let resolution_rad = sensor.resolution_rad.or(health.step_rad).unwrap_or(0.0);
     let mut experiment =
         health.moved.then(|| Experiment::new(&log, &entry, &health, resolution_rad, gravity_m_s2)).flatten();
     if let Some(e) = &mut experiment {
-        if e.compared() < UNKNOWNS {
+        if e.compared() < FEWEST_SAMPLES {
             let (file, samples) = (entry.path.clone(), e.compared());
-            return Err(CaseError::TooFewSamples { file, samples, needed: UNKNOWNS });
+            return Err(CaseError::TooFewSamples { file, samples, needed: FEWEST_SAMPLES });
         }
         if let Some(leg) = leg {
             let impossible = |source| CaseError::Geometry { file: entry.path.clone(), source };

@@ -40,6 +40,20 @@ pub enum DirectiveError {
         /// What it may be.
         allowed: &'static str,
     },
+    /// Nothing is known that the parameter could be held at.
+    #[error("`{name}` has no nominal value to be held at; write --fix {name}=VALUE")]
+    NoNominal {
+        /// Which parameter.
+        name: String,
+    },
+    /// Two demands that cannot both be met.
+    #[error("`{name}`: {what}; leave one of them out")]
+    Contradiction {
+        /// Which parameter.
+        name: String,
+        /// Which demands.
+        what: String,
+    },
 }
 
 impl Directives {
@@ -48,6 +62,7 @@ impl Directives {
     /// # Errors
     /// [`DirectiveError::Impossible`] for a value that the parameter cannot have.
     pub fn apply(&self, parameters: &mut [Parameter]) -> Result<(), DirectiveError> {
+        self.check_consistency()?;
         for p in parameters {
             if let Some((_, [low, high])) = self.bound.iter().find(|(name, _)| *name == p.name) {
                 checked(p, *low, true)?;
@@ -62,8 +77,38 @@ impl Directives {
                 p.fixed = false;
             }
             if let Some((_, value)) = self.fix.iter().find(|(name, _)| *name == p.name) {
-                p.start = checked(p, value.or(p.nominal).unwrap_or(p.start), false)?;
+                let value = value.or(p.nominal).ok_or_else(|| DirectiveError::NoNominal { name: p.name.clone() })?;
+                p.start = checked(p, value, false)?;
                 p.fixed = true;
+            }
+        }
+        Ok(())
+    }
+
+    /// No parameter is given two values, held and searched, or started or held outside its bounds.
+    fn check_consistency(&self) -> Result<(), DirectiveError> {
+        let contradiction = |name: &str, what: String| DirectiveError::Contradiction { name: name.to_owned(), what };
+        let names = |option: &'static str| -> Vec<&str> {
+            match option {
+                "--fix" => self.fix.iter().map(|(name, _)| name.as_str()).collect(),
+                "--bound" => self.bound.iter().map(|(name, _)| name.as_str()).collect(),
+                _ => self.start.iter().map(|(name, _)| name.as_str()).collect(),
+            }
+        };
+        for option in ["--fix", "--bound", "--start"] {
+            let names = names(option);
+            if let Some((_, name)) = names.iter().enumerate().find(|(i, name)| names[..*i].contains(name)) {
+                return Err(contradiction(name, format!("{option} is given twice")));
+            }
+        }
+        if let Some(name) = self.free.iter().find(|name| names("--fix").contains(&name.as_str())) {
+            return Err(contradiction(name, "--fix and --free are both given".into()));
+        }
+        for (name, [low, high]) in &self.bound {
+            let fixed = self.fix.iter().filter_map(|(n, value)| Some((n, (*value)?, "--fix")));
+            let mut given = fixed.chain(self.start.iter().map(|(n, value)| (n, *value, "--start")));
+            if let Some((_, value, option)) = given.find(|(n, v, _)| *n == name && !(*low..=*high).contains(v)) {
+                return Err(contradiction(name, format!("{option} {value} lies outside --bound {low}:{high}")));
             }
         }
         Ok(())
@@ -136,5 +181,33 @@ mod tests {
         assert_eq!(message, "there is no parameter `mas`; this fit has coulomb, moment");
         let d = Directives { start: vec![("moment".into(), -1.0)], ..Directives::default() };
         assert!(d.apply(&mut parameters()).unwrap_err().to_string().contains("must be above zero"));
+    }
+
+    #[test]
+    fn demands_that_contradict_each_other_are_refused() {
+        let moment = |value: f64| ("moment".to_owned(), value);
+        let cases = [
+            (Directives { start: vec![moment(1.0), moment(2.0)], ..Directives::default() }, "--start is given twice"),
+            (
+                Directives { fix: vec![("moment".into(), None)], free: vec!["moment".into()], ..Directives::default() },
+                "--fix and --free",
+            ),
+            (
+                Directives {
+                    start: vec![moment(3.0)],
+                    bound: vec![("moment".into(), [1.0, 2.0])],
+                    ..Directives::default()
+                },
+                "--start 3 lies outside --bound 1:2",
+            ),
+        ];
+        for (d, expected) in cases {
+            let message = d.apply(&mut parameters()).unwrap_err().to_string();
+            assert!(message.contains(expected) && message.contains("`moment`"), "{message}");
+        }
+        let mut unknown = parameters();
+        unknown[0].nominal = None;
+        let d = Directives { fix: vec![("moment".into(), None)], ..Directives::default() };
+        assert!(d.apply(&mut unknown).unwrap_err().to_string().contains("--fix moment=VALUE"));
     }
 }

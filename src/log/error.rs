@@ -14,10 +14,10 @@ use super::place::Place;
 #[expect(missing_docs, reason = "the fields are the words of the message above them")]
 pub enum LogError {
     /// The file could not be opened or read.
-    #[error("{}: could not be read: {source}", file.display())]
+    #[error("{}: could not be read: {source}; {}", file.display(), reading_fix(source))]
     Read { file: PathBuf, source: io::Error },
     /// The file could not be written; nothing half-written is left behind.
-    #[error("{}: could not be written: {source}", file.display())]
+    #[error("{}: could not be written: {source}; {}", file.display(), writing_fix(source))]
     Write { file: PathBuf, source: io::Error },
     /// A log that a study names is not there.
     #[error("{at}: the log `{}` could not be opened: {source}; paths are relative to the study{}", path.display(), at.excerpt())]
@@ -47,7 +47,7 @@ pub enum LogError {
     #[error("{at}: the column appears twice, as cells {first} and {second} of the header; rename or delete one{}", at.excerpt())]
     DoubledColumn { at: Box<Place>, first: usize, second: usize },
     /// A log of several joints where one of one joint was asked for.
-    #[error("{at}: column `q` is missing: this is a log of several joints ({}); choose one of them, or keep its columns only, named `t,q`{}", list(joints), at.excerpt())]
+    #[error("{at}: column `q` is missing: this is a log of several joints ({}); choose one with --joint or as a study's `[joint] name`, or keep its columns only, named `t,q`{}", list(joints), at.excerpt())]
     SeveralJoints { at: Box<Place>, joints: Vec<String> },
     /// The log does not have the joint that was asked for.
     #[error("{at}: no column `{joint}.q`; {}{}", joints_found(joints), at.excerpt())]
@@ -230,6 +230,26 @@ impl fmt::Display for UnitFault {
                 "found {value} while `q` stays within {angle_rad} rad: this looks like degrees, expected radians; multiply the column by pi/180"
             ),
         }
+    }
+}
+
+fn reading_fix(source: &io::Error) -> &'static str {
+    match source.kind() {
+        io::ErrorKind::NotFound => "check the path and the folder you are in",
+        io::ErrorKind::IsADirectory => "expected the name of a file in it",
+        io::ErrorKind::PermissionDenied => "ask for permission to read it",
+        _ => "check the disk and the file",
+    }
+}
+
+fn writing_fix(source: &io::Error) -> &'static str {
+    match source.kind() {
+        io::ErrorKind::IsADirectory => "this is a folder, expected the name of a file",
+        io::ErrorKind::AlreadyExists | io::ErrorKind::NotADirectory => {
+            "a file stands where a folder is needed, choose another folder"
+        }
+        io::ErrorKind::StorageFull => "make room on the disk",
+        _ => "choose a folder that you may write to",
     }
 }
 

@@ -15,6 +15,7 @@ mod pose;
 mod release;
 mod schema;
 mod study;
+mod thin;
 mod types;
 mod write;
 
@@ -27,8 +28,9 @@ pub use plausible::check_period;
 pub use pose::{Pose, read_pose_for};
 pub use release::{HeldPhase, Start};
 pub use study::{read_sidecar_for, read_study};
+pub use thin::thinned;
 pub use types::{
     Derivative, DriveMode, ExtraMass, Hold, JointSpec, Log, MotorSpec, Nominal, Release, Role, SensorSpec, Study,
     StudyLog,
 };
-pub use write::{write_atomically, write_log};
+pub use write::{Outputs, write_atomically, write_log};

@@ -156,6 +156,12 @@ fn health_row(item: &Item) -> LogHealthRow {
             remarks.push(format!("caught again at {:.3} s; what follows is not fitted", item.log.t_s[last]));
         }
     }
+    if item.log.len() < h.samples {
+        remarks.push(format!(
+            "long log: {} of its samples are fitted, evenly spaced while it moves, fewer at rest",
+            item.log.len()
+        ));
+    }
     if h.lost_samples > 0 {
         remarks.push(format!("{} samples lost", h.lost_samples));
     }

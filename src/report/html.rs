@@ -87,7 +87,8 @@ fn health_view(row: &LogHealthRow) -> Value {
         samples => row.samples,
         duration_s => seconds(row.duration_s),
         period_ms => milli(row.period_s),
-        jitter_ms => milli(row.jitter_s),
+        // Less than a nanosecond is the rounding of `t`.
+        jitter_ms => if row.jitter_s < 1e-9 { "0".to_owned() } else { milli(row.jitter_s) },
         lost => row.lost,
         resolution_mrad => if row.resolution_rad == 0.0 { "none found".to_owned() } else { milli(row.resolution_rad) },
         noise_mrad => row.noise_rad.map_or_else(dash, milli),

@@ -1,21 +1,16 @@
 //! What the report says in words: the sentence that opens it, and what the reader should not overlook.
 
-use super::assemble::is_relative;
-use super::format_with_uncertainty;
+use super::assemble::{is_relative, joint_rows, ratio_rows};
+use super::number::as_given;
+use super::{ParameterRow, ParameterStatus, format_with_uncertainty};
 use crate::fit::Stop;
 use crate::geometry::Ers7Tables;
-use crate::identify::{Case, DropFit, Estimate, Item, Status};
+use crate::identify::{Case, DropFit, Estimate, Experiment, Item, Status};
 use crate::joint::Link;
-use crate::log::Start;
+use crate::log::{DriveMode, Start};
 
 /// Correlation of residuals, in samples, from which on it is mentioned.
 const CORRELATED_SAMPLES: f64 = 5.0;
-
-fn with_interval(e: &Estimate) -> Option<String> {
-    let interval = e.interval?;
-    let f = format_with_uncertainty(e.value, interval);
-    Some(format!("{} {} [{}, {}]", f.value, e.unit, f.low, f.high))
-}
 
 fn mrad(rad: f64) -> String {
     if rad < 0.01 { format!("{:.2} mrad", 1e3 * rad) } else { format!("{:.1} mrad", 1e3 * rad) }
@@ -24,26 +19,45 @@ fn mrad(rad: f64) -> String {
 /// The sentence a colleague would say.
 pub(super) fn sentence(case: &Case, fit: &DropFit) -> String {
     let logs = fit.fitted.len();
-    let friction: Vec<String> = [("coulomb", "Coulomb friction"), ("viscous", "viscous friction")]
-        .iter()
-        .filter_map(|(name, words)| {
-            let e = fit.extensive.estimate(name)?;
-            (!is_relative(fit)).then(|| with_interval(e)).flatten().map(|text| format!("{words} {text}"))
-        })
-        .collect();
-    let found = match friction.len() {
-        0 => "the logs determine ratios to the inertia only".to_owned(),
-        _ => friction.join(" and "),
-    };
     let floor = fit.fitted.iter().map(|e| e.resolution_rad / 12f64.sqrt()).fold(0.0, f64::max);
     let rounding = if floor > 0.0 { format!(" (rounding alone: {})", mrad(floor)) } else { String::new() };
     format!(
-        "{}: {found}; the extensive model follows {} to {} RMS{rounding}, the simple model to {}.",
+        "{}: {}; the extensive model follows {} to {} RMS{rounding}, the simple model to {}.",
         case.joint.name,
+        friction_found(fit),
         if logs == 1 { "the log".to_owned() } else { format!("{logs} logs") },
         mrad(fit.extensive.rms_rad(&fit.fitted)),
         mrad(simple_rms(fit)),
     )
+}
+
+/// What was found of the friction.
+fn friction_found(fit: &DropFit) -> String {
+    let words = |row: &ParameterRow, words: &str| {
+        let f = format_with_uncertainty(row.value, row.interval?);
+        Some(format!("{words} {} {} [{}, {}]", f.value, row.unit, f.low, f.high))
+    };
+    let of = |rows: &[ParameterRow], names: [&str; 2]| -> Vec<String> {
+        let found = names.iter().zip(["Coulomb friction", "viscous friction"]).filter_map(|(name, friction)| {
+            let row = rows.iter().find(|r| r.name == *name && r.status == ParameterStatus::Determined)?;
+            words(row, friction)
+        });
+        found.collect()
+    };
+    let absolute = of(&joint_rows(fit), ["coulomb", "viscous"]);
+    let relative = of(&ratio_rows(fit), ["coulomb_per_inertia", "viscous_per_inertia"]);
+    match (absolute.is_empty(), relative.is_empty()) {
+        (false, _) => absolute.join(" and "),
+        (true, false) => format!("per unit of inertia, {}", relative.join(" and ")),
+        (true, true) if fit.extensive.estimates.iter().any(|e| is_friction(e) && e.status == Status::Held) => {
+            "friction held as given".to_owned()
+        }
+        (true, true) => "these logs do not determine the friction".to_owned(),
+    }
+}
+
+fn is_friction(e: &Estimate) -> bool {
+    e.name == "coulomb" || e.name == "viscous"
 }
 
 fn simple_rms(fit: &DropFit) -> f64 {
@@ -61,7 +75,9 @@ fn simple_rms(fit: &DropFit) -> f64 {
 pub(super) fn notes(case: &Case, fit: &DropFit) -> Vec<String> {
     let mut notes = Vec::new();
     let open: Vec<&Estimate> = fit.extensive.estimates.iter().filter(|e| e.status == Status::NotDetermined).collect();
-    if is_relative(fit) {
+    if !is_relative(fit) {
+        notes.extend(open_notes(case, fit, &open));
+    } else if ratio_rows(fit).iter().any(|row| row.status == ParameterStatus::Determined) {
         notes.push(
             "These logs determine the moment and the frictions only in ratio to the inertia: free swings with one load \
              have no scale. A study with a nominal moment, a swing with a known extra mass, or a torque-driven log \
@@ -69,38 +85,31 @@ pub(super) fn notes(case: &Case, fit: &DropFit) -> Vec<String> {
                 .to_owned(),
         );
     } else {
-        notes.extend(open_notes(case, fit, &open));
+        notes.push(
+            "These logs hold too little motion to determine the joint. Let it swing from further out, or record longer."
+                .to_owned(),
+        );
     }
-    for e in &fit.extensive.estimates {
-        if e.status == Status::Determined && e.value == 0.0 && e.unit != "rad" {
-            notes.push(format!(
-                "{} is at its bound of zero: the logs would rather have it negative.",
-                capital(&words(&e.name))
-            ));
-        }
-        if let (Some(nominal), Some([low, high])) = (e.nominal, e.interval)
-            && !(low..=high).contains(&nominal)
-            && e.name != "zero"
-        {
-            notes.push(format!(
-                "{} came out as {} {unit}; the {} {unit} that was believed lies outside its interval.",
-                capital(&words(&e.name)),
-                format_with_uncertainty(e.value, [low, high]).value,
-                crate::report::number::significant(nominal, 4),
-                unit = e.unit
-            ));
-        }
-    }
-    let longest = fit.extensive.uncertainty.correlation_length.iter().copied().fold(0.0, f64::max);
-    if longest > CORRELATED_SAMPLES {
-        notes.push(format!(
-            "The residuals hang together over about {longest:.0} samples: the model lacks something that these logs \
-             show. The 95 % intervals allow for that; the naive ones do not. No interval allows for the bias it causes."
-        ));
-    }
-    if fit.extensive.stop() != Stop::Converged {
-        notes.push(format!("The optimiser stopped before it converged: {}.", fit.extensive.stop().words()));
-    }
+    notes.extend(fit.extensive.estimates.iter().filter(|e| is_friction(e) && on_zero(e)).map(|e| {
+        format!(
+            "{} ended on its bound of zero; without the bound it would be negative. Another law of friction would fit \
+             these logs better.",
+            capital(&words(&e.name))
+        )
+    }));
+    notes.extend(misled(fit));
+    notes.extend(contradicted(fit));
+    notes.extend(correlated(fit));
+    notes.extend(held_back(fit));
+    notes.extend(match fit.extensive.stop() {
+        Stop::Converged => None,
+        Stop::NoFurtherDecrease => Some(
+            "The optimiser ended where no step makes the criterion smaller, though its slope is not quite zero: sticking \
+             makes the criterion kinked. The minimum may lie a little beside."
+                .to_owned(),
+        ),
+        other => Some(format!("The optimiser stopped before it converged: {}.", other.words())),
+    });
     if let Some(leg) = &case.leg
         && !leg.pose_known
     {
@@ -112,6 +121,81 @@ pub(super) fn notes(case: &Case, fit: &DropFit) -> Vec<String> {
     }
     notes.extend(case.items.iter().filter(|i| i.experiment.is_none()).map(|i| still(case, i)));
     notes
+}
+
+fn on_zero(e: &Estimate) -> bool {
+    e.status == Status::Determined && e.value == 0.0
+}
+
+/// The simple model, which believes nothing that is stated of the link, follows the logs much better.
+fn misled(fit: &DropFit) -> Option<String> {
+    let (simple, extensive) = (simple_rms(fit), fit.extensive.rms_rad(&fit.fitted));
+    (extensive > MUCH_WORSE * simple).then(|| {
+        format!(
+            "The simple model follows these logs much better ({} against {} RMS): what is stated of the link contradicts \
+             them. Check masses, extra mass, distance, pose and the joint's name.",
+            mrad(simple),
+            mrad(extensive)
+        )
+    })
+}
+
+/// Nominal values that the logs contradict, in one sentence.
+fn contradicted(fit: &DropFit) -> Option<String> {
+    let outside: Vec<String> = fit
+        .extensive
+        .estimates
+        .iter()
+        .filter(|e| e.name != "zero")
+        .filter_map(|e| {
+            let ([low, high], nominal) = (e.interval?, e.nominal?);
+            (!(low..=high).contains(&nominal)).then(|| {
+                let found = format_with_uncertainty(e.value, [low, high]).value;
+                format!(
+                    "{} {} {} (found {found})",
+                    words(&e.name).trim_start_matches("the "),
+                    as_given(nominal),
+                    e.unit
+                )
+            })
+        })
+        .collect();
+    (!outside.is_empty()).then(|| format!("Nominal values outside their 95 % intervals: {}.", outside.join(", ")))
+}
+
+/// Residuals that are not white, by the log in which they are worst.
+fn correlated(fit: &DropFit) -> Option<String> {
+    let lengths = fit.extensive.uncertainty.correlation_length.iter().copied();
+    let (e, samples) = fit.fitted.iter().zip(lengths).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    if !(samples > CORRELATED_SAMPLES) {
+        return None;
+    }
+    let period_s = (e.t_s.last()? - e.t_s.first()?) / (e.t_s.len() - 1) as f64;
+    Some(format!(
+        "The residuals are correlated, over about {:.2} s in {}: the model lacks something that these logs show. The \
+         95 % intervals allow for the correlation but not for the bias that comes with it; the naive intervals allow \
+         for neither.",
+        samples * period_s,
+        e.file
+    ))
+}
+
+/// How many times larger an RMS has to be than what it is compared with to be mentioned.
+const MUCH_WORSE: f64 = 2.0;
+
+/// Held-back logs that the model does not predict as well as it follows the fitted ones.
+fn held_back(fit: &DropFit) -> Option<String> {
+    let samples: usize = fit.validated.iter().map(Experiment::compared).sum();
+    let squares: f64 =
+        fit.predictions.iter().zip(&fit.validated).map(|(p, e)| p.rms_rad.powi(2) * e.compared() as f64).sum();
+    let (held_back, fitted) = ((squares / samples.max(1) as f64).sqrt(), fit.extensive.rms_rad(&fit.fitted));
+    (held_back > MUCH_WORSE * fitted).then(|| {
+        format!(
+            "On the held-back logs the extensive model errs by {} RMS, on the fitted ones by {}: it does not carry over.",
+            mrad(held_back),
+            mrad(fitted)
+        )
+    })
 }
 
 /// What is not determined, and what was done about it.
@@ -128,22 +212,28 @@ fn open_notes(case: &Case, fit: &DropFit, open: &[&Estimate]) -> Vec<String> {
             ));
         }
     }
-    let others: Vec<&&Estimate> = open.iter().filter(|e| !e.name.starts_with("mass_")).collect();
-    let names = |estimates: &[&&Estimate]| estimates.iter().map(|e| words(&e.name)).collect::<Vec<_>>().join(", ");
-    let (scale, rest): (Vec<&&Estimate>, Vec<&&Estimate>) = others.iter().partition(|e| e.name == "moment");
+    let others: Vec<&Estimate> = open.iter().filter(|e| !e.name.starts_with("mass_")).copied().collect();
+    let (scale, rest): (Vec<&Estimate>, Vec<&Estimate>) =
+        others.into_iter().partition(|e| e.name == "moment" && e.nominal == Some(e.value));
     if let Some(moment) = scale.first() {
         let source = if case.by_bodies { "Table A.2" } else { "the study" };
+        let driven = fit.fitted.iter().any(Experiment::is_driven);
+        let why = if driven { "" } else { " (free swings with one load show ratios only)" };
         notes.push(format!(
-            "The moment is not determined by these logs (with one load, free swings show ratios only). It was held at \
-             {} {}, as {source} has it; inertia and frictions are in proportion to it.",
-            moment.value, moment.unit
+            "The moment is not determined by these logs{why}. It was held at {} {}, as {source} has it; inertia and \
+             frictions are in proportion to it.",
+            as_given(moment.value),
+            moment.unit
         ));
     }
-    if !rest.is_empty() {
-        let verb = if rest.len() == 1 { "is" } else { "are" };
+    if let Some((last, first)) = rest.split_last() {
+        let last = words(&last.name);
+        let first: Vec<String> = first.iter().map(|e| words(&e.name)).collect();
+        let (names, verb) =
+            if first.is_empty() { (last, "is") } else { (format!("{} and {last}", first.join(", ")), "are") };
         notes.push(format!(
             "{} {verb} not determined by these logs: a wide range of values explains them equally well.",
-            capital(&names(&rest))
+            capital(&names)
         ));
     }
     notes
@@ -171,34 +261,57 @@ fn capital(text: &str) -> String {
 
 /// What a log says in which nothing moves: at least how large the breakaway friction is.
 pub fn still(case: &Case, item: &Item) -> String {
-    let file = &item.entry.file;
-    if item.health.start == Start::AlwaysHeld {
+    let (file, health) = (&item.entry.file, &item.health);
+    if health.start == Start::AlwaysHeld {
         return format!("{file}: the joint is held throughout (column drive is 1): there is no swing to fit.");
     }
-    let mut text = format!("{file}: the joint never moves: friction holds it.");
-    let gravity = resting_gravity_nm(case, item);
-    if let Some(gravity) = gravity {
-        text += &format!(
-            " Gravity pulls with {gravity:.4} N m there by the nominal model, so its breakaway friction is at least that."
+    if item.entry.drive != DriveMode::Off {
+        return format!("{file}: the joint never moves, although it is driven: check `drive`, setpoint and torque.");
+    }
+    let step = item.sensor.resolution_rad.or(health.step_rad).unwrap_or(0.0);
+    if health.span_rad > 3.0 * step.max(1e-3) {
+        return format!(
+            "{file}: no motion stands out: the readings vary by {} or less, which their scatter of {} explains.",
+            mrad(health.span_rad),
+            mrad(health.noise_rad)
         );
-        if let Some(leg) = &case.leg {
-            let tables = &Ers7Tables::embedded().friction;
-            let (estimated, chosen) = (tables.estimated.of(leg.joint).0, tables.chosen.of(leg.joint).0);
-            if estimated != chosen {
-                let would = |mu_c: f64| if mu_c >= gravity { "it sticks" } else { "it would swing" };
-                text += &format!(
-                    " With the {estimated:.3} N m of Table 3.3 {}, with the {chosen:.3} N m of Table 3.4 {}.",
-                    would(estimated),
-                    would(chosen)
-                );
-            }
+    }
+    let mut text = format!("{file}: the joint never moves: friction holds it.");
+    let Some(gravity) = resting_gravity_nm(case, item) else { return text };
+    text += &format!(
+        " Gravity pulls with {gravity:.4} N m there by the nominal model, so its breakaway friction is at least that."
+    );
+    if let Some(leg) = &case.leg {
+        let tables = &Ers7Tables::embedded().friction;
+        let [estimated, chosen] = [&tables.estimated, &tables.chosen].map(|table| table.of(leg.joint).0);
+        if estimated != chosen {
+            text += &tables_say(estimated, chosen, gravity, leg.bare().ok().map(|b| b.moment_kg_m * b.gravity_m_s2));
         }
+    }
+    text
+}
+
+/// What the two frictions of the thesis mean for a joint that does not move; the gravity torque is at most `steepest`.
+fn tables_say(estimated: f64, chosen: f64, gravity: f64, steepest: Option<f64>) -> String {
+    let holds = |mu_c: f64| if mu_c >= gravity { "would hold it" } else { "would let it swing" };
+    let mut text = if holds(estimated) == holds(chosen) {
+        format!(" Both Table 3.3's {estimated:.3} N m and Table 3.4's {chosen:.3} N m {}.", holds(chosen))
+    } else {
+        format!(" Table 3.3's {estimated:.3} N m {}, Table 3.4's {chosen:.3} N m {}.", holds(estimated), holds(chosen))
+    };
+    if let Some(steepest) = steepest.filter(|s| gravity <= chosen && chosen < *s && *s <= estimated) {
+        text += &format!(
+            " Let go level, where gravity pulls with {steepest:.4} N m, the bare link would swing with the latter only."
+        );
     }
     text
 }
 
 /// Gravity torque on a joint at rest, by the nominal model \[N m\]; `None` where nothing is known of it.
 pub fn resting_gravity_nm(case: &Case, item: &Item) -> Option<f64> {
+    if item.entry.drive != DriveMode::Off || item.health.start == Start::AlwaysHeld {
+        return None;
+    }
     let nominal = case.joint.nominal?;
     let g = case.joint.gravity_m_s2;
     let angle_rad = item.log.q_rad.iter().sum::<f64>() / item.log.len() as f64;

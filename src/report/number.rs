@@ -20,8 +20,8 @@ pub struct WithUncertainty {
 /// Writes an estimate and its interval with two significant digits of the interval's half-width.
 ///
 /// Of an asymmetric interval the narrower side counts, so that both ends stay apart from the estimate, but no more
-/// than three digits finer than the wider side asks for. Plain decimals are used from 1e-4 to 1e5 (and for zero),
-/// an exponent shared by all three numbers elsewhere. Without a usable width the estimate gets four digits; what is not
+/// than three digits finer than the wider side asks for. Plain decimals are used from 1e-4 to 1e5, for zero, and
+/// where six decimals are enough; an exponent shared by all three numbers elsewhere. Without a usable width the estimate gets four digits; what is not
 /// a number reads `unknown`.
 ///
 /// ```
@@ -90,7 +90,8 @@ struct Digits {
 
 impl Digits {
     fn new(magnitude: f64, last: i32) -> Self {
-        let plain = magnitude == 0.0 || (1e-4..1e5).contains(&magnitude) || !magnitude.is_finite();
+        let small = magnitude < 1e-4 && last >= -6;
+        let plain = magnitude == 0.0 || small || (1e-4..1e5).contains(&magnitude) || !magnitude.is_finite();
         let last = last.max(exponent(magnitude, 1) - MOST_DIGITS + 1);
         Self { last, shared: (!plain).then(|| exponent(magnitude, 2)) }
     }

@@ -16,7 +16,7 @@ const ROW: f64 = 30.0;
 /// Half-widths of the robust interval that fit left and right of the estimate.
 const REACH: f64 = 4.0;
 /// Columns \[px\]: names end, bars begin, bars end, numbers begin.
-const BARS: [f64; 2] = [LEFT + 140.0, WIDTH - RIGHT - 286.0];
+const BARS: [f64; 2] = [LEFT + 140.0, WIDTH - RIGHT - 336.0];
 const NUMBERS: f64 = BARS[1] + 18.0;
 
 /// Draws all parameters of all models, estimate at 0 and the robust 95 % interval from about -1 to 1.
