@@ -103,7 +103,6 @@ pub fn fit_drop(case: &Case, options: &DropOptions, progress: &dyn Fn(&str)) -> 
         let experiments: Vec<Experiment> = members.iter().map(|&k| fitted[k].clone()).collect();
         let scale = Scale::of(&experiments, case.joint.nominal.as_ref(), case.joint.rest_rad);
         let mut model = SimpleModel::new(&scale, experiments.iter().any(Experiment::is_driven));
-        keep_visible(&mut model, &experiments);
         options.directives.apply(model.parameters_mut())?;
         let fitted = conclude(&model, &experiments, options.method, options.budget)?;
         simple.push(SimpleFit { load, experiments: members, fitted });
@@ -122,21 +121,6 @@ pub fn fit_drop(case: &Case, options: &DropOptions, progress: &dyn Fn(&str)) -> 
         .collect::<Result<_, Diverged>>()?;
     Ok(DropFit { simple, extensive, fitted, validated, predictions, simple_predictions })
 }
-
-/// Keeps the rate `B/ML^2` at which a speed dies away below what the samples can show.
-///
-/// A joint that only creeps down shows the ratio of `B/ML^2` to `g/L` alone: both could grow for ever, and a motion that
-/// stiff takes hundreds of steps per sample.
-fn keep_visible(model: &mut SimpleModel, experiments: &[Experiment]) {
-    let fastest = experiments.iter().filter_map(|e| Some((e.t_s.len() - 1) as f64 / (e.t_s.last()? - e.t_s.first()?)));
-    let rate = FASTEST_DECAY * fastest.fold(0.0, f64::max);
-    for p in model.parameters_mut().iter_mut().filter(|p| p.name == "b_over_ml2") {
-        p.upper = rate.max(10.0 * p.start);
-    }
-}
-
-/// Time constants in a sampling period.
-const FASTEST_DECAY: f64 = 1.0;
 
 /// The extensive model of a case, with the user's demands.
 fn extensive_model(case: &Case, fitted: &[Experiment], options: &DropOptions) -> Result<ExtensiveModel, DropError> {
