@@ -344,7 +344,7 @@ fn fit_long_log(rows: u32) {
     let begun = std::time::Instant::now();
     let out = expect_code(dir.path(), &["drop", "long.csv", "--out", "out"], DONE);
     println!("{rows} rows: {:.1} s", begun.elapsed().as_secs_f64());
-    assert!(out.contains("per unit of inertia"), "{out}");
+    assert!(out.contains("per unit of inertia") && out.contains("long.csv is long:"), "{out}");
     for path in everything_in(&dir.path().join("out")) {
         let size = fs::metadata(&path).unwrap().len();
         assert!(size < 3_000_000, "{}: {size} bytes", path.display());

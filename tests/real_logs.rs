@@ -103,8 +103,8 @@ fn one_drop_of_the_xl330_predicts_the_other() {
         };
         let (fitted, predicted) = (rms("fit"), rms("validate"));
         println!("{held_back} held back: {predicted:.5} rad, the fitted one {fitted:.5} rad");
-        // Two drops of one joint: friction differs from drop to drop, but not the joint. The swing is 1.6 rad.
-        assert!(predicted < 0.05 && predicted < 6.0 * fitted, "{held_back}: {predicted} rad, fitted {fitted} rad");
+        // Two drops of one joint: its friction differs from drop to drop, the joint does not. They swing over 0.5 and 1.1 rad.
+        assert!(predicted < 0.03, "{held_back}: {predicted} rad, fitted {fitted} rad");
     }
 }
 

@@ -157,10 +157,7 @@ fn health_row(item: &Item) -> LogHealthRow {
         }
     }
     if item.log.len() < h.samples {
-        remarks.push(format!(
-            "long log: {} of its samples are fitted, evenly spaced while it moves, fewer at rest",
-            item.log.len()
-        ));
+        remarks.push(format!("long log: {} of its samples are fitted", item.log.len()));
     }
     if h.lost_samples > 0 {
         remarks.push(format!("{} samples lost", h.lost_samples));

@@ -1,7 +1,7 @@
 //! What the report says in words: the sentence that opens it, and what the reader should not overlook.
 
 use super::assemble::{is_relative, joint_rows, ratio_rows};
-use super::number::as_given;
+use super::number::{as_given, significant};
 use super::{ParameterRow, ParameterStatus, format_with_uncertainty};
 use crate::fit::Stop;
 use crate::geometry::Ers7Tables;
@@ -13,7 +13,7 @@ use crate::log::{DriveMode, Start};
 const CORRELATED_SAMPLES: f64 = 5.0;
 
 fn mrad(rad: f64) -> String {
-    if rad < 0.01 { format!("{:.2} mrad", 1e3 * rad) } else { format!("{:.1} mrad", 1e3 * rad) }
+    format!("{} mrad", significant(1e3 * rad, 3))
 }
 
 /// The sentence a colleague would say.
@@ -119,6 +119,14 @@ pub(super) fn notes(case: &Case, fit: &DropFit) -> Vec<String> {
                 .to_owned(),
         );
     }
+    notes.extend(case.items.iter().filter(|i| i.log.len() < i.health.samples).map(|i| {
+        format!(
+            "{} is long: {} of its {} samples were fitted, evenly spaced while it moves, fewer at rest.",
+            i.entry.file,
+            i.log.len(),
+            i.health.samples
+        )
+    }));
     notes.extend(case.items.iter().filter(|i| i.experiment.is_none()).map(|i| still(case, i)));
     notes
 }
