@@ -9,9 +9,9 @@ use support::*;
 
 /// The folder of shared data, or a printed reason why there is none.
 fn shared() -> Option<PathBuf> {
-    let folder = std::env::var_os("AIBO_FIT_SHARED").map(|shared| PathBuf::from(shared).join("data"));
+    let folder = std::env::var_os("AIBO_FIT_SHARED").map(PathBuf::from);
     if folder.as_ref().is_none_or(|folder| !folder.join("real").is_dir()) {
-        println!("skipped: AIBO_FIT_SHARED does not name a folder with data/real");
+        println!("skipped: AIBO_FIT_SHARED does not name a folder that holds real/");
         return None;
     }
     folder
