@@ -27,7 +27,7 @@ pub struct Case {
 /// One log of a case.
 #[derive(Clone, Debug)]
 pub struct Item {
-    /// What was recorded; of a free log longer than [`MOST_SAMPLES`] so many of its samples.
+    /// What was recorded; of a very long free log, a choice of its samples (20 000 at the most).
     pub log: Log,
     /// What the study or the sidecar says of it.
     pub entry: StudyLog,

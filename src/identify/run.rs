@@ -24,6 +24,8 @@ const SEARCHES: usize = 2;
 const SUSPICIOUS: f64 = 2.5;
 /// Further starts that are tried then, and evaluations that each may cost before the best is carried on.
 const FURTHER: usize = 24;
+/// Samples up to which all further starts are tried; with more of them there are fewer, so that the work is bounded.
+const FURTHER_SAMPLES: usize = 5000;
 const FURTHER_EVALUATIONS: usize = 24;
 
 /// A fit that leaves this many times what noise and rounding explain may sit between two kinks of sticking.
@@ -48,6 +50,9 @@ pub fn search<M: JointModel>(
     budget: Budget,
 ) -> Result<Found, Rejected> {
     let problem = Problem::new(model, experiments);
+    let samples: usize = experiments.iter().map(Experiment::compared).sum();
+    let share = (FURTHER_SAMPLES as f64 / samples.max(1) as f64).min(1.0);
+    let at_most = |count: usize| ((share * count as f64).ceil() as usize).max(1);
     let mut best = Best::default();
     for x in ranked(&problem, candidates(model, experiments)).iter().take(SEARCHES) {
         best.keep(solve(&problem, x, method, budget));
@@ -57,7 +62,7 @@ pub fn search<M: JointModel>(
     if best.criterion() > SUSPICIOUS.powi(2) * explained && !problem.free().is_empty() {
         let middle = best.solution.as_ref().map_or_else(|| starts_of(model.parameters()), |s| problem.values(&s.x));
         let short = Budget { evaluations: FURTHER_EVALUATIONS };
-        let mut further: Vec<Solution> = spread_around(model, &middle)
+        let mut further: Vec<Solution> = spread_around(model, &middle, at_most(FURTHER))
             .par_iter()
             .map(|values| solve(&problem, &problem.coordinates_of(values), Method::Lm, short))
             .collect();
@@ -68,7 +73,7 @@ pub fn search<M: JointModel>(
             best.keep(solve(&problem, &solution.x, method, budget));
         }
     }
-    for _ in 0..NEIGHBOURHOODS {
+    for _ in 0..at_most(NEIGHBOURHOODS) {
         let Some(here) = best.solution.as_ref().map(|s| s.x.clone()) else { break };
         let before = best.criterion();
         if !leaves_structure(&problem, &here) {
@@ -108,6 +113,7 @@ pub(super) fn refine<M: JointModel>(
     let start = problem.coordinates_from(&Found { values, ..earlier.clone() });
     let mut solution = solve(&problem, &start, method, budget);
     solution.evaluations += earlier.solution.evaluations;
+    solution.trace.splice(0..0, earlier.solution.trace.iter().copied());
     found(&problem, solution)
 }
 
@@ -216,7 +222,7 @@ fn candidates<M: JointModel>(model: &M, experiments: &[Experiment]) -> Vec<Vec<f
 const PART_S: f64 = 0.6;
 
 /// Quasi-random points about the best one: positive quantities within a factor, frictions from none to twice.
-fn spread_around<M: JointModel>(model: &M, middle: &[f64]) -> Vec<Vec<f64>> {
+fn spread_around<M: JointModel>(model: &M, middle: &[f64], count: usize) -> Vec<Vec<f64>> {
     let parameters = model.parameters();
     // Halton's sequence: even coverage, no seed.
     let radical_inverse = |mut n: usize, base: usize| {
@@ -228,7 +234,7 @@ fn spread_around<M: JointModel>(model: &M, middle: &[f64]) -> Vec<Vec<f64>> {
         inverse
     };
     const BASES: [usize; 10] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29];
-    (1..=FURTHER)
+    (1..=count)
         .map(|n| {
             let mut values = middle.to_vec();
             for (k, i) in free_of(parameters).into_iter().enumerate() {

@@ -79,16 +79,7 @@ mod tests {
     use approx::assert_relative_eq;
 
     fn spec() -> MotorSpec {
-        MotorSpec {
-            kp_nm_rad: 5.0,
-            ki_nm_rad_s: 0.0,
-            kd_nm_s_rad: 0.05,
-            hold: Hold::Step,
-            derivative: Derivative::Measurement,
-            sample_period_s: None,
-            torque_limit_nm: None,
-            speed_limit_rad_s: None,
-        }
+        MotorSpec::pd(5.0, 0.05)
     }
 
     fn ask(spec: MotorSpec, error: f64, rate: f64) -> f64 {

@@ -130,6 +130,22 @@ pub struct MotorSpec {
     pub speed_limit_rad_s: Option<f64>,
 }
 
+impl MotorSpec {
+    /// A proportional-derivative law, continuous, on a held setpoint, without limits.
+    pub fn pd(kp_nm_rad: f64, kd_nm_s_rad: f64) -> Self {
+        Self {
+            kp_nm_rad,
+            ki_nm_rad_s: 0.0,
+            kd_nm_s_rad,
+            hold: Hold::default(),
+            derivative: Derivative::default(),
+            sample_period_s: None,
+            torque_limit_nm: None,
+            speed_limit_rad_s: None,
+        }
+    }
+}
+
 /// What a log of a study is used for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {

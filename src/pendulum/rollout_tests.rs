@@ -1,6 +1,6 @@
 use super::*;
 use crate::joint::{Friction, Link, Motor, Stribeck, gradient, variable};
-use crate::log::{Derivative, MotorSpec};
+use crate::log::MotorSpec;
 use approx::assert_relative_eq;
 use num_dual::DualSVec64;
 use proptest::prelude::*;
@@ -30,16 +30,7 @@ fn free(angle_rad: f64) -> Start<f64> {
 }
 
 fn motor() -> MotorSpec {
-    MotorSpec {
-        kp_nm_rad: 5.0,
-        ki_nm_rad_s: 0.0,
-        kd_nm_s_rad: 0.05,
-        hold: Hold::Step,
-        derivative: Derivative::Measurement,
-        sample_period_s: None,
-        torque_limit_nm: None,
-        speed_limit_rad_s: None,
-    }
+    MotorSpec::pd(5.0, 0.05)
 }
 
 fn largest_difference(a: &[f64], b: &[f64]) -> f64 {

@@ -5,7 +5,7 @@
 
 use aibo_fit::identify::{Experiment, Load};
 use aibo_fit::joint::{Chain, Contact, Encoder, Friction, FrictionTerm, Link, Motor, Stribeck};
-use aibo_fit::log::{Derivative, DriveMode, ExtraMass, Hold, Log, MotorSpec, Nominal, Role, SensorSpec, StudyLog};
+use aibo_fit::log::{DriveMode, ExtraMass, Hold, Log, MotorSpec, Nominal, Role, SensorSpec, StudyLog};
 use aibo_fit::log::{Start as Begins, health};
 use aibo_fit::pendulum::{Input, Start, rollout_refined};
 use rand::{Rng, SeedableRng};
@@ -112,16 +112,8 @@ fn draw(seed: u64, attempt: u64, lack: Lack) -> Option<Set> {
         coulomb_nm: coulomb * off(rng),
         viscous_nm_s_rad: viscous * off(rng),
     };
-    let motor = MotorSpec {
-        kp_nm_rad: gravity_nm * log_uniform(rng, 0.5, 6.0),
-        ki_nm_rad_s: 0.0,
-        kd_nm_s_rad: inertia * omega * rng.random_range(0.1..0.6),
-        hold: Hold::Step,
-        derivative: Derivative::Measurement,
-        sample_period_s: None,
-        torque_limit_nm: None,
-        speed_limit_rad_s: None,
-    };
+    let kp_nm_rad = gravity_nm * log_uniform(rng, 0.5, 6.0);
+    let motor = MotorSpec::pd(kp_nm_rad, inertia * omega * rng.random_range(0.1..0.6));
     let mut experiments = Vec::new();
     let mut tail = false;
     let mut starts = Vec::new();
