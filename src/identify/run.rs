@@ -24,8 +24,10 @@ const SEARCHES: usize = 2;
 const SUSPICIOUS: f64 = 2.5;
 /// Further starts that are tried then, and evaluations that each may cost before the best is carried on.
 const FURTHER: usize = 24;
-/// Samples up to which all further starts are tried; with more of them there are fewer, so that the work is bounded.
-const FURTHER_SAMPLES: usize = 5000;
+/// Samples up to which a search may spend all it is given; with more of them it gets less, so that time is bounded.
+const PLENTY_OF_SAMPLES: usize = 5000;
+/// Evaluations that a search gets however long the logs are.
+const FEWEST_EVALUATIONS: usize = 120;
 const FURTHER_EVALUATIONS: usize = 24;
 
 /// A fit that leaves this many times what noise and rounding explain may sit between two kinks of sticking.
@@ -50,9 +52,8 @@ pub fn search<M: JointModel>(
     budget: Budget,
 ) -> Result<Found, Rejected> {
     let problem = Problem::new(model, experiments);
-    let samples: usize = experiments.iter().map(Experiment::compared).sum();
-    let share = (FURTHER_SAMPLES as f64 / samples.max(1) as f64).min(1.0);
-    let at_most = |count: usize| ((share * count as f64).ceil() as usize).max(1);
+    let budget = affordable(budget, experiments);
+    let at_most = |count: usize| ((affordable_share(experiments) * count as f64).ceil() as usize).max(1);
     let mut best = Best::default();
     for x in ranked(&problem, candidates(model, experiments)).iter().take(SEARCHES) {
         best.keep(solve(&problem, x, method, budget));
@@ -99,6 +100,18 @@ pub fn search<M: JointModel>(
     Ok(found(&problem, solution))
 }
 
+/// The share of the work on a short log that is affordable on these: all of it up to [`PLENTY_OF_SAMPLES`].
+fn affordable_share(experiments: &[Experiment]) -> f64 {
+    let samples: usize = experiments.iter().map(Experiment::compared).sum();
+    (PLENTY_OF_SAMPLES as f64 / samples.max(1) as f64).min(1.0)
+}
+
+/// A budget that costs about as much time on long logs as on short ones.
+fn affordable(budget: Budget, experiments: &[Experiment]) -> Budget {
+    let share = (affordable_share(experiments) * budget.evaluations as f64) as usize;
+    Budget { evaluations: share.max(FEWEST_EVALUATIONS).min(budget.evaluations) }
+}
+
 /// Carries an earlier search on, after a parameter has been held at a value.
 pub(super) fn refine<M: JointModel>(
     model: &M,
@@ -111,7 +124,7 @@ pub(super) fn refine<M: JointModel>(
     let values: Vec<f64> =
         model.parameters().iter().zip(&earlier.values).map(|(p, &v)| if p.fixed { p.start } else { v }).collect();
     let start = problem.coordinates_from(&Found { values, ..earlier.clone() });
-    let mut solution = solve(&problem, &start, method, budget);
+    let mut solution = solve(&problem, &start, method, affordable(budget, experiments));
     solution.evaluations += earlier.solution.evaluations;
     solution.trace.splice(0..0, earlier.solution.trace.iter().copied());
     found(&problem, solution)
@@ -199,6 +212,7 @@ fn candidates<M: JointModel>(model: &M, experiments: &[Experiment]) -> Vec<Vec<f
     let mut all = vec![given.clone()];
     all.extend(equation_error_values(model, experiments, &given));
     let parts: Vec<Experiment> = experiments.iter().flat_map(|e| e.parts(PART_S)).collect();
+    let parts: Vec<Experiment> = parts.iter().step_by(parts.len().div_ceil(MOST_PARTS).max(1)).cloned().collect();
     if parts.len() > experiments.len() {
         let problem = Problem::new(model, &parts);
         if let Some(x) = ranked(&problem, all.clone()).first() {
@@ -218,6 +232,8 @@ fn candidates<M: JointModel>(model: &M, experiments: &[Experiment]) -> Vec<Vec<f
     all.iter().map(|values| inside_bounds(model, values)).collect()
 }
 
+/// Parts at the most, spread evenly: each has two coordinates of its own, and work grows with the cube of their number.
+const MOST_PARTS: usize = 60;
 /// Length of the parts \[s\].
 const PART_S: f64 = 0.6;
 

@@ -211,10 +211,13 @@ fn open_notes(case: &Case, fit: &DropFit, open: &[&Estimate]) -> Vec<String> {
     let mut notes = Vec::new();
     if fit.by_bodies() {
         for e in open.iter().filter(|e| e.name.starts_with("mass_")) {
-            let why = if e.name == "mass_shoulder" { ": it lies on the joint's axis" } else { "" };
+            let (why, what_follows) = if e.name == "mass_shoulder" {
+                (": it lies on the joint's axis", "which changes nothing that is shown")
+            } else {
+                ("", "and the rest is conditional on it")
+            };
             notes.push(format!(
-                "{} is not determined by these logs{why}. It was left at Table A.2's {} kg, which changes nothing that is \
-                 shown.",
+                "{} is not determined by these logs{why}. It was left at Table A.2's {} kg, {what_follows}.",
                 capital(&words(&e.name)),
                 e.value
             ));
