@@ -1,6 +1,6 @@
 //! The main job: the simple and the extensive model fitted to the swings of one joint.
 
-use super::run::{Prediction, predict};
+use super::run::{Prediction, held_out_in_turn, predict};
 use super::{
     Case, DirectiveError, Directives, Experiment, ExtensiveModel, Fitted, JointModel, LinkBy, Scale, SimpleModel,
     conclude,
@@ -51,6 +51,9 @@ pub struct DropFit {
     pub predictions: Vec<Prediction>,
     /// The simple model on what was held back; `None` for a load that was not fitted.
     pub simple_predictions: Vec<Option<Prediction>>,
+    /// RMS of each fitted experiment predicted by the extensive model from the others alone \[rad\]; empty where logs
+    /// were held back by the study, or there is one log only.
+    pub held_out_rms_rad: Vec<f64>,
 }
 
 /// Why a drop cannot be fitted.
@@ -119,7 +122,13 @@ pub fn fit_drop(case: &Case, options: &DropOptions, progress: &dyn Fn(&str)) -> 
             Ok(one.into_iter().next())
         })
         .collect::<Result<_, Diverged>>()?;
-    Ok(DropFit { simple, extensive, fitted, validated, predictions, simple_predictions })
+    let held_out_rms_rad = if validated.is_empty() {
+        let Fitted { model, found, .. } = &extensive;
+        held_out_in_turn(model, &fitted, found, options.method, options.budget)
+    } else {
+        Vec::new()
+    };
+    Ok(DropFit { simple, extensive, fitted, validated, predictions, simple_predictions, held_out_rms_rad })
 }
 
 /// The extensive model of a case, with the user's demands.

@@ -277,6 +277,31 @@ fn inside_bounds<M: JointModel>(model: &M, values: &[f64]) -> Vec<f64> {
     values.iter().zip(model.parameters()).map(clamp).collect()
 }
 
+/// RMS of each experiment predicted from the others alone \[rad\]: fitted again without it, from `found`.
+///
+/// Empty for a single experiment. NaN where a prediction runs away.
+pub(super) fn held_out_in_turn<M: JointModel>(
+    model: &M,
+    experiments: &[Experiment],
+    found: &Found,
+    method: Method,
+    budget: Budget,
+) -> Vec<f64> {
+    if experiments.len() < 2 {
+        return Vec::new();
+    }
+    let without = |k: usize| -> f64 {
+        let keep = |i: &usize| *i != k;
+        let others: Vec<Experiment> = (0..experiments.len()).filter(keep).map(|i| experiments[i].clone()).collect();
+        let starts = (0..experiments.len()).filter(keep).map(|i| found.starts[i]).collect();
+        let earlier = Found { starts, ..found.clone() };
+        let values = refine(model, &others, &earlier, method, budget).values;
+        let alone = predict(model, std::slice::from_ref(&experiments[k]), &values);
+        alone.ok().and_then(|p| p.first().map(|p| p.rms_rad)).unwrap_or(f64::NAN)
+    };
+    (0..experiments.len()).into_par_iter().map(without).collect()
+}
+
 /// How a model moves along one experiment.
 #[derive(Clone, Debug)]
 pub struct Prediction {

@@ -117,6 +117,9 @@ pub struct LogFit {
     pub role: String,
     /// \[rad\]
     pub rms: f64,
+    /// Predicted from the other logs alone \[rad\]; absent where that was not done.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rms_held_out: Option<f64>,
 }
 
 impl Quantity {
@@ -179,7 +182,14 @@ impl FitFile {
             logs: report
                 .logs
                 .iter()
-                .map(|l| LogFit { file: l.file.clone(), role: l.role.clone(), rms: l.extensive_rms_rad })
+                .enumerate()
+                .map(|(i, l)| LogFit {
+                    file: l.file.clone(),
+                    role: l.role.clone(),
+                    rms: l.extensive_rms_rad,
+                    // Held out in turn only where every log is a fitted one, so the order is the same.
+                    rms_held_out: fit.held_out_rms_rad.get(i).copied().filter(|rms| rms.is_finite()),
+                })
                 .collect(),
             notes: report.notes.clone(),
             sentence: report.sentence.clone(),

@@ -101,6 +101,7 @@ pub(super) fn notes(case: &Case, fit: &DropFit) -> Vec<String> {
     notes.extend(contradicted(fit));
     notes.extend(correlated(fit));
     notes.extend(held_back(fit));
+    notes.extend(held_out_in_turn(fit));
     notes.extend(match fit.extensive.stop() {
         Stop::Converged => None,
         Stop::NoFurtherDecrease => Some(
@@ -185,6 +186,19 @@ fn correlated(fit: &DropFit) -> Option<String> {
          for neither.",
         samples * period_s,
         e.file
+    ))
+}
+
+/// How well each log is predicted from the others, where no log is held back.
+fn held_out_in_turn(fit: &DropFit) -> Option<String> {
+    let worst = fit.held_out_rms_rad.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let squares = fit.held_out_rms_rad.iter().zip(&fit.fitted).map(|(rms, e)| rms * rms * e.compared() as f64);
+    let samples: usize = fit.fitted.iter().map(Experiment::compared).sum();
+    Some(format!(
+        "Each log predicted from the others alone: {} RMS, at worst {} in {}.",
+        mrad((squares.sum::<f64>() / samples.max(1) as f64).sqrt()),
+        mrad(worst.1),
+        fit.fitted[worst.0].file
     ))
 }
 
