@@ -24,11 +24,11 @@ const SEARCHES: usize = 2;
 const SUSPICIOUS: f64 = 2.5;
 /// Further starts that are tried then, and evaluations that each may cost before the best is carried on.
 const FURTHER: usize = 24;
+const FURTHER_EVALUATIONS: usize = 24;
 /// Samples up to which a search may spend all it is given; with more of them it gets less, so that time is bounded.
 const PLENTY_OF_SAMPLES: usize = 5000;
 /// Evaluations that a search gets however long the logs are.
 const FEWEST_EVALUATIONS: usize = 120;
-const FURTHER_EVALUATIONS: usize = 24;
 
 /// A fit that leaves this many times what noise and rounding explain may sit between two kinks of sticking.
 const STRUCTURED: f64 = 1.05;
