@@ -38,6 +38,7 @@
 
 pub mod cli;
 pub mod fit;
+pub mod gap;
 pub mod geometry;
 pub mod identify;
 pub mod integrate;

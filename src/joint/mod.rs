@@ -8,6 +8,7 @@
 //! are written once, over [`Real`], so that a run on dual numbers gives exact sensitivities.
 
 mod chain;
+mod effect;
 mod friction;
 mod link;
 mod motor;
@@ -15,6 +16,7 @@ mod real;
 mod sensor;
 
 pub use chain::Chain;
+pub use effect::{EffectId, Stage, UnknownEffect};
 pub use friction::{Contact, Friction, FrictionTerm, Stribeck};
 pub use link::Link;
 pub use motor::{Motor, Setpoint};

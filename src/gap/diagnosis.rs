@@ -1,0 +1,388 @@
+//! What a diagnosis says, as plain data: the engine fills it, reports and JSON show it.
+
+use crate::identify::Estimate;
+use crate::joint::{EffectId, Stage};
+use serde::Serialize;
+
+/// How to diagnose.
+#[derive(Clone, Debug, Default)]
+pub struct GapOptions {
+    /// Effects that are withheld from the catalogue.
+    pub without: Vec<EffectId>,
+    /// The only effects that are considered; empty: all.
+    pub only: Vec<EffectId>,
+    /// Twins of the study on which the probabilities are measured; 0: the shipped rates are used.
+    pub twins: usize,
+    /// Seed of the twins.
+    pub seed: u64,
+}
+
+/// The kinds of answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// An effect of the catalogue closes the gap.
+    Effect,
+    /// The model as given explains the logs to their noise.
+    None,
+    /// The structure is right; one or more of the four numbers are wrong.
+    Calibration,
+    /// A gap stays that no effect of the catalogue closes.
+    Unexplained,
+}
+
+impl Verdict {
+    /// The word in reports and JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Verdict::Effect => "effect",
+            Verdict::None => "none",
+            Verdict::Calibration => "calibration",
+            Verdict::Unexplained => "unexplained",
+        }
+    }
+}
+
+/// What the residual torque depends on most.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Variable {
+    /// Joint speed without its sign \[rad/s\].
+    Speed,
+    /// Sign of the joint speed.
+    Direction,
+    /// Joint angle \[rad\].
+    Angle,
+    /// Gravity torque of link and extra mass without its sign \[N m\].
+    Load,
+    /// Time from the start of the log \[s\].
+    Time,
+    /// Slope of the setpoint \[rad/s\].
+    SetpointRate,
+    /// Motor torque \[N m\].
+    Torque,
+    /// Amplitude of the present half swing \[rad\].
+    Amplitude,
+}
+
+impl Variable {
+    /// The word in reports and JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Variable::Speed => "speed",
+            Variable::Direction => "direction",
+            Variable::Angle => "angle",
+            Variable::Load => "load",
+            Variable::Time => "time",
+            Variable::SetpointRate => "setpoint_rate",
+            Variable::Torque => "torque",
+            Variable::Amplitude => "amplitude",
+        }
+    }
+
+    /// Its unit; empty for a direction.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Variable::Speed | Variable::SetpointRate => "rad/s",
+            Variable::Direction => "",
+            Variable::Angle | Variable::Amplitude => "rad",
+            Variable::Load | Variable::Torque => "N m",
+            Variable::Time => "s",
+        }
+    }
+}
+
+/// What the joint is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Phase {
+    /// Held by the experimenter, or driven to stand still.
+    Hold,
+    /// At rest under friction.
+    Stick,
+    /// Within 100 ms of a change of direction.
+    Reversal,
+    /// Moving.
+    Run,
+    /// Moving with the motor near the largest torque of the log.
+    Saturation,
+    /// At a stop.
+    Stop,
+}
+
+impl Phase {
+    /// All of them, in the order in which they are shown.
+    pub const ALL: [Phase; 6] =
+        [Phase::Hold, Phase::Stick, Phase::Reversal, Phase::Run, Phase::Saturation, Phase::Stop];
+
+    /// The word in reports and JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Phase::Hold => "hold",
+            Phase::Stick => "stick",
+            Phase::Reversal => "reversal",
+            Phase::Run => "run",
+            Phase::Saturation => "saturation",
+            Phase::Stop => "stop",
+        }
+    }
+}
+
+/// A number with unit and 95 % intervals.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Number {
+    /// The catalogue's name, e.g. `mu_st`.
+    #[serde(skip)]
+    pub name: String,
+    /// The estimate.
+    pub value: f64,
+    /// Its unit.
+    pub unit: String,
+    /// 95 %, allowing for correlated residuals; `None` where the logs do not determine it.
+    pub interval: Option<[f64; 2]>,
+    /// 95 %, as if residuals were white.
+    pub interval_naive: Option<[f64; 2]>,
+}
+
+/// The answer in short.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Answer {
+    /// Which kind.
+    pub verdict: Verdict,
+    /// The effect's id; for [`Verdict::Calibration`] the parameter that accounts for most.
+    pub effect: Option<String>,
+    /// A further effect that was found after the first.
+    pub second: Option<EffectId>,
+    /// Effects that these logs cannot tell apart from the answer, the answer included, best first; empty where no
+    /// effect is named.
+    pub equivalent: Vec<EffectId>,
+    /// The measured rate at which an answer like this was right.
+    pub probability: f64,
+    /// Where `probability` was measured: a command, and counts.
+    pub probability_source: String,
+    /// One sentence a colleague would say.
+    pub sentence: String,
+    /// For [`Verdict::Unexplained`]: the effect that closes most of the gap.
+    pub partial: Option<EffectId>,
+    /// Whether intervals of parameters are to be trusted: nothing is left that the model does not explain.
+    pub intervals_trusted: bool,
+}
+
+/// Where the gap lies.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Where {
+    /// The stage of the chain; `None` where there is no gap.
+    pub stage: Option<Stage>,
+    /// What the residual torque depends on most.
+    pub variable: Option<Variable>,
+    /// Between which values of the variable most of it lies, in the variable's unit.
+    pub range: Option<[f64; 2]>,
+    /// The phase with most of it.
+    pub phase: Option<Phase>,
+    /// Logs that have more than their share of it, most first.
+    pub logs: Vec<String>,
+    /// Share of the gap in that range \[0 to 1\].
+    pub share: f64,
+    /// Share of the gap by log and phase, for the map.
+    pub cells: Vec<MapCell>,
+    /// Share of the residual torque's variance that each variable explains \[0 to 1\], best first.
+    pub variables: Vec<(Variable, f64)>,
+    /// The residual torque against the best variable, binned.
+    pub profile: Vec<ProfileBin>,
+}
+
+/// One cell of the map: a log in a phase.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapCell {
+    /// The log.
+    pub file: String,
+    /// What the joint was doing.
+    pub phase: Phase,
+    /// Seconds in this phase.
+    pub time_s: f64,
+    /// Share of the whole gap's energy \[0 to 1\].
+    pub share: f64,
+    /// RMS of the residual torque there \[N m\].
+    pub torque_rms_nm: f64,
+    /// 95 % band of that RMS by blocks \[N m\].
+    pub band_nm: [f64; 2],
+    /// The band lies above what noise alone gives.
+    pub significant: bool,
+}
+
+/// The residual torque in one bin of a variable.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ProfileBin {
+    /// Middle of the bin, in the variable's unit.
+    pub at: f64,
+    /// Mean residual torque \[N m\]; friction-like variables count it against the motion.
+    pub torque_nm: f64,
+    /// 95 % band of the mean \[N m\].
+    pub band_nm: [f64; 2],
+}
+
+/// How far the gap closes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Gap {
+    /// Always `rad`.
+    pub unit: &'static str,
+    /// RMS over the held-out logs with the study's values as given.
+    pub before: f64,
+    /// After refitting inertia, moment, coulomb and viscous.
+    pub calibrated: f64,
+    /// With the first effect of the answer.
+    pub after_first: f64,
+    /// With every effect of the answer.
+    pub after: f64,
+    /// The sensor's own noise.
+    pub floor: f64,
+    /// `1 - (after - floor) / (before - floor)`; `None` where `before <= floor`.
+    pub closed: Option<f64>,
+    /// 95 % interval of `closed`.
+    pub closed_interval: Option<[f64; 2]>,
+    /// How the logs were held out, in words.
+    pub held_out: String,
+    /// One for each held-out log.
+    pub per_log: Vec<LogGap>,
+}
+
+/// The gap of one held-out log \[rad RMS\].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LogGap {
+    /// As the user named it.
+    pub file: String,
+    /// As given.
+    pub before: f64,
+    /// Recalibrated.
+    pub calibrated: f64,
+    /// With the effects of the answer.
+    pub after: f64,
+    /// The sensor's own noise.
+    pub floor: f64,
+}
+
+/// One candidate of the ranking.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidate {
+    /// Which effect.
+    pub effect: EffectId,
+    /// Measured rate at which a candidate that stood like this one was the cause.
+    pub probability: f64,
+    /// RMS over the held-out logs with it added \[rad\].
+    pub after: f64,
+    /// Share of the gap that it closes.
+    pub closed: Option<f64>,
+    /// How much worse than the best it explains all logs, in units of the standard deviation of that difference; 0 for
+    /// the best.
+    pub behind_sd: f64,
+    /// The effect's parameters.
+    pub parameters: Vec<Number>,
+    /// Refitted in full, or judged by the screening alone.
+    pub refitted: bool,
+}
+
+/// The smallest size of an effect that these logs would have shown.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Detectable {
+    /// Which effect.
+    pub effect: EffectId,
+    /// Its size, of the parameter `name`; `None`: these logs cannot show it at all.
+    pub value: Option<f64>,
+    /// Which parameter measures the size.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+}
+
+/// The experiment that would separate effects that these logs cannot tell apart.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Next {
+    /// In words.
+    pub what: String,
+    /// Probability that it separates them.
+    pub power: f64,
+    /// The motion: times \[s\] and setpoints \[rad\]; `None` for a free swing.
+    pub motion: Option<(Vec<f64>, Vec<f64>)>,
+}
+
+/// How often answers were right on twins: rows are true causes, columns are answers.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Confusion {
+    /// Names of rows and columns: effect ids, `none`, `calibration`, `unexplained`.
+    pub names: Vec<String>,
+    /// `counts[row][column]`
+    pub counts: Vec<Vec<u32>>,
+    /// The command that made it.
+    pub command: String,
+}
+
+/// Curves of one log.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LogTraces {
+    /// As the user named it.
+    pub file: String,
+    /// `fit` or `validate`.
+    pub role: String,
+    /// Compared samples \[s\].
+    pub t_s: Vec<f64>,
+    /// Readings \[rad\].
+    pub measured_rad: Vec<f64>,
+    /// Setpoint of a log driven by position \[rad\].
+    pub setpoint_rad: Option<Vec<f64>>,
+    /// Prediction with the study's values as given \[rad\].
+    pub before_rad: Vec<f64>,
+    /// Recalibrated \[rad\].
+    pub calibrated_rad: Vec<f64>,
+    /// With the effects of the answer, or of the best partial candidate \[rad\].
+    pub after_rad: Vec<f64>,
+    /// The torque that the recalibrated model lacks.
+    pub residual_torque: ResidualTorque,
+}
+
+/// The torque that a model lacks along a log, as an input of the joint, with its uncertainty.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ResidualTorque {
+    /// Instants, as the log's compared samples \[s\].
+    pub t_s: Vec<f64>,
+    /// \[N m\]; NaN while the joint sticks, where any torque within the breakaway is possible.
+    pub torque_nm: Vec<f64>,
+    /// Standard deviation \[N m\].
+    pub sigma_nm: Vec<f64>,
+    /// Joint angle by the smoother \[rad\].
+    pub angle_rad: Vec<f64>,
+    /// Joint speed by the smoother \[rad/s\].
+    pub rate_rad_s: Vec<f64>,
+    /// What the joint is doing.
+    pub phase: Vec<Phase>,
+}
+
+/// A diagnosis.
+#[derive(Clone, Debug)]
+pub struct Diagnosis {
+    /// The joint's name.
+    pub joint: String,
+    /// The answer in short.
+    pub answer: Answer,
+    /// Where the gap lies.
+    pub location: Where,
+    /// How far it closes.
+    pub gap: Gap,
+    /// Candidates, best first.
+    pub ranking: Vec<Candidate>,
+    /// One for each effect of the catalogue that was considered.
+    pub detectable: Vec<Detectable>,
+    /// Inertia, moment, Coulomb and viscous friction with the effects of the answer, fitted to all fit logs.
+    pub parameters: Vec<Estimate>,
+    /// The same of the effects of the answer.
+    pub effect_parameters: Vec<(EffectId, Vec<Number>)>,
+    /// What to do next where effects cannot be told apart.
+    pub next: Option<Next>,
+    /// Table of the twins, where there were any.
+    pub confusion: Option<Confusion>,
+    /// Curves of every log that moves.
+    pub traces: Vec<LogTraces>,
+    /// Honest remarks, most important first.
+    pub notes: Vec<String>,
+    /// Effects that were withheld from the catalogue.
+    pub withheld: Vec<EffectId>,
+}
