@@ -192,7 +192,7 @@ pub struct Where {
 }
 
 /// One cell of the map: a log in a phase.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MapCell {
     /// The log.
     pub file: String,

@@ -247,7 +247,8 @@ impl Ranged for Axis {
     type ValueType = f64;
 
     fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
-        let share = (value - self.low) / (self.high - self.low);
+        // What lies absurdly far outside stays far outside, but must not overflow.
+        let share = ((value - self.low) / (self.high - self.low)).clamp(-1e3, 1e3);
         limit.0 + (f64::from(limit.1 - limit.0) * share).round() as i32
     }
 

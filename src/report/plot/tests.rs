@@ -66,6 +66,10 @@ fn a_long_log_is_thinned() {
 #[test]
 fn degenerate_data_is_drawn_without_panic() {
     let mut log = sample::single().logs.remove(0);
+    log.t_s[20] = 2.5e307;
+    log.first_fitted = 20;
+    log.half_step_rad = -1.6e240;
+    texts(&swing("q1", &log).expect("a time beyond all axes"));
     log.first_fitted = 10_000;
     texts(&swing("q1", &log).expect("nothing fitted"));
     texts(&phase_portrait("q1", &log).expect("nothing fitted"));

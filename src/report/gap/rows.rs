@@ -1,0 +1,36 @@
+//! Parameters of a diagnosis as rows of the tables that every report has.
+
+use crate::gap::{Diagnosis, Number};
+use crate::report::assemble::row;
+use crate::report::{ParameterRow, ParameterStatus};
+
+/// A parameter of an effect; without an interval the logs do not determine it.
+pub(super) fn number_row(number: &Number) -> ParameterRow {
+    ParameterRow {
+        name: number.name.clone(),
+        symbol: String::new(),
+        unit: number.unit.clone(),
+        status: match number.interval {
+            Some(_) => ParameterStatus::Determined,
+            None => ParameterStatus::NotDetermined,
+        },
+        value: number.value,
+        interval: number.interval,
+        interval_naive: number.interval_naive,
+        nominal: None,
+    }
+}
+
+/// The joint's parameters.
+pub(super) fn joint_rows(diagnosis: &Diagnosis) -> Vec<ParameterRow> {
+    diagnosis.parameters.iter().map(row).collect()
+}
+
+/// The parameters of the effects of the answer, with the effect in the name.
+pub(super) fn effect_rows(diagnosis: &Diagnosis) -> Vec<ParameterRow> {
+    let of_effect = |(effect, numbers): &(crate::joint::EffectId, Vec<Number>)| {
+        let named = |number: &Number| ParameterRow { name: format!("{effect} {}", number.name), ..number_row(number) };
+        numbers.iter().map(named).collect::<Vec<_>>()
+    };
+    diagnosis.effect_parameters.iter().flat_map(of_effect).collect()
+}
