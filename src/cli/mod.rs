@@ -3,9 +3,11 @@
 mod common;
 mod drop;
 mod error;
+mod gap;
 mod progress;
 mod provenance;
 mod simulate;
+mod still;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -25,6 +27,7 @@ struct Cli {
 #[derive(Subcommand, Debug)]
 enum Command {
     Drop(Box<drop::DropArgs>),
+    Gap(gap::GapArgs),
     Simulate(simulate::SimulateArgs),
 }
 
@@ -40,6 +43,7 @@ pub fn run() -> ExitCode {
     };
     let result = match cli.command {
         Command::Drop(args) => drop::run(&args),
+        Command::Gap(args) => gap::run(&args),
         Command::Simulate(args) => simulate::run(&args),
     };
     match result {
