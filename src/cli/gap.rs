@@ -9,7 +9,7 @@ use crate::gap::{GapError, GapOptions, diagnose};
 use crate::identify::Case;
 use crate::joint::{EffectId, UnknownEffect};
 use crate::log::Outputs;
-use crate::report::{FitFile, GapReport, NEXT_FILE, gap_json, gap_text};
+use crate::report::{FitFile, GapReport, NEXT_FILE, gap_figures, gap_json, gap_text, render_gap_html};
 use clap::Args;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -90,14 +90,19 @@ pub(super) fn run(args: &GapArgs) -> Result<u8, CliError> {
 fn write_report(args: &GapArgs, case: &Case, report: &GapReport) -> Result<PathBuf, CliError> {
     let folder = args.common.folder(&study_name(&args.study));
     let mut outputs = Outputs::default();
+    for figure in gap_figures(report)? {
+        outputs.add(folder.join(figure.file_name), figure.svg);
+    }
     let fit = FitFile::of_diagnosis(&report.diagnosis, &report.provenance);
     outputs.add(folder.join("fit.json"), json_text(&fit)?);
     if let Some((t_s, q_ref_rad)) = report.diagnosis.next.as_ref().and_then(|next| next.motion.as_ref()) {
         outputs.add(folder.join(NEXT_FILE), motion_csv(t_s, q_ref_rad));
     }
+    let page = folder.join("report.html");
+    outputs.add(&page, render_gap_html(report)?);
     args.common.add_json(&mut outputs, &gap_json(report))?;
     write_outputs(outputs, &case.inputs())?;
-    Ok(folder.join("report.html"))
+    Ok(page)
 }
 
 /// A motion as CSV, in the columns of a log's setpoint.

@@ -22,7 +22,7 @@ mod text;
 pub use assemble::drop_report;
 pub use error::ReportError;
 pub use fit_json::{EffectFit, FitFile, JointFit, LogFit, ModelFit, Quantity, SCHEMA};
-pub use gap::{GapReport, NEXT_FILE, gap_json, gap_text};
+pub use gap::{GapReport, NEXT_FILE, gap_figures, gap_json, gap_text, render_gap_html};
 pub use html::render_html;
 pub use model::{
     Correlation, DropReport, FrictionPoint, HashedInput, LogCurves, LogHealthRow, ModelSummary, ParameterRow,

@@ -56,7 +56,7 @@ pub(super) fn percent(share: f64) -> String {
     if !share.is_finite() {
         return UNKNOWN.to_owned();
     }
-    let decimals = usize::from((0.99..1.0).contains(&share));
+    let decimals = usize::from((0.99..0.9995).contains(&share));
     let text = format!("{:.decimals$} %", 100.0 * share);
     if text == "-0 %" { "0 %".to_owned() } else { text }
 }
@@ -211,7 +211,7 @@ mod tests {
 
     #[test]
     fn shares_are_whole_percentages_but_close_to_all() {
-        assert_eq!([0.0, -0.001, 0.934, 0.9934, 1.0].map(percent), ["0 %", "0 %", "93 %", "99.3 %", "100 %"]);
+        assert_eq!([0.0, -0.001, 0.934, 0.9934, 1.0 - 1e-9].map(percent), ["0 %", "0 %", "93 %", "99.3 %", "100 %"]);
         assert_eq!([f64::NAN, -0.5].map(percent), [UNKNOWN, "-50 %"]);
     }
 

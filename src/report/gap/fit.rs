@@ -1,6 +1,6 @@
 //! `fit.json` of a diagnosis: the joint with the effects of the answer, for `simulate`.
 
-use super::rows::{joint_rows, number_row};
+use super::rows::{joint_rows, number_row, residual_rms_rad};
 use crate::gap::{Diagnosis, LogTraces, Number};
 use crate::joint::EffectId;
 use crate::report::{EffectFit, FitFile, JointFit, LogFit, Provenance, Quantity, SCHEMA};
@@ -40,15 +40,12 @@ impl FitFile {
 
 /// What the answer leaves of a log; `None` where it predicts nothing that can be compared.
 fn log_fit(diagnosis: &Diagnosis, log: &LogTraces) -> Option<LogFit> {
-    let squares = log.measured_rad.iter().zip(&log.after_rad).map(|(measured, after)| (measured - after).powi(2));
-    let (sum, count) = squares
-        .filter(|square| square.is_finite())
-        .fold((0.0, 0_u32), |(sum, count), square| (sum + square, count + 1));
+    let rms = residual_rms_rad(log, &log.after_rad);
     let held_out = diagnosis.gap.per_log.iter().find(|gap| gap.file == log.file).map(|gap| gap.after);
-    (count > 0).then(|| LogFit {
+    rms.is_finite().then(|| LogFit {
         file: log.file.clone(),
         role: log.role.clone(),
-        rms: (sum / f64::from(count)).sqrt(),
+        rms,
         rms_held_out: held_out.filter(|rms| rms.is_finite()),
     })
 }

@@ -5,14 +5,18 @@
 //! here.
 
 mod fit;
+mod html;
 mod json;
+mod plot;
 mod rows;
 #[cfg(test)]
 pub(super) mod sample;
 mod text;
 mod words;
 
+pub use html::render_gap_html;
 pub use json::gap_json;
+pub use plot::gap_figures;
 pub use text::gap_text;
 
 #[cfg(doc)]

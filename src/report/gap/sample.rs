@@ -397,6 +397,43 @@ pub fn two_effects() -> GapReport {
     report
 }
 
+/// Many logs, the whole catalogue in the ranking and in the table of twins.
+pub fn crowded() -> GapReport {
+    let mut report = set_of_two();
+    let diagnosis = &mut report.diagnosis;
+    let files: Vec<String> = (0..14).map(|i| format!("driven/torque-chirp-{i:02}-of-the-session.csv")).collect();
+    let log = |(i, file): (usize, &String)| {
+        let role = if i % 3 == 2 { "validate" } else { "fit" };
+        driven(traces(file, role, 0.3 + 0.04 * i as f64, [0.03, 0.02, 0.0032]))
+    };
+    diagnosis.traces = files.iter().enumerate().map(log).collect();
+    diagnosis.gap = gap(&diagnosis.traces, [0.031, 0.022, 0.0032, 0.0032]);
+    diagnosis.location.logs = files[8..].to_vec();
+    diagnosis.location.cells = files.iter().flat_map(|file| cells(file, 1.0 / 14.0)).collect();
+    diagnosis.ranking = EffectId::ALL
+        .iter()
+        .enumerate()
+        .map(|(i, effect)| {
+            let parameters = vec![number("size", "N m s/rad", 0.01 * (i + 1) as f64)];
+            candidate(*effect, 0.3 / (i + 1) as f64, 0.0032 + 0.0011 * i as f64, 0.9 * i as f64, parameters)
+        })
+        .collect();
+    diagnosis.detectable = EffectId::ALL
+        .iter()
+        .map(|effect| Detectable { effect: *effect, value: Some(0.0012), name: "size", unit: "N m" })
+        .collect();
+    let names: Vec<String> =
+        EffectId::ALL.iter().map(|e| e.id()).chain(["none", "calibration", "unexplained"]).map(String::from).collect();
+    let count = |row: usize, column: usize| match (row.abs_diff(column), (3 * row + 5 * column) % 7) {
+        (0, _) => 90 + row as u32,
+        (_, 1) => 3,
+        _ => 0,
+    };
+    let counts = (0..names.len()).map(|row| (0..names.len()).map(|column| count(row, column)).collect()).collect();
+    diagnosis.confusion = Some(Confusion { names, counts, command: "aibo-fit blind --trials 2000 --seed 11".into() });
+    report
+}
+
 /// Logs that held nothing to show.
 pub fn empty() -> GapReport {
     let mut report = nothing_missing();
@@ -417,13 +454,14 @@ pub fn empty() -> GapReport {
 }
 
 /// All of them, with names for files.
-pub fn all() -> [(&'static str, GapReport); 6] {
+pub fn all() -> [(&'static str, GapReport); 7] {
     [
         ("set", set_of_two()),
         ("none", nothing_missing()),
         ("calibration", wrong_numbers()),
         ("unexplained", unexplained()),
         ("two", two_effects()),
+        ("crowded", crowded()),
         ("empty", empty()),
     ]
 }

@@ -3,7 +3,7 @@
 use comfy_table::{Cell, Table};
 
 use super::rows::{effect_rows, joint_rows};
-use super::words::{self, closed};
+use super::words;
 use super::{GapReport, NEXT_FILE};
 use crate::gap::{Candidate, Diagnosis, Gap, MapCell, Phase};
 use crate::report::number::{UNKNOWN, percent, significant};
@@ -56,16 +56,9 @@ fn location(diagnosis: &Diagnosis) -> String {
     if location.cells.is_empty() {
         return words;
     }
-    let phases: Vec<Phase> =
-        Phase::ALL.into_iter().filter(|phase| location.cells.iter().any(|cell| cell.phase == *phase)).collect();
+    let (files, phases) = words::files_and_phases(&location.cells);
     let names: Vec<&str> = phases.iter().map(|phase| phase.name()).collect();
     let mut table = table(WIDTH, &["share of the gap"], &names);
-    let mut files: Vec<&str> = Vec::new();
-    for cell in &location.cells {
-        if !files.contains(&cell.file.as_str()) {
-            files.push(&cell.file);
-        }
-    }
     for name in files {
         let share = |phase: &Phase| {
             let cell = location.cells.iter().find(|cell| cell.file == name && cell.phase == *phase);
@@ -84,7 +77,6 @@ fn share(cell: &MapCell) -> String {
 /// Every candidate that was refitted, between what was given and the sensor's noise; the others by name.
 fn ranking(diagnosis: &Diagnosis) -> String {
     let gap = &diagnosis.gap;
-    let equivalent = &diagnosis.answer.equivalent;
     let words = ["which", "parameters with 95 % intervals"];
     let mut table = table(WIDTH, &words, &["RMS\n[mrad]", "gap\nclosed", "behind\n[sd]", "probability"]);
     let plain = |table: &mut Table, name: &str, rms: f64| {
@@ -92,9 +84,12 @@ fn ranking(diagnosis: &Diagnosis) -> String {
     };
     plain(&mut table, "(as given)", gap.before);
     plain(&mut table, "(recalibrated)", gap.calibrated);
+    if let (Some(_), Some(both)) = (diagnosis.answer.second, words::answer(diagnosis)) {
+        plain(&mut table, &format!("({both})"), gap.after);
+    }
     let (refitted, screened): (Vec<&Candidate>, Vec<&Candidate>) = diagnosis.ranking.iter().partition(|c| c.refitted);
     for candidate in refitted {
-        let mark = if equivalent.contains(&candidate.effect) { " *" } else { "" };
+        let mark = if words::is_named(&diagnosis.answer, candidate.effect) { " *" } else { "" };
         table.add_row([
             Cell::new(format!("{}{mark}", candidate.effect)),
             Cell::new(candidate.parameters.iter().map(words::parameter).collect::<Vec<_>>().join("\n")),
@@ -106,8 +101,8 @@ fn ranking(diagnosis: &Diagnosis) -> String {
     }
     plain(&mut table, "(sensor noise)", gap.floor);
     let mut text = finish(&mut table);
-    if equivalent.len() > 1 {
-        text += "\n* cannot be told apart by these logs";
+    if let Some(mark) = words::mark(&diagnosis.answer) {
+        text += &format!("\n* {mark}");
     }
     if !screened.is_empty() {
         let names: Vec<&str> = screened.iter().map(|c| c.effect.id()).collect();
@@ -124,7 +119,7 @@ fn how_far(gap: &Gap) -> String {
         table.add_row([file(&log.file), mrad(log.before), mrad(log.calibrated), mrad(log.after), mrad(log.floor)]);
     }
     table.add_row([Cell::new("all"), mrad(gap.before), mrad(gap.calibrated), mrad(gap.after), mrad(gap.floor)]);
-    let closed = format!("Gap closed: {}. {}", closed(gap.closed, gap.closed_interval), gap.held_out);
+    let closed = format!("Gap closed: {}. {}", words::closed(gap.closed, gap.closed_interval), gap.held_out);
     format!("{}\n{}", finish(&mut table), paragraph(&closed))
 }
 

@@ -2,7 +2,8 @@
 
 use super::GapReport;
 use super::rows::number_row;
-use crate::gap::{Detectable, Number, Phase, Variable, Where};
+use crate::gap::{Answer, Detectable, Diagnosis, MapCell, Number, Phase, Variable, Verdict, Where};
+use crate::joint::EffectId;
 use crate::report::number::{percent, significant};
 use crate::report::rows::ParameterCells;
 use crate::report::{WithUncertainty, format_with_uncertainty};
@@ -13,6 +14,9 @@ pub(super) const UNTRUSTED: &str = "Something is left in these logs that the mod
 
 /// What stands above the sizes that would have been seen.
 pub(super) const DETECTABLE: &str = "Smallest size of each effect that these logs would have shown:";
+
+/// Logs that a sentence names.
+const MOST_NAMED: usize = 4;
 
 /// A variable in a sentence.
 pub(super) fn variable(variable: Variable) -> &'static str {
@@ -40,6 +44,53 @@ fn phase(phase: Phase) -> &'static str {
     }
 }
 
+/// The effects that were added for the answer, or the one that comes closest; `None` where nothing was added.
+pub(super) fn answer(diagnosis: &Diagnosis) -> Option<String> {
+    let Answer { verdict, effect, second, partial, .. } = &diagnosis.answer;
+    match (verdict, effect, second, partial) {
+        (Verdict::Effect, Some(effect), Some(second), _) => Some(format!("with {effect} and {second}")),
+        (Verdict::Effect, Some(effect), None, _) => Some(format!("with {effect}")),
+        (Verdict::Unexplained, _, _, Some(partial)) => Some(format!("with {partial}")),
+        _ => None,
+    }
+}
+
+/// Whether an effect is part of the answer, or comes closest where there is none.
+pub(super) fn is_named(answer: &Answer, effect: EffectId) -> bool {
+    let closest = answer.partial.filter(|_| answer.verdict == Verdict::Unexplained);
+    answer.equivalent.contains(&effect) || [answer.second, closest].contains(&Some(effect))
+}
+
+/// What the effects that [`is_named`] marks are; `None` where it marks none.
+pub(super) fn mark(answer: &Answer) -> Option<&'static str> {
+    match (answer.verdict, answer.equivalent.len()) {
+        (Verdict::Unexplained, _) => answer.partial.map(|_| "comes closest"),
+        (Verdict::Effect, 2..) => Some("cannot be told apart by these logs"),
+        (Verdict::Effect, _) => Some("the answer"),
+        _ => None,
+    }
+}
+
+/// Logs and phases of the map, each in the order in which it is shown.
+pub(super) fn files_and_phases(cells: &[MapCell]) -> (Vec<&str>, Vec<Phase>) {
+    let phases = Phase::ALL.into_iter().filter(|phase| cells.iter().any(|cell| cell.phase == *phase)).collect();
+    let mut files: Vec<&str> = Vec::new();
+    for cell in cells {
+        if !files.contains(&cell.file.as_str()) {
+            files.push(&cell.file);
+        }
+    }
+    (files, phases)
+}
+
+/// Names of files without their folders, where these are not needed to tell them apart.
+pub(super) fn names_without_folder(files: &[&str]) -> Vec<String> {
+    let bare = |file: &&str| file.rsplit(['/', '\\']).next().unwrap_or_default().to_owned();
+    let names: Vec<String> = files.iter().map(bare).collect();
+    let is_alone = |name: &String| names.iter().filter(|other| *other == name).count() == 1;
+    if names.iter().all(is_alone) { names } else { files.iter().map(|file| (*file).to_owned()).collect() }
+}
+
 /// Where the gap lies, in a few sentences.
 pub(super) fn location(location: &Where) -> String {
     let mut sentences = vec![match location.stage {
@@ -54,7 +105,9 @@ pub(super) fn location(location: &Where) -> String {
         let when = location.phase.map(|p| format!(", most of it {}", phase(p))).unwrap_or_default();
         sentences.push(format!("{} of the gap is there{when}.", percent(location.share)));
         if !location.logs.is_empty() {
-            sentences.push(format!("Logs with more than their share: {}.", location.logs.join(", ")));
+            let (named, others) = location.logs.split_at(MOST_NAMED.min(location.logs.len()));
+            let more = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
+            sentences.push(format!("Logs with more than their share: {}{more}.", named.join(", ")));
         }
     }
     sentences.join(" ")
@@ -99,9 +152,11 @@ pub(super) fn threshold(detectable: &Detectable) -> String {
 /// `0.93 [0.90, 0.95]` as percentages.
 pub(super) fn closed(closed: Option<f64>, interval: Option<[f64; 2]>) -> String {
     match (closed, interval) {
-        (Some(closed), Some([low, high])) => format!("{} [{}, {}]", percent(closed), percent(low), percent(high)),
-        (Some(closed), None) => percent(closed),
-        (None, _) => "there was none above the sensor's noise".to_owned(),
+        (Some(closed), Some([low, high])) if low.is_finite() && high.is_finite() => {
+            format!("{} [{}, {}]", percent(closed), percent(low), percent(high))
+        }
+        (Some(closed), _) => percent(closed),
+        (None, _) => "no gap above the noise".to_owned(),
     }
 }
 
@@ -120,4 +175,40 @@ pub(super) fn notes(report: &GapReport) -> Vec<String> {
         notes.push(format!("Withheld from the catalogue on demand: {}.", ids.join(", ")));
     }
     notes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample;
+    use super::*;
+
+    #[test]
+    fn folders_are_left_out_where_names_differ_without_them() {
+        assert_eq!(names_without_folder(&["a/one.csv", "b/two.csv"]), ["one.csv", "two.csv"]);
+        assert_eq!(names_without_folder(&["a/one.csv", "b/one.csv"]), ["a/one.csv", "b/one.csv"]);
+    }
+
+    #[test]
+    fn place_is_said_in_words() {
+        let mut place = sample::set_of_two().diagnosis.location;
+        assert_eq!(
+            location(&place),
+            "The gap lies in the stage `link`. The torque that is missing depends most on the speed, between 0.0 and 0.42 \
+             rad/s. 71 % of the gap is there, most of it around reversals. Logs with more than their share: \
+             swing-03-220g.csv, swing-02-220g.csv."
+        );
+        place.logs = (0..6).map(|i| format!("{i}.csv")).collect();
+        assert!(location(&place).ends_with("0.csv, 1.csv, 2.csv, 3.csv and 2 more."));
+        assert_eq!(location(&sample::nothing_missing().diagnosis.location), "There is no gap to place.");
+        assert_eq!(range(Variable::Direction, [0.0, 1.0]), "in the positive direction");
+    }
+
+    #[test]
+    fn parameters_and_thresholds_are_written_without_a_dash_for_no_unit() {
+        let ranking = sample::set_of_two().diagnosis.ranking;
+        assert_eq!(parameter(&ranking[1].parameters[0]), "mu_l 0.131 [0.121, 0.143]");
+        let detectable = sample::set_of_two().diagnosis.detectable;
+        let written: Vec<String> = detectable.iter().map(threshold).collect();
+        assert_eq!(written, ["mu_st 0.0011 N m", "mu_l 0.012", "not at any size"]);
+    }
 }

@@ -6,7 +6,7 @@ use super::*;
 use crate::report::{Correlation, FrictionPoint, ModelSummary, render_html, sample};
 
 /// All texts of a figure, after checking that it is sound XML with whole numbers only.
-fn texts(svg: &str) -> Vec<String> {
+pub(in crate::report) fn texts(svg: &str) -> Vec<String> {
     let document = roxmltree::Document::parse(svg).unwrap_or_else(|error| panic!("{error}:\n{svg}"));
     assert!(!svg.contains("NaN") && !svg.contains("inf\""), "a number that is none");
     let written = document.descendants().filter(|node| node.has_tag_name("text"));
