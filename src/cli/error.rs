@@ -33,16 +33,6 @@ pub enum CliError {
     /// No diagnosis can be made.
     #[error(transparent)]
     Gap(#[from] GapError),
-    /// A study has no nominal model, so there is no gap to speak of.
-    #[error(
-        "{}: no nominal model to compare the logs with; under [joint], give inertia [kg m^2], moment [kg m], coulomb \
-         [N m] and viscous [N m s/rad] as you believe them today",
-        study.display()
-    )]
-    NoNominal {
-        /// The study.
-        study: PathBuf,
-    },
     /// A figure cannot be drawn.
     #[error(transparent)]
     Report(#[from] ReportError),
@@ -96,7 +86,7 @@ impl CliError {
             CliError::Gap(GapError::NoNominal) => DATA,
             CliError::Gap(GapError::NeverMoved) => NO,
             CliError::Gap(_) | CliError::Drop(_) | CliError::Diverged { .. } => NOT_CONVERGED,
-            CliError::Case(_) | CliError::FitFile { .. } | CliError::NoNominal { .. } => DATA,
+            CliError::Case(_) | CliError::FitFile { .. } => DATA,
             CliError::Report(_) | CliError::Threads(_) | CliError::Encode(_) => IO,
         }
     }

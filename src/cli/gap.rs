@@ -71,7 +71,6 @@ pub(super) fn run(args: &GapArgs) -> Result<u8, CliError> {
     let case = Case::of_study(&args.study)?;
     let diagnosis = args.common.on_threads(|| diagnose(&case, &options, &|what| progress.say(what)))?;
     let diagnosis = match diagnosis {
-        Err(GapError::NoNominal) => return Err(CliError::NoNominal { study: args.study.clone() }),
         Err(GapError::NeverMoved) => return never_moved(&args.common, &case, "no diagnosis"),
         diagnosis => diagnosis?,
     };

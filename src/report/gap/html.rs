@@ -11,6 +11,7 @@ use crate::joint::Stage;
 use crate::report::ReportError;
 use crate::report::html::{figure_views, health_view, open_and_folded, parameter_view, render};
 use crate::report::number::{mrad, percent, significant};
+use crate::report::rows::typeset_unit;
 
 /// Puts a diagnosis into one HTML page: verdict, data health, where, which, how far, logs, parameters, what could have
 /// been seen, next experiment, notes, provenance.
@@ -116,7 +117,7 @@ fn candidate_view(diagnosis: &Diagnosis, candidate: &Candidate) -> Value {
         closed => candidate.closed.filter(|_| candidate.refitted).map_or_else(dash, percent),
         behind => significant(candidate.behind_sd, 2),
         probability => percent(candidate.probability),
-        parameters => candidate.parameters.iter().map(words::parameter).collect::<Vec<_>>(),
+        parameters => candidate.parameters.iter().map(|p| typeset_unit(&words::parameter(p))).collect::<Vec<_>>(),
     }
 }
 
@@ -124,7 +125,7 @@ fn detectable_view(detectable: &Detectable) -> Value {
     context! {
         effect => detectable.effect.id(),
         stage => detectable.effect.stage().name(),
-        size => words::threshold(detectable),
+        size => typeset_unit(&words::threshold(detectable)),
     }
 }
 

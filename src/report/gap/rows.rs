@@ -5,7 +5,7 @@ use crate::joint::EffectId;
 use crate::report::assemble::row;
 use crate::report::{ParameterRow, ParameterStatus};
 
-/// A parameter of an effect; without an interval the logs do not determine it.
+/// A parameter of an effect. Without an interval the logs do not determine it; a side was chosen, not estimated.
 pub(super) fn number_row(number: &Number) -> ParameterRow {
     ParameterRow {
         name: number.name.clone(),
@@ -13,6 +13,7 @@ pub(super) fn number_row(number: &Number) -> ParameterRow {
         unit: number.unit.clone(),
         status: match number.interval {
             Some(_) => ParameterStatus::Determined,
+            None if is_side(number) => ParameterStatus::Held,
             None => ParameterStatus::NotDetermined,
         },
         value: number.value,
@@ -20,6 +21,11 @@ pub(super) fn number_row(number: &Number) -> ParameterRow {
         interval_naive: number.interval_naive,
         nominal: None,
     }
+}
+
+/// A plain +1 or -1.
+pub(super) fn is_side(number: &Number) -> bool {
+    number.unit.is_empty() && number.value.abs() == 1.0
 }
 
 /// The joint's parameters.

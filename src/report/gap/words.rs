@@ -1,7 +1,7 @@
 //! What the report says in words, the same on the page and in the terminal.
 
 use super::GapReport;
-use super::rows::number_row;
+use super::rows::{is_side, number_row};
 use crate::gap::{Answer, Detectable, Diagnosis, MapCell, Number, Phase, Variable, Verdict, Where};
 use crate::joint::EffectId;
 use crate::report::number::{percent, significant};
@@ -135,6 +135,7 @@ pub(super) fn parameter(number: &Number) -> String {
             let WithUncertainty { value, low, high } = format_with_uncertainty(number.value, interval);
             format!("{} {value} [{low}, {high}] {}", number.name, spoken(&number.unit)).trim_end().to_owned()
         }
+        None if is_side(number) => format!("{} {:+}", number.name, number.value),
         _ => format!("{} {}", number.name, ParameterCells::from(&number_row(number)).estimate),
     }
 }
@@ -207,6 +208,9 @@ mod tests {
     fn parameters_and_thresholds_are_written_without_a_dash_for_no_unit() {
         let ranking = sample::set_of_two().diagnosis.ranking;
         assert_eq!(parameter(&ranking[1].parameters[0]), "mu_l 0.131 [0.121, 0.143]");
+        let side =
+            Number { name: "side".into(), value: -1.0, unit: String::new(), interval: None, interval_naive: None };
+        assert_eq!(parameter(&side), "side -1");
         let detectable = sample::set_of_two().diagnosis.detectable;
         let written: Vec<String> = detectable.iter().map(threshold).collect();
         assert_eq!(written, ["mu_st 0.0011 N m", "mu_l 0.012", "not at any size"]);

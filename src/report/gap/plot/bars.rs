@@ -122,7 +122,11 @@ pub(super) fn ranking(diagnosis: &Diagnosis) -> Result<String, ReportError> {
     let mut legend: Vec<LegendEntry> =
         words::mark(answer).map(|mark| (Sign::Box, AFTER.to_rgba(), mark.to_owned())).into_iter().collect();
     if bars.iter().any(|bar| bar.colour == SHADE) {
-        legend.push((Sign::Box, SHADE.to_rgba(), "other effects".to_owned()));
+        legend.push((
+            Sign::Box,
+            SHADE.to_rgba(),
+            if legend.is_empty() { "effects" } else { "other effects" }.to_owned(),
+        ));
     }
     legend.push((Sign::Line, BAND.to_rgba(), "the sensor's own noise".to_owned()));
     draw(&Bars {
