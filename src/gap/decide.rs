@@ -153,7 +153,9 @@ impl Judge<'_> {
         let mut margin = f64::INFINITY;
         let rivals = if second.is_some() { &self.a.seconds } else { &self.a.firsts };
         for rival in rivals {
-            let Some(&other) = rival.effects().iter().find(|e| Some(**e) != second && Some(**e) != effect) else { continue };
+            let Some(&other) = rival.effects().iter().find(|e| Some(**e) != second && Some(**e) != effect) else {
+                continue;
+            };
             if second.is_some_and(|s| !rival.effects().contains(&s)) {
                 continue;
             }

@@ -24,14 +24,14 @@ const SERIOUS: f64 = 1.6;
 const AT_LEAST: usize = 4;
 
 /// What a trial can take up by itself, to first order.
-struct Projector {
+pub(super) struct Projector {
     /// For each log: an orthonormal basis of its start's columns, and the shared columns without their part in it.
     logs: Vec<(DMatrix<f64>, DMatrix<f64>)>,
     gram: Option<Cholesky<f64, Dyn>>,
 }
 
 impl Projector {
-    fn of(blocks: &[Block], shared: usize) -> Self {
+    pub(super) fn of(blocks: &[Block], shared: usize) -> Self {
         let mut gram = DMatrix::zeros(shared, shared);
         let logs: Vec<_> = blocks
             .iter()
@@ -54,7 +54,7 @@ impl Projector {
     }
 
     /// Square sum of residuals after the trial's own columns have taken up what they can.
-    fn left(&self, residuals: &[DVector<f64>]) -> f64 {
+    pub(super) fn left(&self, residuals: &[DVector<f64>]) -> f64 {
         let Some(gram) = &self.gram else { return f64::INFINITY };
         let mut sum = 0.0;
         let mut product = DVector::zeros(gram.l_dirty().nrows());

@@ -61,8 +61,7 @@ impl HeldOut {
                         let e = &self.experiments[i];
                         if cut { e.start_coordinates(&e.start) } else { trial.found.starts[i] }
                     });
-                    fitted =
-                        Trial::solved(&without, trial.model.clone(), &trial.found.values, starts.collect(), AGAIN);
+                    fitted = Trial::solved(&without, trial.model.clone(), &trial.found.values, starts.collect(), AGAIN);
                     &fitted.found.values
                 };
                 predicted(&trial.model, &self.experiments[k], values, None).1

@@ -43,6 +43,14 @@ impl Trial {
         };
         let from = Found { values: values.to_vec(), starts, solution: nothing };
         let solution = solve(&problem, &problem.coordinates_from(&from), Method::Lm, budget);
+        let fit = (0..evidence.fit.len()).map(|k| residual(&problem, &solution.x, k)).collect();
+        // Held parameters keep the values they came with.
+        let mut all = values.to_vec();
+        for (i, p) in model.parameters().iter().enumerate() {
+            if !p.fixed {
+                all[i] = problem.values(&solution.x)[i];
+            }
+        }
         let found = Found {
             values: all,
             starts: (0..evidence.fit.len()).map(|k| problem.start(&solution.x, k)).collect(),
