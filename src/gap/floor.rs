@@ -5,12 +5,14 @@ use super::trial::Trial;
 
 /// Samples over which roughness is averaged to one value.
 const BLOCK: usize = 24;
+/// One in so many blocks is set aside at either end.
+const TRIMMED: usize = 8;
 
 /// Standard deviation of the noise of the readings, pooled over all logs \[rad\].
 ///
 /// Second differences of white noise have six times its variance, and a smooth misfit has hardly any. Each log is
 /// judged by the model that leaves it the least rough; blocks in which the reading stands still repeat one rounding
-/// error and are passed over; the median block counts. Never below a step's rounding.
+/// error and are passed over; the extreme blocks are set aside. Never below a step's rounding.
 pub(super) fn noise_rad(evidence: &Evidence, trials: &[&Trial]) -> f64 {
     let mut roughness: Vec<f64> = Vec::new();
     for (k, e) in evidence.fit.iter().chain(&evidence.held).enumerate() {
@@ -34,7 +36,8 @@ pub(super) fn noise_rad(evidence: &Evidence, trials: &[&Trial]) -> f64 {
     if roughness.is_empty() {
         return rounding.max(1e-6);
     }
-    let middle = roughness.len() / 2;
-    let (_, median, _) = roughness.select_nth_unstable_by(middle, f64::total_cmp);
-    median.sqrt().max(rounding).max(1e-9)
+    roughness.sort_by(f64::total_cmp);
+    let aside = roughness.len() / TRIMMED;
+    let middle = &roughness[aside..roughness.len() - aside];
+    (middle.iter().sum::<f64>() / middle.len() as f64).sqrt().max(rounding).max(1e-9)
 }
