@@ -9,6 +9,7 @@ use super::diagnosis::{
 use super::evidence::Evidence;
 use super::held_out::{HeldOut, closed, rms};
 use super::model::BASELINE;
+use super::next::next;
 use super::numbers::numbers;
 use super::sentence::sentence;
 use super::trial::{Trial, loss};
@@ -61,6 +62,9 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &(dyn Fn(&str) + Sy
     let named = matches!(decision.verdict, Verdict::Effect);
     let sentence = sentence(&case.joint.name, &decision, &gap, parameter.as_deref(), &effect_parameters);
     let ranking = ranking(&evidence, &held, &attribution, &decision, &gap);
+    progress("what would tell more");
+    let rivals = rivals(&attribution, &decision);
+    let next = if named { next(&evidence, &attribution, decision.answer, &rivals) } else { None };
     let (probability, probability_source) = super::rates::probability(&decision);
     let traces = traces(&evidence, &attribution, &decision);
     let intervals_trusted = decision.excess < super::decide::EXPLAINED;
@@ -83,7 +87,7 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &(dyn Fn(&str) + Sy
         detectable,
         parameters,
         effect_parameters,
-        next: None,
+        next,
         confusion: None,
         traces,
         notes: notes(&evidence, &decision, intervals_trusted),
@@ -154,6 +158,16 @@ fn worst_number(evidence: &Evidence, a: &Attribution) -> String {
     let losses: Vec<f64> = free.par_iter().map(|&i| alone(i)).collect();
     let best = free.iter().zip(&losses).min_by(|a, b| a.1.total_cmp(b.1));
     best.map_or_else(|| "inertia".to_owned(), |(&i, _)| parameters[i].name.clone())
+}
+
+/// Hypotheses that stand as well as the answer.
+fn rivals<'a>(a: &'a Attribution, decision: &Decision<'_>) -> Vec<&'a Trial> {
+    let others = decision.equivalent.iter().filter(|e| Some(**e) != decision.effect);
+    let pool = if decision.second.is_some() { &a.seconds } else { &a.firsts };
+    let with = |t: &&Trial, other: &EffectId| {
+        t.effects().contains(other) && decision.second.is_none_or(|second| t.effects().contains(&second))
+    };
+    others.filter_map(|other| pool.iter().find(|t| with(t, other))).collect()
 }
 
 fn ranking(evidence: &Evidence, held: &HeldOut, a: &Attribution, decision: &Decision<'_>, gap: &Gap) -> Vec<Candidate> {

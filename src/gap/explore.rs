@@ -17,6 +17,9 @@ use rayon::prelude::*;
 /// Points of each effect that are refitted briefly, and evaluations for each.
 const BRIEF_POINTS: usize = 2;
 const BRIEF: Budget = Budget { evaluations: 10 };
+/// Effects that are refitted at all, by what they promise; and the same for a second effect.
+const PROMISING: usize = 10;
+const PROMISING_SECONDS: usize = 6;
 /// Evaluations of the searches that are carried to the end.
 const FULL: Budget = Budget { evaluations: 70 };
 /// A brief fit is carried on where its criterion is below the best brief one times this, or it is among the best few.
@@ -84,7 +87,7 @@ fn orthonormal(columns: DMatrix<f64>) -> DMatrix<f64> {
     if basis.is_empty() { DMatrix::zeros(columns.nrows(), 0) } else { DMatrix::from_columns(&basis) }
 }
 
-/// The best fits of `base` with each of the effects added, one for each effect that the logs can show; best first.
+/// The best fits of `base` with one of the effects added, one for each effect that promises something; best first.
 ///
 /// `also` are further values of the base's parameters from which to start: what is missing may have bent the fitted
 /// ones far from the truth, and what the engineer believes is then nearer to it.
@@ -92,18 +95,29 @@ pub(super) fn explore(evidence: &Evidence, base: &Trial, also: &[Vec<f64>], effe
     let problem = Problem::new(&base.model, &evidence.fit);
     let Ok(blocks) = problem.linearise(&problem.coordinates_from(&base.found)) else { return Vec::new() };
     let projector = Projector::of(&blocks, base.model.free());
-    let points: Vec<(GapModel, Vec<f64>)> = effects
+    let mut points: Vec<Point> = effects
         .par_iter()
         .flat_map(|&effect| {
             let model = base.model.with(effect, &evidence.reach);
             let from = |values: &Vec<f64>| best_points(evidence, base, values, &model, effect, &projector);
-            let points: Vec<Vec<f64>> = [&base.found.values].into_iter().chain(also).flat_map(from).collect();
-            points.into_iter().map(|values| (model.clone(), values)).collect::<Vec<_>>()
+            [&base.found.values].into_iter().chain(also).flat_map(from).collect::<Vec<_>>()
         })
         .collect();
+    points.sort_by(|a, b| a.promise.total_cmp(&b.promise));
+    let promising = if base.effects().is_empty() { PROMISING } else { PROMISING_SECONDS };
+    let mut kept: Vec<EffectId> = Vec::new();
+    for point in &points {
+        if kept.len() < promising && !kept.contains(&point.effect) {
+            kept.push(point.effect);
+        }
+    }
+    points.retain(|point| kept.contains(&point.effect));
     let brief: Vec<Trial> = points
         .into_par_iter()
-        .map(|(model, values)| Trial::solved(evidence, model, &values, base.found.starts.clone(), BRIEF))
+        .map(|point| {
+            let model = base.model.with(point.effect, &evidence.reach);
+            Trial::solved(evidence, model, &point.values, base.found.starts.clone(), BRIEF)
+        })
         .collect();
     let best = one_of_each(brief);
     let line = best.first().map_or(f64::INFINITY, |t| SERIOUS * t.criterion());
@@ -134,7 +148,15 @@ pub(super) fn one_of_each(trials: Vec<Trial>) -> Vec<Trial> {
     best
 }
 
-/// Values from which the effect's refit promises most, with the base's parameters at `from`.
+/// A place from which an effect may be refitted.
+struct Point {
+    effect: EffectId,
+    values: Vec<f64>,
+    /// Criterion that a refit would leave, to first order.
+    promise: f64,
+}
+
+/// Points from which the effect's refit promises most, with the base's parameters at `from`.
 fn best_points(
     evidence: &Evidence,
     base: &Trial,
@@ -142,7 +164,7 @@ fn best_points(
     model: &GapModel,
     effect: EffectId,
     projector: &Projector,
-) -> Vec<Vec<f64>> {
+) -> Vec<Point> {
     let problem = Problem::new(model, &evidence.fit);
     let weighted = |x: &[f64], problem: &Problem<'_, GapModel>, k: usize| -> Option<DVector<f64>> {
         let e = &evidence.fit[k];
@@ -155,25 +177,40 @@ fn best_points(
         });
         motion.ok().map(|()| r)
     };
-    // What drives cannot change is computed once.
     let bare = Problem::new(&base.model, &evidence.fit);
     let bare_x = bare.coordinates_from(&Found { values: from.to_vec(), ..base.found.clone() });
-    let unmoved: Vec<Option<DVector<f64>>> = (0..evidence.fit.len())
-        .map(|k| (effect.is_driven_only() && !evidence.fit[k].is_driven()).then(|| weighted(&bare_x, &bare, k))?)
-        .collect();
-    let mut ranked: Vec<(f64, Vec<f64>)> = effect
+    let Some(absent) = (0..evidence.fit.len()).map(|k| weighted(&bare_x, &bare, k)).collect::<Option<Vec<_>>>() else {
+        return Vec::new();
+    };
+    let left_absent = projector.left(&absent);
+    let mut ranked: Vec<Point> = effect
         .starts(&evidence.reach)
         .into_iter()
         .filter_map(|start| {
             let values: Vec<f64> = from.iter().copied().chain(start).collect();
             let x = problem.coordinates_from(&Found { values: values.clone(), ..base.found.clone() });
-            let there: Option<Vec<DVector<f64>>> =
-                (0..evidence.fit.len()).map(|k| unmoved[k].clone().or_else(|| weighted(&x, &problem, k))).collect();
-            let there = there?;
-            Some((projector.left(&there), values))
+            let there: Vec<DVector<f64>> = (0..evidence.fit.len())
+                .map(|k| {
+                    // What only a drive shows leaves a free swing as it is.
+                    if effect.is_driven_only() && !evidence.fit[k].is_driven() {
+                        Some(absent[k].clone())
+                    } else {
+                        weighted(&x, &problem, k)
+                    }
+                })
+                .collect::<Option<_>>()?;
+            let left = projector.left(&there);
+            let moved: Vec<DVector<f64>> = there.iter().zip(&absent).map(|(there, absent)| there - absent).collect();
+            let change = projector.left(&moved);
+            // Along the line from no effect to this one: the least of the parabola, up to four times the size.
+            let slope = 0.5 * (left - left_absent - change);
+            let size = (-slope / change).clamp(0.0, 4.0);
+            let least = left_absent + 2.0 * size * slope + size * size * change;
+            let promise = if least.is_finite() { left.min(least) } else { left };
+            Some(Point { effect, values, promise })
         })
         .collect();
-    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let points = if base.effects().is_empty() { BRIEF_POINTS } else { 1 };
-    ranked.into_iter().take(points).map(|(_, values)| values).collect()
+    ranked.sort_by(|a, b| a.promise.total_cmp(&b.promise));
+    ranked.truncate(if base.effects().is_empty() { BRIEF_POINTS } else { 1 });
+    ranked
 }

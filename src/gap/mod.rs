@@ -14,6 +14,7 @@ mod explore;
 mod floor;
 mod held_out;
 mod model;
+mod next;
 mod numbers;
 mod rates;
 mod reach;

@@ -31,12 +31,19 @@ impl Effect for Term {
 
     fn starts(reach: &Reach) -> Vec<Vec<f64>> {
         let [low, high] = reach.angle_rad;
-        let stiffness = 60.0 * reach.torque_nm;
-        let damping = 0.5 * (stiffness * reach.inertia_kg_m2).sqrt();
-        let shares = [0.01, 0.03, 0.06, 0.1, 0.15, 0.21, 0.28, 0.36];
+        // A stop that is hit hard is where the range ends; a soft one is well inside it.
+        let shares = [0.0005, 0.004, 0.012, 0.03, 0.06, 0.1, 0.16, 0.24, 0.34];
         let upper = shares.iter().map(|share| (high - share * (high - low), 1.0));
         let lower = shares.iter().map(|share| (low + share * (high - low), -1.0));
-        upper.chain(lower).map(|(angle, side)| vec![angle, side, stiffness, damping]).collect()
+        let places: Vec<(f64, f64)> = upper.chain(lower).collect();
+        [50.0, 1500.0]
+            .into_iter()
+            .flat_map(|stiffness| {
+                let stiffness = stiffness * reach.torque_nm;
+                let damping = 0.3 * (stiffness * reach.inertia_kg_m2).sqrt();
+                places.iter().map(move |&(angle, side)| vec![angle, side, stiffness, damping])
+            })
+            .collect()
     }
 
     fn apply<T: Real>(values: &[T], _bare_kg_m2: T, chain: &mut Chain<T>) {
