@@ -1,5 +1,6 @@
 //! The command line: parses, runs, and says how it ended.
 
+mod blind;
 mod common;
 mod drop;
 mod error;
@@ -24,6 +25,7 @@ struct Cli {
 
 #[derive(Subcommand, Debug)]
 enum Command {
+    Blind(Box<blind::BlindArgs>),
     Drop(Box<drop::DropArgs>),
     Simulate(simulate::SimulateArgs),
 }
@@ -39,6 +41,7 @@ pub fn run() -> ExitCode {
         }
     };
     let result = match cli.command {
+        Command::Blind(args) => blind::run(&args),
         Command::Drop(args) => drop::run(&args),
         Command::Simulate(args) => simulate::run(&args),
     };

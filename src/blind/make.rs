@@ -1,0 +1,338 @@
+//! Makes a study and keeps its answer.
+
+use super::cause::{Cause, CauseFilter, OutsideId};
+use super::dice::{Dice, significant};
+use super::joint::{DIGITS, Joint};
+use super::mechanism::{self, Mechanism, Scene, Typical};
+use super::plan::{LogPlan, one_sided, plan};
+use super::sim::{Drive, Machine, Trace};
+use super::size::{Yardstick, all_logs, coarse, rms_rad};
+use super::truth::{FourNumbers, TrueMechanism, Truth};
+use super::write::files;
+use crate::gap::Verdict;
+use crate::joint::{EffectId, Stage};
+
+/// Step of the logs that are written \[s\].
+const FINE_S: f64 = 4e-5;
+/// Studies that are drawn until one shows its cause; the last is taken as it is.
+const ATTEMPTS: usize = 40;
+/// No log goes beyond this angle \[rad\]: a joint that turns over is another experiment.
+const WIDEST_RAD: f64 = 2.7;
+
+/// A study and its answer.
+#[derive(Clone, Debug)]
+pub struct Made {
+    /// Names and contents of the study's files, `study.toml` first.
+    pub study: Vec<(String, String)>,
+    /// What is true of it.
+    pub truth: Truth,
+}
+
+/// Makes study `trial` of a run, with a cause drawn at random.
+pub fn make(seed: u64, trial: u64) -> Made {
+    make_filtered(seed, trial, CauseFilter::Any)
+}
+
+/// Makes study `trial` of a run, with a cause drawn from a kind.
+pub fn make_filtered(seed: u64, trial: u64, filter: CauseFilter) -> Made {
+    let mut dice = Dice::new(seed, trial);
+    let cause = draw_cause(filter, &mut dice);
+    made(seed, trial, cause, dice)
+}
+
+/// Makes study `trial` of a run, with a given cause.
+pub fn make_with(seed: u64, trial: u64, cause: Cause) -> Made {
+    make_filtered(seed, trial, CauseFilter::Only(cause))
+}
+
+/// Of a hundred studies 12 have nothing, 12 wrong numbers, 48 one effect, 14 two, 14 something outside the catalogue.
+fn draw_cause(filter: CauseFilter, dice: &mut Dice) -> Cause {
+    let filter = match filter {
+        CauseFilter::Any => match dice.uniform(0.0, 1.0) {
+            x if x < 0.12 => CauseFilter::Nothing,
+            x if x < 0.24 => CauseFilter::Calibration,
+            x if x < 0.72 => CauseFilter::AnyEffect,
+            x if x < 0.86 => CauseFilter::AnyPair,
+            _ => CauseFilter::AnyOutside,
+        },
+        given => given,
+    };
+    match filter {
+        CauseFilter::Any | CauseFilter::Nothing => Cause::Nothing,
+        CauseFilter::Calibration => Cause::Calibration,
+        CauseFilter::AnyEffect => Cause::One(dice.pick(EffectId::ALL)),
+        CauseFilter::AnyOutside => Cause::Outside(dice.pick(OutsideId::ALL)),
+        CauseFilter::AnyPair => {
+            let first = dice.pick(EffectId::ALL);
+            let others: Vec<EffectId> =
+                EffectId::ALL.iter().copied().filter(|other| kind(*other) != kind(first)).collect();
+            Cause::Two(first, dice.pick(&others))
+        }
+        CauseFilter::Only(cause) => cause,
+    }
+}
+
+/// Effects of one kind do much the same; pairs are of two kinds.
+fn kind(effect: EffectId) -> u8 {
+    use EffectId::*;
+    match effect {
+        Stribeck | LoadFriction | GearFriction | QuadraticDrag | AsymmetricFriction | PositionFriction
+        | FrictionDrift => 0,
+        Backlash | EndStop => 1,
+        JointSpring | AngleOffset | SensorGain => 2,
+        Delay | SetpointHold => 3,
+        TorqueLimit | SpeedLimit | MotorGain => 4,
+    }
+}
+
+fn made(seed: u64, trial: u64, cause: Cause, mut dice: Dice) -> Made {
+    loop {
+        for attempt in 1..=ATTEMPTS {
+            if let Some(made) =
+                Draft::draw(cause, &mut dice).finish((seed, trial), cause, attempt == ATTEMPTS, &mut dice)
+            {
+                return made;
+            }
+        }
+    }
+}
+
+/// A joint with its logs, before anything is the matter with it.
+struct Draft {
+    joint: Joint,
+    plans: Vec<LogPlan>,
+    plain: Machine,
+    textbook: bool,
+}
+
+/// What is the matter, and how much it shows.
+struct Matter {
+    machine: Machine,
+    mechanisms: Vec<TrueMechanism>,
+    nominal: FourNumbers,
+    /// For wrong numbers: the one that accounts for most.
+    number: Option<&'static str>,
+    ratio: f64,
+    left: f64,
+}
+
+impl Draft {
+    fn draw(cause: Cause, dice: &mut Dice) -> Self {
+        let joint = Joint::draw(dice);
+        let driven = dice.chance(0.6) || cause.needs_motor();
+        let mut plans = plan(&joint, driven, dice);
+        let (is_one_sided, side) = (dice.chance(0.25), dice.sign());
+        let has_stop = match cause {
+            Cause::One(effect) => effect == EffectId::EndStop,
+            Cause::Two(first, second) => first == EffectId::EndStop || second == EffectId::EndStop,
+            _ => false,
+        };
+        if is_one_sided || has_stop {
+            one_sided(&mut plans, side);
+        }
+        let textbook = dice.chance(0.5);
+        let mut plain =
+            Machine::plain(joint.inertia_kg_m2, joint.peak_gravity_nm(), joint.coulomb_nm, joint.viscous_nm_s_rad);
+        plain.drive = Drive { kp: joint.kp, kd: joint.kd, ..Drive::default() };
+        let presliding = dice.chance(0.5);
+        let bristle_rad = joint.sensor.noise_rad() * dice.uniform(0.1, 0.5);
+        if !textbook && presliding {
+            presliding_within_noise(&mut plain, &plans, joint.sensor.noise_rad(), bristle_rad);
+        }
+        Self { joint, plans, plain, textbook }
+    }
+
+    /// Puts the cause in and writes the logs; `None` where it would not show as it should, unless it is `forced`.
+    fn finish(self, (seed, trial): (u64, u64), cause: Cause, forced: bool, dice: &mut Dice) -> Option<Made> {
+        let plain = coarse(&self.plain, &self.plans);
+        if !tame(&plain) {
+            return None;
+        }
+        let matter = self.matter(cause, plain, forced, dice)?;
+        let traces = all_logs(&matter.machine, &self.plans, FINE_S);
+        if !tame(&traces) {
+            return None;
+        }
+        let study = files(&self.joint, &matter.nominal, &self.plans, &traces, dice);
+        let (verdict, effect, second, outside, stage): (_, Option<&'static str>, _, _, Option<Stage>) = match cause {
+            Cause::Nothing => (Verdict::None, None, None, None, None),
+            Cause::Calibration => (Verdict::Calibration, matter.number, None, None, None),
+            Cause::One(effect) => (Verdict::Effect, Some(effect.id()), None, None, Some(effect.stage())),
+            Cause::Two(first, second) => (Verdict::Effect, Some(first.id()), Some(second), None, Some(first.stage())),
+            Cause::Outside(id) => (Verdict::Unexplained, None, None, Some(id), Some(id.stage())),
+        };
+        let driven_logs = self.plans.iter().filter(|plan| plan.is_driven()).count();
+        let truth = Truth {
+            seed,
+            trial,
+            verdict,
+            effect,
+            second,
+            outside,
+            stage,
+            mechanisms: matter.mechanisms,
+            ratio: matter.ratio,
+            left: matter.left,
+            joint: self.numbers(),
+            nominal: matter.nominal,
+            family: self.joint.family,
+            textbook: self.textbook,
+            noise_rad: self.joint.sensor.noise_rad(),
+            free_logs: self.plans.len() - driven_logs,
+            driven_logs,
+            loaded_logs: self.plans.iter().filter(|plan| plan.load.is_some()).count(),
+        };
+        Some(Made { study, truth })
+    }
+
+    fn numbers(&self) -> FourNumbers {
+        let j = &self.joint;
+        FourNumbers::of([j.inertia_kg_m2, j.moment_kg_m, j.coulomb_nm, j.viscous_nm_s_rad])
+    }
+
+    /// Half of the nominal values are right, the others off by 3 to 15 % each.
+    fn believed(&self, dice: &mut Dice) -> FourNumbers {
+        if dice.chance(0.5) {
+            return self.numbers();
+        }
+        let off =
+            |value: f64, dice: &mut Dice| significant(value * (1.0 + dice.sign() * dice.uniform(0.03, 0.15)), DIGITS);
+        FourNumbers::of(self.numbers().list().map(|value| off(value, dice)))
+    }
+
+    fn matter(&self, cause: Cause, plain: Vec<Trace>, forced: bool, dice: &mut Dice) -> Option<Matter> {
+        let noise_rad = self.joint.sensor.noise_rad();
+        if let Cause::Nothing = cause {
+            let (machine, nominal) = (self.plain.clone(), self.numbers());
+            return Some(Matter { machine, mechanisms: vec![], nominal, number: None, ratio: 0.0, left: 0.0 });
+        }
+        if let Cause::Calibration = cause {
+            return self.calibration(&plain, forced, dice);
+        }
+        let scene = Scene {
+            joint: &self.joint,
+            plans: &self.plans,
+            typical: Typical::of(&self.plans, &plain),
+            textbook: self.textbook,
+        };
+        let effect = |id: EffectId, dice: &mut Dice| (id.id(), id.stage(), mechanism::effect(id, &scene, dice));
+        let parts: Vec<(&'static str, Stage, Mechanism)> = match cause {
+            Cause::One(id) => vec![effect(id, dice)],
+            Cause::Two(first, second) => vec![effect(first, dice), effect(second, dice)],
+            Cause::Outside(id) => vec![(id.id(), id.stage(), mechanism::outside(id, &scene, dice))],
+            Cause::Nothing | Cause::Calibration => vec![],
+        };
+        let limits = Limits::of(cause);
+        let yard = Yardstick::new(&self.plain, &self.plans, noise_rad);
+        let mut sizes = Vec::with_capacity(parts.len());
+        for (_, _, part) in &parts {
+            let size = yard.size(part, &self.plain, limits.wanted, limits.allowed, dice);
+            sizes.push(size.or(forced.then_some((part.range[0] * part.range[1]).sqrt()))?);
+        }
+        let with = |skip: Option<usize>| {
+            let mut machine = self.plain.clone();
+            let numbers: Vec<_> = parts
+                .iter()
+                .zip(&sizes)
+                .enumerate()
+                .filter(|(i, _)| Some(*i) != skip)
+                .map(|(_, ((.., part), size))| part.install(*size, &mut machine))
+                .collect();
+            (machine, numbers)
+        };
+        let (machine, numbers) = with(None);
+        let whole = coarse(&machine, &self.plans);
+        let (ratio, left) = (yard.ratio(&whole, &yard.plain), yard.left(&whole, &yard.plain));
+        let mut mechanisms = Vec::with_capacity(parts.len());
+        for (i, ((id, stage, _), parameters)) in parts.iter().zip(numbers).enumerate() {
+            let (ratio, left) = if parts.len() == 1 {
+                (ratio, left)
+            } else {
+                let without = coarse(&with(Some(i)).0, &self.plans);
+                (yard.ratio(&whole, &without), yard.left(&whole, &without))
+            };
+            let shows = ratio >= limits.allowed[0] && left >= limits.left;
+            if !shows && !forced {
+                return None;
+            }
+            mechanisms.push(TrueMechanism { id, stage: *stage, parameters, ratio, left });
+        }
+        Some(Matter { machine, mechanisms, nominal: self.believed(dice), number: None, ratio, left })
+    }
+
+    /// One to four numbers are off by 8 to 40 %.
+    fn calibration(&self, plain: &[Trace], forced: bool, dice: &mut Dice) -> Option<Matter> {
+        let count = dice.whole(1, 4);
+        let mut believed = self.numbers().list();
+        let wrong = dice.some_of(count, 4);
+        for &k in &wrong {
+            believed[k] = significant(believed[k] * (1.0 + dice.sign() * dice.uniform(0.08, 0.4)), DIGITS);
+        }
+        let nominal = FourNumbers::of(believed);
+        let rms = |numbers: FourNumbers| {
+            let mut machine = self.plain.clone();
+            machine.inertia_kg_m2 = numbers.inertia;
+            machine.peak_gravity_nm = super::plan::GRAVITY_M_S2 * numbers.moment;
+            machine.friction.coulomb_nm = numbers.coulomb;
+            machine.friction.viscous_nm_s_rad = numbers.viscous;
+            rms_rad(&coarse(&machine, &self.plans), plain, &self.plans) / self.joint.sensor.noise_rad()
+        };
+        let ratio = rms(nominal);
+        if !(ratio >= 2.0) && !forced {
+            return None;
+        }
+        let alone = |k: usize| {
+            let mut list = self.numbers().list();
+            list[k] = believed[k];
+            rms(FourNumbers::of(list))
+        };
+        let most = wrong.iter().map(|k| (*k, alone(*k))).max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let number = Some(FourNumbers::NAMES[most.0]);
+        Some(Matter { machine: self.plain.clone(), mechanisms: vec![], nominal, number, ratio, left: 0.0 })
+    }
+}
+
+/// Friction gives way a little before it slips, by so little that the logs do not show it.
+///
+/// Not so stiff that the steps would have to be shorter; where that leaves no choice, friction stays rigid.
+fn presliding_within_noise(machine: &mut Machine, plans: &[LogPlan], noise_rad: f64, from_rad: f64) {
+    let stiffest = machine.friction.coulomb_nm / (machine.inertia_kg_m2 * 900.0_f64.powi(2));
+    let rigid = coarse(machine, plans);
+    let mut bristle_rad = from_rad;
+    while bristle_rad > stiffest {
+        machine.friction.bristle_rad = bristle_rad;
+        let soft = coarse(machine, plans);
+        let each =
+            plans.iter().enumerate().map(|(i, plan)| rms_rad(&soft[i..=i], &rigid[i..=i], std::slice::from_ref(plan)));
+        if each.fold(0.0, f64::max) <= 0.4 * noise_rad {
+            return;
+        }
+        bristle_rad *= 0.5;
+    }
+    machine.friction.bristle_rad = 0.0;
+}
+
+/// How much a cause is to show, as multiples of the noise.
+struct Limits {
+    /// Sizes that are sought.
+    wanted: [f64; 2],
+    /// Natural sizes that are taken.
+    allowed: [f64; 2],
+    /// Least that is left after recalibration.
+    left: f64,
+}
+
+impl Limits {
+    fn of(cause: Cause) -> Self {
+        match cause {
+            Cause::Outside(_) => Self { wanted: [5.0, 60.0], allowed: [4.0, 300.0], left: 2.0 },
+            Cause::Two(..) => Self { wanted: [3.0, 40.0], allowed: [2.0, 300.0], left: 0.7 },
+            _ => Self { wanted: [1.5, 40.0], allowed: [1.3, 300.0], left: 0.4 },
+        }
+    }
+}
+
+/// Every reading is a number, and no log turns over.
+fn tame(traces: &[Trace]) -> bool {
+    traces.iter().all(|trace| trace.q_rad.iter().all(|q| q.abs() < WIDEST_RAD))
+}
