@@ -13,7 +13,7 @@ use crate::gap::Verdict;
 use crate::joint::{EffectId, Stage};
 
 /// Step of the logs that are written \[s\].
-const FINE_S: f64 = 4e-5;
+const FINE_S: f64 = 2.5e-5;
 /// Studies that are drawn until one shows its cause; the last is taken as it is.
 const ATTEMPTS: usize = 40;
 /// No log goes beyond this angle \[rad\]: a joint that turns over is another experiment.
@@ -300,7 +300,7 @@ fn presliding_within_noise(machine: &mut Machine, plans: &[LogPlan], noise_rad: 
     let rigid = coarse(machine, plans);
     let mut bristle_rad = from_rad;
     while bristle_rad > stiffest {
-        machine.friction.bristle_rad = bristle_rad;
+        machine.friction.soften(bristle_rad, machine.inertia_kg_m2);
         let soft = coarse(machine, plans);
         let each =
             plans.iter().enumerate().map(|(i, plan)| rms_rad(&soft[i..=i], &rigid[i..=i], std::slice::from_ref(plan)));
@@ -335,4 +335,65 @@ impl Limits {
 /// Every reading is a number, and no log turns over.
 fn tame(traces: &[Trace]) -> bool {
     traces.iter().all(|trace| trace.q_rad.iter().all(|q| q.abs() < WIDEST_RAD))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::{Outputs, Role, read_study, read_study_logs};
+
+    #[test]
+    fn same_seed_same_study_and_trials_differ() {
+        let [a, b, c] = [(4, 1), (4, 1), (4, 2)].map(|(seed, trial)| make(seed, trial));
+        assert_eq!(a.study, b.study);
+        assert_eq!(a.truth, b.truth);
+        assert_ne!(a.study, c.study);
+    }
+
+    #[test]
+    fn studies_are_read_without_complaint_and_show_their_cause() {
+        let dir = tempfile::tempdir().unwrap();
+        for trial in 0..24 {
+            let made = make(11, trial);
+            let folder = dir.path().join(trial.to_string());
+            let mut outputs = Outputs::default();
+            for (name, content) in &made.study {
+                outputs.add(folder.join(name), content.as_str());
+            }
+            outputs.write().unwrap();
+            let study = read_study(&folder.join("study.toml")).unwrap();
+            let logs = read_study_logs(&study).unwrap();
+            assert!((5..=9).contains(&logs.len()));
+            assert_eq!(study.logs.iter().filter(|log| log.role == Role::Validate).count(), 2);
+            for log in &logs {
+                assert!(log.len() > 150 && log.ignored_columns.is_empty());
+            }
+            let truth = &made.truth;
+            assert_eq!(truth.joint == truth.nominal, truth.verdict == Verdict::None || truth.joint == truth.nominal);
+            let expected = if truth.verdict == Verdict::None { 0.0..=0.0 } else { 1.3..=5000.0 };
+            assert!(expected.contains(&truth.ratio), "{truth:?}");
+        }
+    }
+
+    #[test]
+    fn sizes_lie_where_they_are_sought() {
+        for (trial, effect) in EffectId::ALL.iter().enumerate() {
+            let truth = make_with(12, trial as u64, Cause::One(*effect)).truth;
+            let mechanism = &truth.mechanisms[0];
+            assert_eq!((mechanism.id, truth.effect), (effect.id(), Some(effect.id())));
+            assert!((1.3..300.0).contains(&mechanism.ratio) && mechanism.left >= 0.4, "{mechanism:?}");
+            assert!(mechanism.left <= mechanism.ratio * 1.001, "{mechanism:?}");
+            assert!(!super::super::cause::needs_motor(*effect) || truth.driven_logs >= 2);
+        }
+    }
+
+    #[test]
+    fn pairs_are_of_two_kinds_and_every_part_shows() {
+        for trial in 0..4 {
+            let truth = make_filtered(13, trial, CauseFilter::AnyPair).truth;
+            assert_eq!(truth.mechanisms.len(), 2);
+            assert!(truth.mechanisms.iter().all(|m| m.ratio >= 2.0), "{truth:?}");
+        }
+        assert_ne!(kind(EffectId::Delay), kind(EffectId::Stribeck));
+    }
 }

@@ -11,7 +11,7 @@ use serde::Serialize;
 pub struct TrueNumber {
     /// The catalogue's name, e.g. `mu_st`.
     pub name: &'static str,
-    /// Its unit.
+    /// Its unit; empty where it has none.
     pub unit: &'static str,
     /// Its value.
     pub value: f64,

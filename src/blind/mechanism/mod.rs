@@ -7,6 +7,8 @@ mod link;
 mod motor;
 mod outside;
 mod outside_drive;
+#[cfg(test)]
+mod tests;
 
 use super::cause::OutsideId;
 use super::dice::Dice;
