@@ -9,6 +9,8 @@ mod outside;
 mod outside_drive;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod two_programs;
 
 use super::cause::OutsideId;
 use super::dice::Dice;

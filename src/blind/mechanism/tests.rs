@@ -4,7 +4,7 @@ use super::*;
 use crate::blind::plan::{one_sided, plan};
 use crate::blind::sim::{Drive, simulate};
 
-fn drawn(trial: u64, textbook: bool, check: impl Fn(&Scene<'_>, &Machine, &mut Dice)) {
+pub(super) fn drawn(trial: u64, textbook: bool, mut check: impl FnMut(&Scene<'_>, &Machine, &mut Dice)) {
     let mut dice = Dice::new(99, trial);
     let joint = Joint::draw(&mut dice);
     let mut plans = plan(&joint, true, &mut dice);
