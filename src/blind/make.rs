@@ -3,11 +3,10 @@
 use super::cause::{Cause, CauseFilter, OutsideId};
 use super::dice::{Dice, significant};
 use super::joint::{DIGITS, Joint};
-use super::mechanism::{self, Mechanism, Scene, Typical};
 use super::plan::{LogPlan, one_sided, plan};
 use super::sim::{Drive, Machine, Trace};
-use super::size::{Yardstick, all_logs, coarse, rms_rad};
-use super::truth::{FourNumbers, TrueMechanism, Truth};
+use super::size::{all_logs, coarse, rms_rad};
+use super::truth::{FourNumbers, Truth};
 use super::write::files;
 use crate::gap::Verdict;
 use crate::joint::{EffectId, Stage};
@@ -98,22 +97,12 @@ fn made(seed: u64, trial: u64, cause: Cause, mut dice: Dice) -> Made {
 }
 
 /// A joint with its logs, before anything is the matter with it.
-struct Draft {
-    joint: Joint,
-    plans: Vec<LogPlan>,
-    plain: Machine,
-    textbook: bool,
-}
-
-/// What is the matter, and how much it shows.
-struct Matter {
-    machine: Machine,
-    mechanisms: Vec<TrueMechanism>,
-    nominal: FourNumbers,
-    /// For wrong numbers: the one that accounts for most.
-    number: Option<&'static str>,
-    ratio: f64,
-    left: f64,
+pub(super) struct Draft {
+    pub joint: Joint,
+    pub plans: Vec<LogPlan>,
+    pub plain: Machine,
+    /// By the catalogue's definitions, to the letter.
+    pub textbook: bool,
 }
 
 impl Draft {
@@ -173,6 +162,7 @@ impl Draft {
             mechanisms: matter.mechanisms,
             ratio: matter.ratio,
             left: matter.left,
+            nearest: matter.nearest,
             joint: self.numbers(),
             nominal: matter.nominal,
             family: self.joint.family,
@@ -185,110 +175,20 @@ impl Draft {
         Some(Made { study, truth })
     }
 
-    fn numbers(&self) -> FourNumbers {
+    /// The four numbers as they are.
+    pub(super) fn numbers(&self) -> FourNumbers {
         let j = &self.joint;
         FourNumbers::of([j.inertia_kg_m2, j.moment_kg_m, j.coulomb_nm, j.viscous_nm_s_rad])
     }
 
     /// Half of the nominal values are right, the others off by 3 to 15 % each.
-    fn believed(&self, dice: &mut Dice) -> FourNumbers {
+    pub(super) fn believed(&self, dice: &mut Dice) -> FourNumbers {
         if dice.chance(0.5) {
             return self.numbers();
         }
         let off =
             |value: f64, dice: &mut Dice| significant(value * (1.0 + dice.sign() * dice.uniform(0.03, 0.15)), DIGITS);
         FourNumbers::of(self.numbers().list().map(|value| off(value, dice)))
-    }
-
-    fn matter(&self, cause: Cause, plain: Vec<Trace>, forced: bool, dice: &mut Dice) -> Option<Matter> {
-        let noise_rad = self.joint.sensor.noise_rad();
-        if let Cause::Nothing = cause {
-            let (machine, nominal) = (self.plain.clone(), self.numbers());
-            return Some(Matter { machine, mechanisms: vec![], nominal, number: None, ratio: 0.0, left: 0.0 });
-        }
-        if let Cause::Calibration = cause {
-            return self.calibration(&plain, forced, dice);
-        }
-        let scene = Scene {
-            joint: &self.joint,
-            plans: &self.plans,
-            typical: Typical::of(&self.plans, &plain),
-            textbook: self.textbook,
-        };
-        let effect = |id: EffectId, dice: &mut Dice| (id.id(), id.stage(), mechanism::effect(id, &scene, dice));
-        let parts: Vec<(&'static str, Stage, Mechanism)> = match cause {
-            Cause::One(id) => vec![effect(id, dice)],
-            Cause::Two(first, second) => vec![effect(first, dice), effect(second, dice)],
-            Cause::Outside(id) => vec![(id.id(), id.stage(), mechanism::outside(id, &scene, dice))],
-            Cause::Nothing | Cause::Calibration => vec![],
-        };
-        let limits = Limits::of(cause);
-        let yard = Yardstick::new(&self.plain, &self.plans, noise_rad);
-        let mut sizes = Vec::with_capacity(parts.len());
-        for (_, _, part) in &parts {
-            let size = yard.size(part, &self.plain, limits.wanted, limits.allowed, dice);
-            sizes.push(size.or(forced.then_some((part.range[0] * part.range[1]).sqrt()))?);
-        }
-        let with = |skip: Option<usize>| {
-            let mut machine = self.plain.clone();
-            let numbers: Vec<_> = parts
-                .iter()
-                .zip(&sizes)
-                .enumerate()
-                .filter(|(i, _)| Some(*i) != skip)
-                .map(|(_, ((.., part), size))| part.install(*size, &mut machine))
-                .collect();
-            (machine, numbers)
-        };
-        let (machine, numbers) = with(None);
-        let whole = coarse(&machine, &self.plans);
-        let (ratio, left) = (yard.ratio(&whole, &yard.plain), yard.left(&whole, &yard.plain));
-        let mut mechanisms = Vec::with_capacity(parts.len());
-        for (i, ((id, stage, _), parameters)) in parts.iter().zip(numbers).enumerate() {
-            let (ratio, left) = if parts.len() == 1 {
-                (ratio, left)
-            } else {
-                let without = coarse(&with(Some(i)).0, &self.plans);
-                (yard.ratio(&whole, &without), yard.left(&whole, &without))
-            };
-            let shows = ratio >= limits.allowed[0] && left >= limits.left;
-            if !shows && !forced {
-                return None;
-            }
-            mechanisms.push(TrueMechanism { id, stage: *stage, parameters, ratio, left });
-        }
-        Some(Matter { machine, mechanisms, nominal: self.believed(dice), number: None, ratio, left })
-    }
-
-    /// One to four numbers are off by 8 to 40 %.
-    fn calibration(&self, plain: &[Trace], forced: bool, dice: &mut Dice) -> Option<Matter> {
-        let count = dice.whole(1, 4);
-        let mut believed = self.numbers().list();
-        let wrong = dice.some_of(count, 4);
-        for &k in &wrong {
-            believed[k] = significant(believed[k] * (1.0 + dice.sign() * dice.uniform(0.08, 0.4)), DIGITS);
-        }
-        let nominal = FourNumbers::of(believed);
-        let rms = |numbers: FourNumbers| {
-            let mut machine = self.plain.clone();
-            machine.inertia_kg_m2 = numbers.inertia;
-            machine.peak_gravity_nm = super::plan::GRAVITY_M_S2 * numbers.moment;
-            machine.friction.coulomb_nm = numbers.coulomb;
-            machine.friction.viscous_nm_s_rad = numbers.viscous;
-            rms_rad(&coarse(&machine, &self.plans), plain, &self.plans) / self.joint.sensor.noise_rad()
-        };
-        let ratio = rms(nominal);
-        if !(ratio >= 2.0) && !forced {
-            return None;
-        }
-        let alone = |k: usize| {
-            let mut list = self.numbers().list();
-            list[k] = believed[k];
-            rms(FourNumbers::of(list))
-        };
-        let most = wrong.iter().map(|k| (*k, alone(*k))).max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let number = Some(FourNumbers::NAMES[most.0]);
-        Some(Matter { machine: self.plain.clone(), mechanisms: vec![], nominal, number, ratio, left: 0.0 })
     }
 }
 
@@ -310,26 +210,6 @@ fn presliding_within_noise(machine: &mut Machine, plans: &[LogPlan], noise_rad: 
         bristle_rad *= 0.5;
     }
     machine.friction.bristle_rad = 0.0;
-}
-
-/// How much a cause is to show, as multiples of the noise.
-struct Limits {
-    /// Sizes that are sought.
-    wanted: [f64; 2],
-    /// Natural sizes that are taken.
-    allowed: [f64; 2],
-    /// Least that is left after recalibration.
-    left: f64,
-}
-
-impl Limits {
-    fn of(cause: Cause) -> Self {
-        match cause {
-            Cause::Outside(_) => Self { wanted: [5.0, 60.0], allowed: [4.0, 300.0], left: 2.0 },
-            Cause::Two(..) => Self { wanted: [3.0, 40.0], allowed: [2.0, 300.0], left: 0.7 },
-            _ => Self { wanted: [1.5, 40.0], allowed: [1.3, 300.0], left: 0.4 },
-        }
-    }
 }
 
 /// Every reading is a number, and no log turns over.
