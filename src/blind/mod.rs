@@ -8,6 +8,7 @@
 //! use variants of the catalogue's, such as presliding instead of rigid Coulomb friction) and mechanisms that the
 //! catalogue does not have ([`OutsideId`]).
 
+mod answer;
 mod cause;
 mod dice;
 mod joint;
@@ -16,12 +17,20 @@ mod matter;
 mod mechanism;
 mod motion;
 mod plan;
+mod record;
+mod score;
+mod seal;
+pub mod shim;
 mod sim;
 mod size;
 mod truth;
 mod write;
 
+pub use answer::{Answered, GapNumbers, Ranked, StatedEffect, StatedNumber};
 pub use cause::{Cause, CauseFilter, OutsideId, UnknownCause};
 pub use joint::Family;
 pub use make::{Made, make, make_filtered, make_with};
+pub use record::{RunRecord, TrialRecord};
+pub use score::{Bin, ByCause, BySize, Coverage, Judgement, Rate, Score, Stated, Table, Trial, WallTime, score};
+pub use seal::{Sealed, TRUTHS_FILE};
 pub use truth::{FourNumbers, Nearest, TrueMechanism, TrueNumber, Truth};

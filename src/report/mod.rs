@@ -5,6 +5,7 @@
 //! Nothing is computed here but what the eye needs (thinning, a smoothed speed for the phase portrait).
 
 mod assemble;
+mod blind;
 mod error;
 mod fit_json;
 mod html;
@@ -18,6 +19,7 @@ mod sample;
 mod table;
 
 pub use assemble::drop_report;
+pub use blind::{BlindReport, blind_figures, blind_html, blind_text};
 pub use error::ReportError;
 pub use fit_json::{EffectFit, FitFile, JointFit, LogFit, ModelFit, Quantity, SCHEMA};
 pub use html::render_html;
@@ -28,6 +30,7 @@ pub use model::{
 pub use notes::{resting_gravity_nm, still};
 pub use number::{WithUncertainty, format_with_uncertainty};
 pub use plot::{
-    Figure, correlation_matrix, figures, friction_curve, optimiser_trace, parameter_intervals, phase_portrait, swing,
+    Figure, correlation_matrix, figures, friction_curve, heat_map, optimiser_trace, parameter_intervals,
+    phase_portrait, reliability, swing,
 };
 pub use table::drop_text;

@@ -3,8 +3,10 @@
 mod canvas;
 mod correlation;
 mod friction;
+mod heat_map;
 mod intervals;
 mod phase;
+mod reliability;
 mod swing;
 #[cfg(test)]
 mod tests;
@@ -13,8 +15,10 @@ mod trace;
 pub(super) use canvas::{FONT_BOLD, FONT_REGULAR};
 pub use correlation::correlation_matrix;
 pub use friction::friction_curve;
+pub use heat_map::heat_map;
 pub use intervals::parameter_intervals;
 pub use phase::phase_portrait;
+pub use reliability::reliability;
 pub use swing::swing;
 pub use trace::optimiser_trace;
 
