@@ -20,7 +20,6 @@ mod plan;
 mod record;
 mod score;
 mod seal;
-pub mod shim;
 mod sim;
 mod size;
 mod truth;

@@ -4,14 +4,13 @@ use super::CliError;
 use super::common::{CommonArgs, json_text, print};
 use super::progress::Progress;
 use super::provenance::provenance;
-use crate::blind::shim::diagnose;
 use crate::blind::{
     Answered, CauseFilter, Made, RunRecord, Sealed, TRUTHS_FILE, Trial, TrialRecord, Truth, make_filtered, score,
 };
-use crate::gap::GapOptions;
+use crate::gap::{Diagnosis, GapOptions, diagnose};
 use crate::identify::Case;
 use crate::log::Outputs;
-use crate::report::{BlindReport, blind_figures, blind_html, blind_text};
+use crate::report::{BlindReport, GapReport, blind_figures, blind_html, blind_text, gap_json};
 use clap::Args;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -132,8 +131,16 @@ fn diagnose_all(
             let Some(truth) = truths.get(at) else { return Ok(trials) };
             let study = study_folder(folder, truth.trial).join("study.toml");
             let began = Instant::now();
-            let answer = pool.install(|| diagnose_one(&study));
+            let diagnosis = pool.install(|| diagnose_one(&study));
             let wall_s = began.elapsed().as_secs_f64();
+            let answer = diagnosis.as_ref().map(|(_, diagnosis)| Answered::of(diagnosis)).map_err(Clone::clone);
+            if let Ok((case, diagnosis)) = diagnosis {
+                let report = GapReport::new(&case, diagnosis, GapOptions::default(), provenance(case.inputs())?);
+                let path = folder.join("diagnoses").join(format!("{:03}.json", truth.trial));
+                let mut output = Outputs::default();
+                output.add(path, json_text(&gap_json(&report))?);
+                output.write()?;
+            }
             trials.push((at, Trial { truth: truth.clone(), answer, wall_s }));
             progress.say(&format!("diagnosing: {} of {}", 1 + done.fetch_add(1, Ordering::Relaxed), truths.len()));
         }
@@ -154,10 +161,10 @@ fn diagnose_all(
     Ok(trials.into_iter().map(|(_, trial)| trial).collect())
 }
 
-fn diagnose_one(study: &Path) -> Result<Answered, String> {
+fn diagnose_one(study: &Path) -> Result<(Case, Diagnosis), String> {
     let case = Case::of_study(study).map_err(|error| error.to_string())?;
     let diagnosis = diagnose(&case, &GapOptions::default(), &|_| {}).map_err(|error| error.to_string())?;
-    Ok(Answered::of(&diagnosis))
+    Ok((case, diagnosis))
 }
 
 fn open(args: &BlindArgs, seed: u64, sealed: &Sealed, trials: Vec<Trial>) -> Result<BlindReport, CliError> {
@@ -182,10 +189,6 @@ fn write(args: &BlindArgs, folder: &Path, report: &BlindReport, sealed: &Sealed)
     };
     let mut outputs = Outputs::default();
     outputs.add(folder.join(TRUTHS_FILE), sealed.text.as_str());
-    for trial in &record.trials {
-        let name = format!("{:03}.json", trial.truth.trial);
-        outputs.add(folder.join("diagnoses").join(name), json_text(&trial.answer)?);
-    }
     for figure in blind_figures(report)? {
         outputs.add(folder.join(figure.file_name), figure.svg);
     }

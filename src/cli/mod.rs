@@ -4,9 +4,11 @@ mod blind;
 mod common;
 mod drop;
 mod error;
+mod gap;
 mod progress;
 mod provenance;
 mod simulate;
+mod still;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -27,6 +29,7 @@ struct Cli {
 enum Command {
     Blind(Box<blind::BlindArgs>),
     Drop(Box<drop::DropArgs>),
+    Gap(gap::GapArgs),
     Simulate(simulate::SimulateArgs),
 }
 
@@ -43,6 +46,7 @@ pub fn run() -> ExitCode {
     let result = match cli.command {
         Command::Blind(args) => blind::run(&args),
         Command::Drop(args) => drop::run(&args),
+        Command::Gap(args) => gap::run(&args),
         Command::Simulate(args) => simulate::run(&args),
     };
     match result {

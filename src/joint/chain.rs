@@ -39,10 +39,10 @@ impl<T: Real> Chain<T> {
         }
     }
 
-    /// Torque of gravity, spring and stop \[N m\].
+    /// Torque of spring and stop \[N m\].
     #[inline]
-    pub fn passive_nm(&self, angle_rad: T, rate_rad_s: T) -> T {
-        let mut torque_nm = self.link.gravity_nm(angle_rad);
+    fn elastic_nm(&self, angle_rad: T, rate_rad_s: T) -> T {
+        let mut torque_nm = T::nought();
         if let Some(spring) = &self.spring {
             torque_nm += spring.torque_nm(angle_rad);
         }
@@ -50,6 +50,12 @@ impl<T: Real> Chain<T> {
             torque_nm += stop.torque_nm(angle_rad, rate_rad_s);
         }
         torque_nm
+    }
+
+    /// Torque of gravity, spring and stop \[N m\].
+    #[inline]
+    pub fn passive_nm(&self, angle_rad: T, rate_rad_s: T) -> T {
+        self.link.gravity_nm(angle_rad) + self.elastic_nm(angle_rad, rate_rad_s)
     }
 
     /// Net torque on a resting joint without friction \[N m\] at an angle, for a motor torque.
@@ -68,8 +74,11 @@ impl<T: Real> Chain<T> {
     /// Angular acceleration \[rad/s^2\] of a joint that slips in `direction` (3.12).
     #[inline]
     pub fn slip_rate_rad_s2(&self, t_s: T, angle_rad: T, rate_rad_s: T, direction: f64, motor_nm: T) -> T {
-        let resistance_nm = self.resistance_nm(t_s, angle_rad, rate_rad_s * direction, direction, motor_nm);
-        (motor_nm + self.passive_nm(angle_rad, rate_rad_s) - resistance_nm * direction) / self.link.inertia_kg_m2
+        let gravity_nm = self.link.gravity_nm(angle_rad);
+        let speed_rad_s = rate_rad_s * direction;
+        let at = Contact { t_s, angle_rad, speed_rad_s, direction, gravity_nm, motor_nm };
+        let passive_nm = gravity_nm + self.elastic_nm(angle_rad, rate_rad_s);
+        (motor_nm + passive_nm - self.friction.resistance_nm(&at) * direction) / self.link.inertia_kg_m2
     }
 
     /// The torque that the motor's law asks of it and that arrives \[N m\], at a true angle and rate.

@@ -268,12 +268,8 @@ impl<T: Real> TwoBodies<'_, T> {
         let whole = until - self.t_s;
         let [angle, rate, _, motor_rate, _] = self.y;
         let fastest = rate.re().abs().max(motor_rate.re().abs());
-        let light = (self.play.motor_side_kg_m2.re() / self.chain.link.inertia_kg_m2.re()).clamp(1e-3, 1.0);
         let motor_on = matches!(command, Command::Pid { .. });
-        let mut longest_s = self.chain.longest_step_s(self.fastest_rad_s, angle.re(), fastest, motor_on);
-        if let Mode::Apart(..) = self.mode {
-            longest_s *= light.sqrt();
-        }
+        let longest_s = self.chain.longest_step_s(self.fastest_rad_s, angle.re(), fastest, motor_on);
         let parts = (whole.re() * self.refinement / longest_s).ceil().max(1.0);
         if !(parts <= self.steps_left as f64) {
             return Err(Diverged { at_s: self.t_s.re() });
@@ -292,21 +288,14 @@ impl<T: Real> TwoBodies<'_, T> {
             self.t_s = if parts > 1.0 { t_s + step } else { until };
             return Ok(());
         }
-        let (mut low, mut high) = (0.0, step.re());
-        for _ in 0..40 {
-            let middle = 0.5 * (low + high);
-            let dt = T::constant(middle);
-            let there = after(dt);
-            if happening.iter().flatten().any(|&event| margin(event, dt, &there).re() < 0.0) {
-                high = middle
-            } else {
-                low = middle
-            }
-        }
-        let dt = T::constant(high);
+        // The earliest of them counts.
+        let earliest = happening.iter().flatten().map(|&event| {
+            let at = |dt: f64| margin(event, T::constant(dt), &after(T::constant(dt))).re();
+            (falls_through_zero(at, step.re()), event)
+        });
+        let Some((instant, event)) = earliest.min_by(|a, b| a.0.total_cmp(&b.0)) else { return Ok(()) };
+        let (dt, high) = (T::constant(instant), instant);
         let there = after(dt);
-        let lowest = |a: &&Event, b: &&Event| margin(**a, dt, &there).re().total_cmp(&margin(**b, dt, &there).re());
-        let Some(&event) = happening.iter().flatten().min_by(lowest) else { return Ok(()) };
         // One Newton step in T gives the instant its derivatives.
         let here = margin(event, dt, &there);
         let back = T::constant(high * 0.999);
@@ -348,4 +337,48 @@ impl<T: Real> TwoBodies<'_, T> {
             _ => {}
         }
     }
+}
+
+/// The last instant before `to`, to within a hundred-millionth of it, at which a margin that is negative at `to` is not
+/// yet so (Illinois method); 0 where it is negative from the beginning.
+fn falls_through_zero(margin: impl Fn(f64) -> f64, to: f64) -> f64 {
+    let (mut low, mut f_low) = (0.0, margin(0.0));
+    let (mut high, mut f_high) = (to, margin(to));
+    if f_low <= 0.0 {
+        // It begins at zero: find an instant at which it is positive.
+        let mut probe = to;
+        for _ in 0..6 {
+            probe *= 0.25;
+            let f = margin(probe);
+            if f > 0.0 {
+                (low, f_low) = (probe, f);
+                break;
+            }
+            (high, f_high) = (probe, f);
+        }
+        if f_low <= 0.0 {
+            return high;
+        }
+    }
+    let mut last = 0;
+    for _ in 0..30 {
+        if high - low <= 1e-8 * to {
+            break;
+        }
+        let middle = ((low * f_high - high * f_low) / (f_high - f_low)).clamp(low, high);
+        let f = margin(middle);
+        if f >= 0.0 {
+            (low, f_low) = (middle, f);
+            f_high *= if last == 1 { 0.5 } else { 1.0 };
+            last = 1;
+        } else {
+            (high, f_high) = (middle, f);
+            f_low *= if last == -1 { 0.5 } else { 1.0 };
+            last = -1;
+        }
+        if f == 0.0 {
+            break;
+        }
+    }
+    high
 }

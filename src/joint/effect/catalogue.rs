@@ -27,6 +27,10 @@ pub enum Stage {
 }
 
 impl Stage {
+    /// All of them, in the chain's order.
+    pub const ALL: [Stage; 7] =
+        [Stage::Setpoint, Stage::Delay, Stage::Controller, Stage::Motor, Stage::Gearing, Stage::Link, Stage::Sensor];
+
     /// The word in reports and JSON.
     pub fn name(self) -> &'static str {
         match self {

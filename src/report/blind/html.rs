@@ -1,18 +1,13 @@
 //! The report of sealed trials as one page that opens without a network.
 
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
-use minijinja::{Environment, Value, context};
+use minijinja::{Value, context};
 
 use super::rows::{counts, interval, numbers, percent, rates, sentence, share};
 use super::{BlindReport, blind_figures};
 use crate::blind::{Judgement, Trial};
 use crate::gap::Verdict;
 use crate::report::ReportError;
-use crate::report::plot::{FONT_BOLD, FONT_REGULAR};
-
-/// The ending makes the template engine escape every text.
-const TEMPLATE_NAME: &str = "blind.html";
+use crate::report::html::{figure_views, render};
 
 /// Puts the report of sealed trials into one HTML page.
 ///
@@ -23,10 +18,6 @@ const TEMPLATE_NAME: &str = "blind.html";
 /// on the data.
 pub fn blind_html(report: &BlindReport) -> Result<String, ReportError> {
     let score = &report.score;
-    let figures: Vec<Value> = blind_figures(report)?
-        .into_iter()
-        .map(|f| context! { title => f.title, caption => f.caption, svg => Value::from_safe_string(f.svg) })
-        .collect();
     let rates: Vec<Value> = rates(score)
         .into_iter()
         .map(|row| context! { what => row.what, count => row.count, share => row.share, interval => row.interval })
@@ -79,11 +70,7 @@ pub fn blind_html(report: &BlindReport) -> Result<String, ReportError> {
             }
         })
         .collect();
-    let mut environment = Environment::new();
-    environment.add_template(TEMPLATE_NAME, include_str!("template.html"))?;
-    let page = environment.get_template(TEMPLATE_NAME)?.render(context! {
-        font_regular => STANDARD.encode(FONT_REGULAR),
-        font_bold => STANDARD.encode(FONT_BOLD),
+    let values = context! {
         trials => score.trials,
         seed => report.seed,
         sha256 => report.sha256.as_str(),
@@ -91,7 +78,7 @@ pub fn blind_html(report: &BlindReport) -> Result<String, ReportError> {
         sentence => sentence(score),
         rates,
         numbers => numbers(score),
-        figures,
+        figures => figure_views(blind_figures(report)?),
         causes,
         sizes,
         bins,
@@ -99,8 +86,8 @@ pub fn blind_html(report: &BlindReport) -> Result<String, ReportError> {
         studies => report.trials.iter().map(study).collect::<Vec<_>>(),
         version => report.provenance.version.as_str(),
         command => report.provenance.command.as_str(),
-    })?;
-    Ok(page)
+    };
+    render("blind.html", include_str!("../templates/blind.html"), values)
 }
 
 fn study(trial: &Trial) -> Value {

@@ -1,6 +1,8 @@
 //! The report of sealed trials.
 
+mod confusion;
 mod html;
+mod reliability;
 mod rows;
 #[cfg(test)]
 mod tests;
@@ -9,9 +11,11 @@ mod text;
 pub use html::blind_html;
 pub use text::blind_text;
 
-use super::plot::{Figure, heat_map, reliability};
+use super::plot::Figure;
 use super::{Provenance, ReportError};
-use crate::blind::{Score, Table, Trial};
+use crate::blind::{Score, Trial};
+use confusion::confusion;
+use reliability::reliability;
 
 /// Sealed trials, opened and scored.
 #[derive(Clone, Debug)]
@@ -36,19 +40,13 @@ pub struct BlindReport {
 /// [`ReportError::Font`] and [`ReportError::Draw`], neither of which depends on the data.
 pub fn blind_figures(report: &BlindReport) -> Result<Vec<Figure>, ReportError> {
     let score = &report.score;
-    let table = &score.confusion;
     let figure = |file_name: &str, title: &str, caption: &str, svg: String| Figure {
         file_name: file_name.to_owned(),
         title: title.to_owned(),
         caption: caption.to_owned(),
         svg,
     };
-    let map = heat_map(
-        "What was there, and what was answered",
-        (&table.rows, &table.columns),
-        &table.counts,
-        Table::is_right,
-    )?;
+    let map = confusion(&score.confusion)?;
     let top = reliability("Stated probabilities: the whole answer is right", &score.stated.bins)?;
     let set = reliability("Stated probabilities: what is there is in the set", &score.stated_set.bins)?;
     let caption = "Dots on the line: answers are right as often as they say. Below it, they are too sure.";
@@ -56,7 +54,7 @@ pub fn blind_figures(report: &BlindReport) -> Result<Vec<Figure>, ReportError> {
         figure(
             "confusion.svg",
             "Confusion",
-            "Blue cells with a frame are right answers. Of two effects at once the table tells only that two were named.",
+            "Framed cells are right answers. Of two effects at once the table tells only that two were named.",
             map,
         ),
         figure("reliability.svg", "Reliability", caption, top),

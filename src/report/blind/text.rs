@@ -1,21 +1,28 @@
 //! The report of sealed trials for a terminal.
 
-use comfy_table::{Cell, CellAlignment, ContentArrangement, Table, TableComponent, presets};
+use comfy_table::{Cell, ContentArrangement};
 
 use super::BlindReport;
 use super::rows::{Row, counts, interval, numbers, percent, rates, sentence, share};
 use crate::blind::{Score, Table as Confusion};
+use crate::report::text::{finish, number, table, wrap};
 
 /// Columns of the text.
-const WIDTH: u16 = 118;
+const WIDTH: usize = 108;
 
-/// Writes the report as plain text, as a rule at most 118 columns wide, ending in a newline.
+/// Writes the report as plain text, as a rule at most 108 columns wide, ending in a newline.
 pub fn blind_text(report: &BlindReport) -> String {
     let score = &report.score;
     let seal = if report.seal_holds { "as stated before the first diagnosis" } else { "WHICH IS NOT WHAT WAS SEALED" };
     let head =
         format!("{} studies, seed {}; answers opened: SHA-256 {}, {seal}.", score.trials, report.seed, report.sha256);
-    let mut blocks = vec![head, sentence(score), rate_table(score), number_table(score), confusion(&score.confusion)];
+    let mut blocks = vec![
+        wrap(WIDTH, &head, "", ""),
+        wrap(WIDTH, &sentence(score), "", ""),
+        rate_table(score),
+        number_table(score),
+        confusion(&score.confusion),
+    ];
     blocks.push(causes(score));
     if !score.sizes.is_empty() {
         blocks.push(sizes(score));
@@ -28,11 +35,11 @@ pub fn blind_text(report: &BlindReport) -> String {
 }
 
 fn rate_table(score: &Score) -> String {
-    let mut table = table(&["", "how often", "share", "95 %"]);
+    let mut table = table(WIDTH, &[""], &["how often", "share", "95 %"]);
     for Row { what, count, share, interval } in rates(score) {
         table.add_row([Cell::new(what), number(count), number(share), number(interval)]);
     }
-    finish(&table)
+    finish(&mut table)
 }
 
 fn number_table(score: &Score) -> String {
@@ -44,9 +51,8 @@ fn number_table(score: &Score) -> String {
 fn confusion(counts: &Confusion) -> String {
     let number_of = |name: &str| counts.columns.iter().position(|column| *column == name).map(|at| at + 1);
     let headings: Vec<String> = (1..=counts.columns.len()).map(|k| k.to_string()).collect();
-    let mut header = vec!["there \\ answered"];
-    header.extend(headings.iter().map(String::as_str));
-    let mut table = table(&header);
+    let headings: Vec<&str> = headings.iter().map(String::as_str).collect();
+    let mut table = table(WIDTH, &["there \\ answered"], &headings);
     // names must not be broken; where there are that many columns, a wide terminal is asked for
     table.set_content_arrangement(ContentArrangement::Disabled);
     for (name, row) in counts.rows.iter().zip(&counts.counts) {
@@ -60,26 +66,26 @@ fn confusion(counts: &Confusion) -> String {
     let others = counts.columns.iter().enumerate().filter(|(_, column)| !counts.rows.contains(column));
     let others: Vec<String> = others.map(|(at, column)| format!("{} {column}", at + 1)).collect();
     let key = if others.is_empty() { String::new() } else { format!("\nfurther answers: {}", others.join(", ")) };
-    format!("What was there (rows) and what was answered (columns, by the rows' numbers)\n{}{key}", finish(&table))
+    format!("What was there (rows) and what was answered (columns, by the rows' numbers)\n{}{key}", finish(&mut table))
 }
 
 fn causes(score: &Score) -> String {
-    let mut table = table(&["cause", "right", "in the set", "stage", "else taken for"]);
+    let mut table = table(WIDTH, &["cause", "else taken for"], &["right", "in the set", "stage"]);
     for cause in &score.causes {
         let taken = cause.taken_for.as_ref().map_or_else(String::new, |(name, count)| format!("{name} ({count})"));
         table.add_row([
             Cell::new(&cause.cause),
+            Cell::new(taken),
             number(counts(&cause.top)),
             number(counts(&cause.set)),
             number(if cause.stage.of > 0 { counts(&cause.stage) } else { String::new() }),
-            Cell::new(taken),
         ]);
     }
-    finish(&table)
+    finish(&mut table)
 }
 
 fn sizes(score: &Score) -> String {
-    let mut table = table(&["one effect; left after recalibration", "named", "in the set", "not seen"]);
+    let mut table = table(WIDTH, &["one effect; left after recalibration"], &["named", "in the set", "not seen"]);
     for size in &score.sizes {
         let range = match size.to {
             Some(to) => format!("{} to {to} times the noise", size.from),
@@ -92,11 +98,11 @@ fn sizes(score: &Score) -> String {
             number(counts(&size.missed)),
         ]);
     }
-    finish(&table)
+    finish(&mut table)
 }
 
 fn stated(score: &Score) -> String {
-    let mut table = table(&["stated probability", "mean stated", "right", "share", "95 %"]);
+    let mut table = table(WIDTH, &["stated probability"], &["mean stated", "right", "share", "95 %"]);
     for bin in score.stated.bins.iter().filter(|bin| bin.right.of > 0) {
         let [low, high] = bin.range;
         table.add_row([
@@ -107,11 +113,11 @@ fn stated(score: &Score) -> String {
             number(interval(&bin.right)),
         ]);
     }
-    finish(&table)
+    finish(&mut table)
 }
 
 fn coverage(score: &Score) -> String {
-    let mut table = table(&["95 % intervals that cover", "robust", "naive", "robust, formulas varied"]);
+    let mut table = table(WIDTH, &["95 % intervals that cover"], &["robust", "naive", "robust, formulas varied"]);
     for row in score.coverage.iter().filter(|c| c.textbook.of + c.variant.of > 0) {
         table.add_row([
             Cell::new(&row.name),
@@ -120,33 +126,5 @@ fn coverage(score: &Score) -> String {
             number(counts(&row.variant)),
         ]);
     }
-    finish(&table)
-}
-
-fn table(header: &[&str]) -> Table {
-    let mut table = Table::new();
-    let cells = header.iter().enumerate().map(|(at, name)| {
-        let words = at == 0 || *name == "else taken for";
-        Cell::new(name).set_alignment(if words { CellAlignment::Left } else { CellAlignment::Right })
-    });
-    table
-        .load_preset(presets::NOTHING)
-        .set_style(TableComponent::HeaderLines, '-')
-        .set_style(TableComponent::MiddleHeaderIntersections, '-')
-        .set_content_arrangement(ContentArrangement::Dynamic)
-        .set_width(WIDTH)
-        .set_header(cells);
-    for column in table.column_iter_mut() {
-        column.set_padding((0, 1));
-    }
-    table
-}
-
-fn number(text: String) -> Cell {
-    Cell::new(text).set_alignment(CellAlignment::Right)
-}
-
-/// The table without blanks at the ends of its lines.
-fn finish(table: &Table) -> String {
-    table.lines().map(|line| line.trim_end().to_owned()).collect::<Vec<_>>().join("\n")
+    finish(&mut table)
 }

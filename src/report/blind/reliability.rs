@@ -3,12 +3,13 @@
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
-use super::canvas::{
-    Axis, EXTENSIVE, LEFT, Look, RIGHT, SHADE, Sign, WIDTH, block, chart, dots, filled, legend, line, notice, sketch,
-    stroke, text,
-};
 use crate::blind::Bin;
 use crate::report::ReportError;
+use crate::report::plot::axis::Axis;
+use crate::report::plot::canvas::{
+    EXTENSIVE, LEFT, Look, RIGHT, SHADE, Sign, WIDTH, block, chart, dots, filled, legend, line, notice, sketch, stroke,
+    text,
+};
 
 const HEIGHT: f64 = 460.0;
 const BAR_OPACITY: f64 = 0.25;
@@ -16,10 +17,7 @@ const BAR_OPACITY: f64 = 0.25;
 const HALF_BAR: f64 = 0.006;
 
 /// Draws the share of right answers against the stated probability, with 95 % intervals and the number of answers.
-///
-/// # Errors
-/// [`ReportError::Font`] and [`ReportError::Draw`], neither of which depends on the data.
-pub fn reliability(title: &str, bins: &[Bin]) -> Result<String, ReportError> {
+pub(super) fn reliability(title: &str, bins: &[Bin]) -> Result<String, ReportError> {
     let (stated, right) = (Axis::between(0.0, 1.0), Axis::between(0.0, 1.0));
     sketch(title, HEIGHT, |root| {
         let names = [
