@@ -3,17 +3,16 @@
 use super::cause::{Cause, CauseFilter, OutsideId};
 use super::dice::{Dice, significant};
 use super::joint::{DIGITS, Joint};
-use super::mechanism::{self, Mechanism, Scene, Typical};
 use super::plan::{LogPlan, one_sided, plan};
 use super::sim::{Drive, Machine, Trace};
-use super::size::{Yardstick, all_logs, coarse, rms_rad};
-use super::truth::{FourNumbers, TrueMechanism, Truth};
+use super::size::{all_logs, coarse, rms_rad};
+use super::truth::{FourNumbers, Truth};
 use super::write::files;
 use crate::gap::Verdict;
 use crate::joint::{EffectId, Stage};
 
 /// Step of the logs that are written \[s\].
-const FINE_S: f64 = 4e-5;
+const FINE_S: f64 = 2.5e-5;
 /// Studies that are drawn until one shows its cause; the last is taken as it is.
 const ATTEMPTS: usize = 40;
 /// No log goes beyond this angle \[rad\]: a joint that turns over is another experiment.
@@ -98,22 +97,12 @@ fn made(seed: u64, trial: u64, cause: Cause, mut dice: Dice) -> Made {
 }
 
 /// A joint with its logs, before anything is the matter with it.
-struct Draft {
-    joint: Joint,
-    plans: Vec<LogPlan>,
-    plain: Machine,
-    textbook: bool,
-}
-
-/// What is the matter, and how much it shows.
-struct Matter {
-    machine: Machine,
-    mechanisms: Vec<TrueMechanism>,
-    nominal: FourNumbers,
-    /// For wrong numbers: the one that accounts for most.
-    number: Option<&'static str>,
-    ratio: f64,
-    left: f64,
+pub(super) struct Draft {
+    pub joint: Joint,
+    pub plans: Vec<LogPlan>,
+    pub plain: Machine,
+    /// By the catalogue's definitions, to the letter.
+    pub textbook: bool,
 }
 
 impl Draft {
@@ -173,6 +162,7 @@ impl Draft {
             mechanisms: matter.mechanisms,
             ratio: matter.ratio,
             left: matter.left,
+            nearest: matter.nearest,
             joint: self.numbers(),
             nominal: matter.nominal,
             family: self.joint.family,
@@ -185,110 +175,20 @@ impl Draft {
         Some(Made { study, truth })
     }
 
-    fn numbers(&self) -> FourNumbers {
+    /// The four numbers as they are.
+    pub(super) fn numbers(&self) -> FourNumbers {
         let j = &self.joint;
         FourNumbers::of([j.inertia_kg_m2, j.moment_kg_m, j.coulomb_nm, j.viscous_nm_s_rad])
     }
 
     /// Half of the nominal values are right, the others off by 3 to 15 % each.
-    fn believed(&self, dice: &mut Dice) -> FourNumbers {
+    pub(super) fn believed(&self, dice: &mut Dice) -> FourNumbers {
         if dice.chance(0.5) {
             return self.numbers();
         }
         let off =
             |value: f64, dice: &mut Dice| significant(value * (1.0 + dice.sign() * dice.uniform(0.03, 0.15)), DIGITS);
         FourNumbers::of(self.numbers().list().map(|value| off(value, dice)))
-    }
-
-    fn matter(&self, cause: Cause, plain: Vec<Trace>, forced: bool, dice: &mut Dice) -> Option<Matter> {
-        let noise_rad = self.joint.sensor.noise_rad();
-        if let Cause::Nothing = cause {
-            let (machine, nominal) = (self.plain.clone(), self.numbers());
-            return Some(Matter { machine, mechanisms: vec![], nominal, number: None, ratio: 0.0, left: 0.0 });
-        }
-        if let Cause::Calibration = cause {
-            return self.calibration(&plain, forced, dice);
-        }
-        let scene = Scene {
-            joint: &self.joint,
-            plans: &self.plans,
-            typical: Typical::of(&self.plans, &plain),
-            textbook: self.textbook,
-        };
-        let effect = |id: EffectId, dice: &mut Dice| (id.id(), id.stage(), mechanism::effect(id, &scene, dice));
-        let parts: Vec<(&'static str, Stage, Mechanism)> = match cause {
-            Cause::One(id) => vec![effect(id, dice)],
-            Cause::Two(first, second) => vec![effect(first, dice), effect(second, dice)],
-            Cause::Outside(id) => vec![(id.id(), id.stage(), mechanism::outside(id, &scene, dice))],
-            Cause::Nothing | Cause::Calibration => vec![],
-        };
-        let limits = Limits::of(cause);
-        let yard = Yardstick::new(&self.plain, &self.plans, noise_rad);
-        let mut sizes = Vec::with_capacity(parts.len());
-        for (_, _, part) in &parts {
-            let size = yard.size(part, &self.plain, limits.wanted, limits.allowed, dice);
-            sizes.push(size.or(forced.then_some((part.range[0] * part.range[1]).sqrt()))?);
-        }
-        let with = |skip: Option<usize>| {
-            let mut machine = self.plain.clone();
-            let numbers: Vec<_> = parts
-                .iter()
-                .zip(&sizes)
-                .enumerate()
-                .filter(|(i, _)| Some(*i) != skip)
-                .map(|(_, ((.., part), size))| part.install(*size, &mut machine))
-                .collect();
-            (machine, numbers)
-        };
-        let (machine, numbers) = with(None);
-        let whole = coarse(&machine, &self.plans);
-        let (ratio, left) = (yard.ratio(&whole, &yard.plain), yard.left(&whole, &yard.plain));
-        let mut mechanisms = Vec::with_capacity(parts.len());
-        for (i, ((id, stage, _), parameters)) in parts.iter().zip(numbers).enumerate() {
-            let (ratio, left) = if parts.len() == 1 {
-                (ratio, left)
-            } else {
-                let without = coarse(&with(Some(i)).0, &self.plans);
-                (yard.ratio(&whole, &without), yard.left(&whole, &without))
-            };
-            let shows = ratio >= limits.allowed[0] && left >= limits.left;
-            if !shows && !forced {
-                return None;
-            }
-            mechanisms.push(TrueMechanism { id, stage: *stage, parameters, ratio, left });
-        }
-        Some(Matter { machine, mechanisms, nominal: self.believed(dice), number: None, ratio, left })
-    }
-
-    /// One to four numbers are off by 8 to 40 %.
-    fn calibration(&self, plain: &[Trace], forced: bool, dice: &mut Dice) -> Option<Matter> {
-        let count = dice.whole(1, 4);
-        let mut believed = self.numbers().list();
-        let wrong = dice.some_of(count, 4);
-        for &k in &wrong {
-            believed[k] = significant(believed[k] * (1.0 + dice.sign() * dice.uniform(0.08, 0.4)), DIGITS);
-        }
-        let nominal = FourNumbers::of(believed);
-        let rms = |numbers: FourNumbers| {
-            let mut machine = self.plain.clone();
-            machine.inertia_kg_m2 = numbers.inertia;
-            machine.peak_gravity_nm = super::plan::GRAVITY_M_S2 * numbers.moment;
-            machine.friction.coulomb_nm = numbers.coulomb;
-            machine.friction.viscous_nm_s_rad = numbers.viscous;
-            rms_rad(&coarse(&machine, &self.plans), plain, &self.plans) / self.joint.sensor.noise_rad()
-        };
-        let ratio = rms(nominal);
-        if !(ratio >= 2.0) && !forced {
-            return None;
-        }
-        let alone = |k: usize| {
-            let mut list = self.numbers().list();
-            list[k] = believed[k];
-            rms(FourNumbers::of(list))
-        };
-        let most = wrong.iter().map(|k| (*k, alone(*k))).max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let number = Some(FourNumbers::NAMES[most.0]);
-        Some(Matter { machine: self.plain.clone(), mechanisms: vec![], nominal, number, ratio, left: 0.0 })
     }
 }
 
@@ -300,7 +200,7 @@ fn presliding_within_noise(machine: &mut Machine, plans: &[LogPlan], noise_rad: 
     let rigid = coarse(machine, plans);
     let mut bristle_rad = from_rad;
     while bristle_rad > stiffest {
-        machine.friction.bristle_rad = bristle_rad;
+        machine.friction.soften(bristle_rad, machine.inertia_kg_m2);
         let soft = coarse(machine, plans);
         let each =
             plans.iter().enumerate().map(|(i, plan)| rms_rad(&soft[i..=i], &rigid[i..=i], std::slice::from_ref(plan)));
@@ -312,27 +212,68 @@ fn presliding_within_noise(machine: &mut Machine, plans: &[LogPlan], noise_rad: 
     machine.friction.bristle_rad = 0.0;
 }
 
-/// How much a cause is to show, as multiples of the noise.
-struct Limits {
-    /// Sizes that are sought.
-    wanted: [f64; 2],
-    /// Natural sizes that are taken.
-    allowed: [f64; 2],
-    /// Least that is left after recalibration.
-    left: f64,
-}
-
-impl Limits {
-    fn of(cause: Cause) -> Self {
-        match cause {
-            Cause::Outside(_) => Self { wanted: [5.0, 60.0], allowed: [4.0, 300.0], left: 2.0 },
-            Cause::Two(..) => Self { wanted: [3.0, 40.0], allowed: [2.0, 300.0], left: 0.7 },
-            _ => Self { wanted: [1.5, 40.0], allowed: [1.3, 300.0], left: 0.4 },
-        }
-    }
-}
-
 /// Every reading is a number, and no log turns over.
 fn tame(traces: &[Trace]) -> bool {
     traces.iter().all(|trace| trace.q_rad.iter().all(|q| q.abs() < WIDEST_RAD))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::{Outputs, Role, read_study, read_study_logs};
+
+    #[test]
+    fn same_seed_same_study_and_trials_differ() {
+        let [a, b, c] = [(4, 1), (4, 1), (4, 2)].map(|(seed, trial)| make(seed, trial));
+        assert_eq!(a.study, b.study);
+        assert_eq!(a.truth, b.truth);
+        assert_ne!(a.study, c.study);
+    }
+
+    #[test]
+    fn studies_are_read_without_complaint_and_show_their_cause() {
+        let dir = tempfile::tempdir().unwrap();
+        for trial in 0..24 {
+            let made = make(11, trial);
+            let folder = dir.path().join(trial.to_string());
+            let mut outputs = Outputs::default();
+            for (name, content) in &made.study {
+                outputs.add(folder.join(name), content.as_str());
+            }
+            outputs.write().unwrap();
+            let study = read_study(&folder.join("study.toml")).unwrap();
+            let logs = read_study_logs(&study).unwrap();
+            assert!((5..=9).contains(&logs.len()));
+            assert_eq!(study.logs.iter().filter(|log| log.role == Role::Validate).count(), 2);
+            for log in &logs {
+                assert!(log.len() > 150 && log.ignored_columns.is_empty());
+            }
+            let truth = &made.truth;
+            assert_eq!(truth.joint == truth.nominal, truth.verdict == Verdict::None || truth.joint == truth.nominal);
+            let expected = if truth.verdict == Verdict::None { 0.0..=0.0 } else { 1.3..=5000.0 };
+            assert!(expected.contains(&truth.ratio), "{truth:?}");
+        }
+    }
+
+    #[test]
+    fn sizes_lie_where_they_are_sought() {
+        for (trial, effect) in EffectId::ALL.iter().enumerate() {
+            let truth = make_with(12, trial as u64, Cause::One(*effect)).truth;
+            let mechanism = &truth.mechanisms[0];
+            assert_eq!((mechanism.id, truth.effect), (effect.id(), Some(effect.id())));
+            assert!((1.3..300.0).contains(&mechanism.ratio) && mechanism.left >= 0.4, "{mechanism:?}");
+            assert!(mechanism.left <= mechanism.ratio * 1.001, "{mechanism:?}");
+            assert!(!super::super::cause::needs_motor(*effect) || truth.driven_logs >= 2);
+        }
+    }
+
+    #[test]
+    fn pairs_are_of_two_kinds_and_every_part_shows() {
+        for trial in 0..4 {
+            let truth = make_filtered(13, trial, CauseFilter::AnyPair).truth;
+            assert_eq!(truth.mechanisms.len(), 2);
+            assert!(truth.mechanisms.iter().all(|m| m.ratio >= 2.0), "{truth:?}");
+        }
+        assert_ne!(kind(EffectId::Delay), kind(EffectId::Stribeck));
+    }
 }

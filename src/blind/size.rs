@@ -4,7 +4,7 @@ use super::dice::Dice;
 use super::mechanism::Mechanism;
 use super::plan::LogPlan;
 use super::sim::{Machine, Trace, simulate};
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::{DMatrix, DVector};
 
 /// Step while sizes are sought \[s\].
 const COARSE_S: f64 = 2.5e-4;
@@ -86,8 +86,15 @@ impl<'a> Yardstick<'a> {
 
     /// What of [`Yardstick::ratio`] is left when numbers and starts are adapted to the difference, to first order.
     pub(super) fn left(&self, a: &[Trace], b: &[Trace]) -> f64 {
-        let (mut normal, mut right, mut rest, mut count) =
-            (Matrix4::<f64>::zeros(), Vector4::<f64>::zeros(), 0.0, 0_usize);
+        self.left_beside(a, b, &[])
+    }
+
+    /// [`Yardstick::left`] when also any mixture of other motions' differences from the plain one may be added.
+    pub(super) fn left_beside(&self, a: &[Trace], b: &[Trace], others: &[Vec<Trace>]) -> f64 {
+        let shapes: Vec<&Vec<Trace>> = self.by_number.iter().chain(others).collect();
+        let n = shapes.len();
+        let (mut normal, mut right) = (DMatrix::<f64>::zeros(n, n), DVector::<f64>::zeros(n));
+        let (mut rest, mut count) = (0.0, 0_usize);
         for (i, plan) in self.plans.iter().enumerate() {
             let column = |other: &[Trace], from: &[Trace]| -> Vec<f64> {
                 let pairs = other[i].q_rad.iter().zip(&from[i].q_rad);
@@ -104,25 +111,40 @@ impl<'a> Yardstick<'a> {
                 column
             };
             let difference = cleaned(column(a, b));
-            let numbers: [Vec<f64>; 4] = std::array::from_fn(|k| cleaned(column(&self.by_number[k], &self.plain)));
-            for j in 0..4 {
-                right[j] += dot(&numbers[j], &difference);
-                for k in 0..4 {
-                    normal[(j, k)] += dot(&numbers[j], &numbers[k]);
+            let columns: Vec<Vec<f64>> = shapes.iter().map(|shape| cleaned(column(shape, &self.plain))).collect();
+            for j in 0..n {
+                right[j] += dot(&columns[j], &difference);
+                for k in 0..=j {
+                    normal[(j, k)] += dot(&columns[j], &columns[k]);
                 }
             }
             rest += dot(&difference, &difference);
             count += difference.len();
         }
-        // two numbers that do the same to the logs are no trouble, only a singular matrix
-        let ridge = 1e-9 * normal.trace() + f64::MIN_POSITIVE;
-        for k in 0..4 {
-            normal[(k, k)] += ridge;
+        // each shape to length one; two that are the same are no trouble, only a singular matrix
+        let lengths: Vec<f64> = (0..n).map(|k| normal[(k, k)].sqrt().max(1e-9)).collect();
+        for j in 0..n {
+            right[j] /= lengths[j];
+            for k in 0..=j {
+                let value = normal[(j, k)] / (lengths[j] * lengths[k]);
+                (normal[(j, k)], normal[(k, j)]) = (value, value);
+            }
+            normal[(j, j)] += 1e-8;
         }
         if let Some(solution) = normal.cholesky().map(|c| c.solve(&right)) {
             rest -= solution.dot(&right);
         }
         (rest.max(0.0) / count.max(1) as f64).sqrt() / self.noise_rad
+    }
+
+    /// How a mechanism may change the plain motion: at a smaller and at a larger size.
+    pub(super) fn shapes(&self, mechanism: &Mechanism, machine: &Machine) -> [Vec<Trace>; 2] {
+        [0.35, 0.7].map(|share| {
+            let [low, high] = mechanism.range;
+            let mut other = machine.clone();
+            mechanism.install(low * (high / low).powf(share), &mut other);
+            coarse(&other, self.plans)
+        })
     }
 
     /// A size for a mechanism, and the motion with it: as nature has it, or so that it changes the logs by `wanted`.

@@ -11,7 +11,7 @@ use serde::Serialize;
 pub struct TrueNumber {
     /// The catalogue's name, e.g. `mu_st`.
     pub name: &'static str,
-    /// Its unit.
+    /// Its unit; empty where it has none.
     pub unit: &'static str,
     /// Its value.
     pub value: f64,
@@ -66,6 +66,16 @@ impl FourNumbers {
     }
 }
 
+/// The effect of the catalogue that imitates another mechanism best.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Nearest {
+    /// Which.
+    pub effect: EffectId,
+    /// RMS angle that it leaves when numbers, starts and the effect are adapted, over the standard deviation of a
+    /// reading.
+    pub left: f64,
+}
+
 /// What is true of a made study.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Truth {
@@ -89,6 +99,8 @@ pub struct Truth {
     pub ratio: f64,
     /// What of that is left when inertia, moment, frictions and starts are adapted to it, to first order.
     pub left: f64,
+    /// The effect of the catalogue that imitates a mechanism outside it best, and what is left then, to first order.
+    pub nearest: Option<Nearest>,
     /// The joint as it is.
     pub joint: FourNumbers,
     /// The joint as the study states it.

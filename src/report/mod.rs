@@ -5,6 +5,7 @@
 //! Nothing is computed here but what the eye needs (thinning, a smoothed speed for the phase portrait).
 
 mod assemble;
+mod blind;
 mod error;
 mod fit_json;
 mod gap;
@@ -20,6 +21,7 @@ mod table;
 mod text;
 
 pub use assemble::drop_report;
+pub use blind::{BlindReport, blind_figures, blind_html, blind_text};
 pub use error::ReportError;
 pub use fit_json::{EffectFit, FitFile, JointFit, LogFit, ModelFit, Quantity, SCHEMA};
 pub use gap::{GapReport, NEXT_FILE, gap_figures, gap_json, gap_text, render_gap_html};

@@ -23,7 +23,7 @@ pub(super) fn load(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
     Mechanism::new([0.01, 0.3], move |share, machine| {
         machine.friction.load = share;
         machine.friction.load_along = along;
-        vec![TrueNumber::new("mu_l", "-", share)]
+        vec![TrueNumber::new("mu_l", "", share)]
     })
 }
 
@@ -33,7 +33,7 @@ pub(super) fn gear(scene: &Scene<'_>) -> Mechanism {
     Mechanism::new([0.01, 0.3], move |share, machine| {
         machine.friction.gear = share;
         machine.friction.gear_knee_nm = knee_nm;
-        vec![TrueNumber::new("mu_g", "-", share)]
+        vec![TrueNumber::new("mu_g", "", share)]
     })
 }
 
@@ -65,7 +65,7 @@ pub(super) fn over_angle(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
     let (phi_rad, narrow) = (dice.uniform(-3.1, 3.1), !scene.textbook);
     Mechanism::new([0.05, 1.0], move |a, machine| {
         machine.friction.over_angle = Some(OverAngle { a, phi_rad, narrow });
-        vec![TrueNumber::new("a", "-", a), TrueNumber::new("phi", "rad", phi_rad)]
+        vec![TrueNumber::new("a", "", a), TrueNumber::new("phi", "rad", phi_rad)]
     })
 }
 

@@ -20,7 +20,7 @@ pub(super) fn backlash(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
     let least = (0.7 * joint.sensor.resolution_rad).max(0.001);
     Mechanism::new([least, 0.08], move |play_rad, machine| {
         machine.coupling = Some(Coupling { rotor, friction, play_rad, stiffness, damping, spring: false });
-        vec![TrueNumber::new("b", "rad", play_rad), TrueNumber::new("rotor", "-", rotor)]
+        vec![TrueNumber::new("b", "rad", play_rad), TrueNumber::new("rotor", "", rotor)]
     })
 }
 
@@ -52,7 +52,7 @@ pub(super) fn stop(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
         machine.link.stop = Some(Stop { at_rad, side, stiffness, damping, hertz_depth_rad });
         vec![
             TrueNumber::new("q_e", "rad", at_rad),
-            TrueNumber::new("side", "-", side),
+            TrueNumber::new("side", "", side),
             TrueNumber::new("stiffness", "N m/rad", stiffness),
             TrueNumber::new("damping", "N m s/rad", damping),
         ]
@@ -73,6 +73,6 @@ pub(super) fn gain(dice: &mut Dice) -> Mechanism {
     let sign = dice.sign();
     Mechanism::new([0.002, 0.15], move |size, machine| {
         machine.reading.gain = 1.0 + sign * size;
-        vec![TrueNumber::new("e", "-", sign * size)]
+        vec![TrueNumber::new("e", "", sign * size)]
     })
 }

@@ -7,6 +7,10 @@ mod link;
 mod motor;
 mod outside;
 mod outside_drive;
+#[cfg(test)]
+mod tests;
+#[cfg(test)]
+mod two_programs;
 
 use super::cause::OutsideId;
 use super::dice::Dice;

@@ -42,11 +42,13 @@ pub(super) fn torque_limit(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
     })
 }
 
-/// Size: how many times four times the typical speed exceeds the no-load speed, as a logarithm.
+/// Size: how many times two and a half times the typical speed exceeds the no-load speed, as a logarithm.
+///
+/// A no-load speed far above the motion would leave nothing but a torque limit.
 pub(super) fn speed_limit(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
     let stall_nm = scene.typical.torque_nm * dice.uniform(0.7, 2.0);
-    let fast = 4.0 * scene.typical.driven_speed_rad_s;
-    Mechanism::new([0.02, 2.2], move |size, machine| {
+    let fast = 2.5 * scene.typical.driven_speed_rad_s;
+    Mechanism::new([0.01, 1.7], move |size, machine| {
         let no_load = fast * (-size).exp();
         machine.drive.speed = Some([no_load, stall_nm]);
         vec![TrueNumber::new("w_max", "rad/s", no_load), TrueNumber::new("tau_stall", "N m", stall_nm)]
@@ -59,6 +61,6 @@ pub(super) fn gain(dice: &mut Dice) -> Mechanism {
     Mechanism::new([0.01, 0.6], move |size, machine| {
         let c = (sign * size).exp();
         machine.drive.gain = c;
-        vec![TrueNumber::new("c", "-", c)]
+        vec![TrueNumber::new("c", "", c)]
     })
 }

@@ -12,7 +12,7 @@ pub(super) fn cogging(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
     let peak = scene.peak_nm();
     Mechanism::new([0.01 * peak, 0.6 * peak], move |torque_nm, machine| {
         machine.link.cogging = Some([torque_nm, n, phi]);
-        vec![TrueNumber::new("torque", "N m", torque_nm), TrueNumber::new("periods", "-", n)]
+        vec![TrueNumber::new("torque", "N m", torque_nm), TrueNumber::new("periods", "", n)]
     })
 }
 
@@ -27,7 +27,7 @@ pub(super) fn flexible(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
         let stiffness = 1.0 / softness;
         let damping = 2.0 * damping_ratio * (stiffness * reduced).sqrt();
         machine.coupling = Some(Coupling { rotor, friction, play_rad: 0.0, stiffness, damping, spring: true });
-        vec![TrueNumber::new("stiffness", "N m/rad", stiffness), TrueNumber::new("rotor", "-", rotor)]
+        vec![TrueNumber::new("stiffness", "N m/rad", stiffness), TrueNumber::new("rotor", "", rotor)]
     })
 }
 
@@ -35,7 +35,7 @@ pub(super) fn flexible(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
 pub(super) fn soft(scene: &Scene<'_>) -> Mechanism {
     let least = 2.0 * scene.joint.sensor.resolution_rad;
     Mechanism::new([least, 0.5_f64.max(4.0 * least)], move |bristle_rad, machine| {
-        machine.friction.bristle_rad = bristle_rad;
+        machine.friction.soften(bristle_rad, machine.inertia_kg_m2);
         vec![TrueNumber::new("displacement", "rad", bristle_rad)]
     })
 }
@@ -47,7 +47,7 @@ pub(super) fn harmonic(dice: &mut Dice) -> Mechanism {
         machine.reading.a_rad = a_rad;
         machine.reading.n = n;
         machine.reading.phi_rad = phi_rad;
-        vec![TrueNumber::new("amplitude", "rad", a_rad), TrueNumber::new("periods", "-", n)]
+        vec![TrueNumber::new("amplitude", "rad", a_rad), TrueNumber::new("periods", "", n)]
     })
 }
 
@@ -70,7 +70,7 @@ pub(super) fn jump(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
     Mechanism::new([0.05, 2.0], move |size, machine| {
         machine.friction.jump = size.exp();
         machine.friction.jump_at_s.clone_from(&at_s);
-        vec![TrueNumber::new("factor", "-", size.exp())]
+        vec![TrueNumber::new("factor", "", size.exp())]
     })
 }
 
@@ -96,7 +96,7 @@ pub(super) fn angle_viscous(dice: &mut Dice) -> Mechanism {
     let (n, phi) = (dice.whole(3, 6) as f64, dice.uniform(-1.0, 1.0));
     Mechanism::new([0.1, 3.0], move |share, machine| {
         machine.friction.viscous_over_angle = Some([share, n, phi]);
-        vec![TrueNumber::new("share", "-", share), TrueNumber::new("periods", "-", n)]
+        vec![TrueNumber::new("share", "", share), TrueNumber::new("periods", "-", n)]
     })
 }
 

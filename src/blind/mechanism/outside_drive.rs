@@ -7,7 +7,7 @@ use crate::blind::truth::TrueNumber;
 pub(super) fn sag() -> Mechanism {
     Mechanism::new([0.03, 0.8], move |share, machine| {
         machine.drive.sag = share;
-        vec![TrueNumber::new("share", "-", share)]
+        vec![TrueNumber::new("share", "", share)]
     })
 }
 

@@ -186,7 +186,7 @@ impl<'a> Run<'a> {
         let mut torque = torques.motor_nm + torques.link_nm + friction.wet_nm(&at);
         let per_nm = h / self.inertia_kg_m2;
         let v = if friction.bristle_rad > 0.0 {
-            torque += friction.bristle_nm(&mut state.bristle, middle.1 * h, dry);
+            torque += friction.bristle_nm(&mut state.bristle, middle.1, h, dry);
             state.link.v_rad_s + per_nm * torque
         } else {
             stopped(state.link.v_rad_s + per_nm * torque, per_nm * dry.0, per_nm * dry.1)
@@ -213,7 +213,7 @@ impl<'a> Run<'a> {
         let mut level_motor = (own * dry_motor.0, own * dry_motor.1);
         let level_link = ((1.0 - own) * dry_link.0, (1.0 - own) * dry_link.1);
         if friction.bristle_rad > 0.0 {
-            on_motor += friction.bristle_nm(&mut state.bristle, motor.1 * h, level_motor);
+            on_motor += friction.bristle_nm(&mut state.bristle, motor.1, h, level_motor);
             level_motor = (0.0, 0.0);
         }
         let ahead = motor.0 - link.0;

@@ -67,6 +67,8 @@ pub(in crate::blind) struct Friction {
     pub jump_at_s: Vec<f64>,
     /// Displacement over which dry friction builds up \[rad\]; 0: rigid.
     pub bristle_rad: f64,
+    /// Damping of that displacement, as its torque over that of its stiffness \[s\].
+    pub bristle_damping_s: f64,
     /// Time constant with which the dry friction follows the speed \[s\]; 0: at once.
     pub memory_s: f64,
 }
@@ -156,11 +158,25 @@ impl Friction {
         torque
     }
 
-    /// Moves the bristle along and gives its torque \[N m\]: Dahl's model, with the deflection as a share of its end.
-    pub(in crate::blind) fn bristle_nm(&self, bristle: &mut f64, step_rad: f64, (up, down): (f64, f64)) -> f64 {
-        let x = step_rad / self.bristle_rad;
-        *bristle = (*bristle + x) / (1.0 + x.abs());
-        -*bristle * if *bristle > 0.0 { up } else { down }
+    /// Lets dry friction build up over a displacement instead of at once.
+    ///
+    /// Damped a little (a ratio of 0.15), so that a joint that its friction has caught comes to rest.
+    pub(in crate::blind) fn soften(&mut self, bristle_rad: f64, inertia_kg_m2: f64) {
+        self.bristle_rad = bristle_rad;
+        let rate_1_s = (self.coulomb_nm / (bristle_rad * inertia_kg_m2)).sqrt();
+        self.bristle_damping_s = 0.3 / rate_1_s.max(1.0);
+    }
+
+    /// Moves the bristle along and gives its torque \[N m\].
+    ///
+    /// Dahl's model, with the deflection as a share of its end, and a damping of the deflection as LuGre has it.
+    pub(in crate::blind) fn bristle_nm(&self, bristle: &mut f64, v_rad_s: f64, step_s: f64, dry_nm: (f64, f64)) -> f64 {
+        let before = *bristle;
+        let x = v_rad_s * step_s / self.bristle_rad;
+        *bristle = (before + x) / (1.0 + x.abs());
+        let rate_1_s = (*bristle - before) / step_s;
+        let level_nm = if *bristle > 0.0 { dry_nm.0 } else { dry_nm.1 };
+        -level_nm * (*bristle + self.bristle_damping_s * rate_1_s)
     }
 }
 

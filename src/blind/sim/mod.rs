@@ -7,6 +7,8 @@ mod bodies;
 mod drive;
 mod friction;
 mod link;
+#[cfg(test)]
+mod tests;
 
 pub(super) use drive::Drive;
 pub(super) use friction::{Curve, Friction, OverAngle, Stribeck};

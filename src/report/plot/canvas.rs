@@ -139,6 +139,8 @@ impl Look {
 
     /// Width of a text \[px\]; 0 where the font cannot tell.
     pub(in crate::report) fn width(self, words: &str) -> f64 {
+        // A figure may want to know before it is begun; a damaged font shows when it is drawn.
+        let _ = register_fonts();
         if register_fonts().is_err() {
             return 0.0;
         }
