@@ -5,9 +5,10 @@ use super::common::{CommonArgs, json_text, print};
 use super::progress::Progress;
 use super::provenance::provenance;
 use crate::blind::{
-    Answered, CauseFilter, Made, RunRecord, Sealed, TRUTHS_FILE, Trial, TrialRecord, Truth, make_filtered, score,
+    Answered, CauseFilter, Judgement, Made, RunRecord, Sealed, TRUTHS_FILE, Trial, TrialRecord, Truth, make_filtered,
+    score,
 };
-use crate::gap::{Diagnosis, GapOptions, diagnose};
+use crate::gap::{Diagnosis, GapOptions, Rates, Verdict, diagnose};
 use crate::identify::Case;
 use crate::log::Outputs;
 use crate::report::{BlindReport, GapReport, blind_figures, blind_html, blind_text, gap_json};
@@ -40,6 +41,9 @@ pub(super) struct BlindArgs {
     /// Diagnose nothing; write the studies to DIR/studies and the open answers to DIR/truth
     #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "json"])]
     make_only: Option<PathBuf>,
+    /// Write how often answers of each standing were right, as TOML in the form of data/rates.toml
+    #[arg(long, value_name = "FILE", conflicts_with = "make_only")]
+    rates: Option<PathBuf>,
     #[command(flatten)]
     common: CommonArgs,
 }
@@ -196,6 +200,14 @@ fn write(args: &BlindArgs, folder: &Path, report: &BlindReport, sealed: &Sealed)
     let page = folder.join("report.html");
     outputs.add(&page, blind_html(report)?);
     args.common.add_json(&mut outputs, &record)?;
+    if let Some(path) = &args.rates {
+        let answered = report.trials.iter().filter_map(|t| Some((t.answer.as_ref().ok()?, Judgement::of(t))));
+        // Wrong numbers are rightly called so, whichever of them is named first.
+        let right = |a: &Answered, j: Judgement| if a.verdict == Verdict::Effect { j.set } else { j.verdict };
+        let counted = answered.map(|(a, j)| (a.standing.as_str(), right(a, j)));
+        let rates = Rates::count(report.provenance.command.clone(), counted);
+        outputs.add(path, toml::to_string(&rates).map_err(|error| CliError::Encode(error.to_string()))?);
+    }
     outputs.write()?;
     Ok(page)
 }

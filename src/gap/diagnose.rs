@@ -11,8 +11,10 @@ use super::held_out::{HeldOut, closed, rms};
 use super::model::BASELINE;
 use super::next::next;
 use super::numbers::numbers;
+use super::rates::{probability, share_out, standing};
 use super::sentence::sentence;
 use super::trial::{Trial, loss};
+use super::twins::measure;
 use crate::fit::Budget;
 use crate::identify::{Case, Experiment, JointModel, Signal};
 use crate::joint::EffectId;
@@ -61,11 +63,20 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &(dyn Fn(&str) + Sy
     let parameter = (decision.verdict == Verdict::Calibration).then(|| worst_number(&evidence, &attribution));
     let named = matches!(decision.verdict, Verdict::Effect);
     let sentence = sentence(&case.joint.name, &decision, &gap, parameter.as_deref(), &effect_parameters);
-    let ranking = ranking(&evidence, &held, &attribution, &decision, &gap);
+    let mut ranking = ranking(&evidence, &held, &attribution, &gap);
     progress("what would tell more");
     let rivals = rivals(&attribution, &decision);
     let next = if named { next(&evidence, &attribution, decision.answer, &rivals) } else { None };
-    let (probability, probability_source) = super::rates::probability(&decision);
+    let standing = standing(&decision);
+    let (mut probability, mut probability_source) = probability(&standing);
+    let twins = (options.twins > 0).then(|| {
+        let answer = (decision.verdict, decision.effect.filter(|_| named));
+        measure(&evidence, &attribution, &effects, answer, (options.twins, options.seed), progress)
+    });
+    if let Some((rate, source)) = twins.as_ref().and_then(|t| t.rate.clone()) {
+        (probability, probability_source) = (rate, source);
+    }
+    share_out(&mut ranking, &decision, probability);
     let traces = traces(&evidence, &attribution, &decision);
     let intervals_trusted = decision.excess < super::decide::EXPLAINED;
     Ok(Diagnosis {
@@ -77,6 +88,7 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &(dyn Fn(&str) + Sy
             equivalent: if named { decision.equivalent.clone() } else { Vec::new() },
             probability,
             probability_source,
+            standing,
             sentence,
             partial: decision.effect.filter(|_| decision.verdict == Verdict::Unexplained),
             intervals_trusted,
@@ -88,7 +100,7 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &(dyn Fn(&str) + Sy
         parameters,
         effect_parameters,
         next,
-        confusion: None,
+        confusion: twins.map(|t| t.confusion),
         traces,
         notes: notes(&evidence, &decision, intervals_trusted),
         withheld: EffectId::ALL.iter().copied().filter(|e| !effects.contains(e)).collect(),
@@ -170,10 +182,9 @@ fn rivals<'a>(a: &'a Attribution, decision: &Decision<'_>) -> Vec<&'a Trial> {
     others.filter_map(|other| pool.iter().find(|t| with(t, other))).collect()
 }
 
-fn ranking(evidence: &Evidence, held: &HeldOut, a: &Attribution, decision: &Decision<'_>, gap: &Gap) -> Vec<Candidate> {
+fn ranking(evidence: &Evidence, held: &HeldOut, a: &Attribution, gap: &Gap) -> Vec<Candidate> {
     let best = a.firsts.first();
-    let mut candidates: Vec<Candidate> = a
-        .firsts
+    a.firsts
         .iter()
         .map(|t| {
             let effect = t.effects()[0];
@@ -189,9 +200,7 @@ fn ranking(evidence: &Evidence, held: &HeldOut, a: &Attribution, decision: &Deci
                 refitted: true,
             }
         })
-        .collect();
-    super::rates::share_out(&mut candidates, decision);
-    candidates
+        .collect()
 }
 
 /// Curves of every log that moves.

@@ -160,6 +160,8 @@ pub struct Answer {
     pub probability: f64,
     /// Where `probability` was measured: a command, and counts.
     pub probability_source: String,
+    /// The kind of answer and how clearly it stands, in words that are counted.
+    pub standing: String,
     /// One sentence a colleague would say.
     pub sentence: String,
     /// For [`Verdict::Unexplained`]: the effect that closes most of the gap.

@@ -20,9 +20,11 @@ mod rates;
 mod reach;
 mod sentence;
 mod trial;
+mod twins;
 
 pub use diagnose::{GapError, diagnose};
 pub use diagnosis::{
     Answer, Candidate, Confusion, Detectable, Diagnosis, Gap, GapOptions, LogGap, LogTraces, MapCell, Next, Number,
     Phase, ProfileBin, ResidualTorque, Variable, Verdict, Where,
 };
+pub use rates::{Rate, Rates};
