@@ -1,0 +1,169 @@
+//! Logs for tests, made by an integrator of their own: semi-implicit Euler at five microseconds, friction by hand.
+
+use crate::identify::Experiment;
+use crate::joint::{Chain, Friction, Link, Motor};
+use crate::log::{DriveMode, ExtraMass, Log, MotorSpec, Role, SensorSpec, StudyLog, health};
+use crate::pendulum::Start;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// A joint as it really is: the baseline's four numbers, and what the model will lack.
+#[derive(Clone, Copy)]
+pub(super) struct Joint {
+    pub inertia: f64,
+    pub moment: f64,
+    pub coulomb: f64,
+    pub viscous: f64,
+    /// What the model lacks.
+    pub extra: Extra,
+    /// `kp`, `kd` of a motor.
+    pub motor: Option<(f64, f64)>,
+    /// By how much the setpoint is late \[s\].
+    pub delay: f64,
+}
+
+/// A torque \[N m\] by where the joint is.
+pub(super) type Extra = fn(&At) -> f64;
+
+/// Where a torque is asked for.
+pub(super) struct At {
+    #[allow(dead_code)]
+    pub t: f64,
+    pub q: f64,
+    pub v: f64,
+    pub gravity: f64,
+    pub motor: f64,
+}
+
+/// The thesis's leg, swinging freely.
+pub(super) const LEG: Joint =
+    Joint { inertia: 9e-4, moment: 6e-3, coulomb: 0.0015, viscous: 0.0012, extra: |_| 0.0, motor: None, delay: 0.0 };
+
+/// A geared servo with a stiff controller.
+pub(super) const SERVO: Joint = Joint {
+    inertia: 0.019,
+    moment: 0.11,
+    coulomb: 0.05,
+    viscous: 0.01,
+    extra: |_| 0.0,
+    motor: Some((13.6, 0.2)),
+    delay: 0.0,
+};
+
+/// One recording. `noise` is the size of a read noise of -1, 0 or +1 times it.
+#[derive(Clone, Copy)]
+pub(super) struct Swing {
+    pub angle: f64,
+    pub period: f64,
+    pub step: f64,
+    pub noise: f64,
+    pub lasts: f64,
+    pub setpoint: Option<fn(f64) -> f64>,
+    /// Mass \[kg\] and distance \[m\] of a body on the link.
+    pub mass: Option<(f64, f64)>,
+    pub seed: u64,
+}
+
+impl Swing {
+    /// Let go at an angle; the thesis's encoder.
+    pub(super) fn from(angle: f64) -> Self {
+        let seed = (angle.abs() * 1000.0) as u64;
+        Self { angle, period: 0.008, step: 0.006, noise: 0.0, lasts: 4.0, setpoint: None, mass: None, seed }
+    }
+
+    /// Driven along a setpoint; a servo's encoder.
+    pub(super) fn along(setpoint: fn(f64) -> f64) -> Self {
+        Self { period: 0.005, step: 0.0015, setpoint: Some(setpoint), ..Self::from(setpoint(0.0)) }
+    }
+}
+
+/// A recording, the model of it, and what the model lacks.
+pub(super) struct Made {
+    pub experiment: Experiment,
+    pub start: Start<f64>,
+    /// The joint without its extra torque and delay.
+    pub chain: Chain<f64>,
+    pub noise_rad: f64,
+    /// The missing torque about each compared sample, over half a period either way \[N m\].
+    pub extra_nm: Vec<f64>,
+    /// True speed there \[rad/s\].
+    pub rate_rad_s: Vec<f64>,
+}
+
+pub(super) fn made(joint: &Joint, swing: &Swing) -> Made {
+    const H: f64 = 5e-6;
+    let mut rng = ChaCha8Rng::seed_from_u64(swing.seed);
+    let driven = swing.setpoint.is_some();
+    let body = swing.mass.map(|(mass_kg, distance_m)| ExtraMass { mass_kg, distance_m, radius_m: 0.0, length_m: 0.0 });
+    let (inertia, moment) =
+        swing.mass.map_or((joint.inertia, joint.moment), |(m, d)| (joint.inertia + m * d * d, joint.moment + m * d));
+    let per_sample = (swing.period / H).round() as usize;
+    let released = if driven { 0.0 } else { 0.2 + swing.period * rng.random::<f64>() };
+    // The setpoint as it is held between samples.
+    let held = |t: f64| swing.setpoint.map_or(0.0, |f| f(((t + 1e-9) / swing.period).floor().max(0.0) * swing.period));
+    let law = |setpoint: f64, q: f64, v: f64| match joint.motor {
+        Some((kp, kd)) if driven => kp * (setpoint - q) - kd * v,
+        _ => 0.0,
+    };
+    let mut log = Log {
+        file: "made.csv".into(),
+        t_s: vec![],
+        q_rad: vec![],
+        dq_rad_s: None,
+        tau_nm: None,
+        q_ref_rad: driven.then(Vec::new),
+        drive: (!driven).then(Vec::new),
+        ignored_columns: vec![],
+    };
+    let (mut q, mut v) = (swing.angle, 0.0f64);
+    let samples = (swing.lasts / swing.period) as usize;
+    let (mut rate, mut extra) = (vec![], vec![0.0; samples + 1]);
+    for i in 0..samples * per_sample {
+        let t = i as f64 * H;
+        let gravity = -9.81 * moment * q.sin();
+        let motor = law(held(t - joint.delay), q, v);
+        let added = (joint.extra)(&At { t, q, v, gravity, motor });
+        if i % per_sample == 0 {
+            let reading = q + swing.noise * f64::from(rng.random_range(-1..=1));
+            log.t_s.push((i / per_sample) as f64 * swing.period);
+            log.q_rad.push(if swing.step > 0.0 { (reading / swing.step).round() * swing.step } else { reading });
+            log.q_ref_rad.iter_mut().for_each(|c| c.push(held(t)));
+            log.drive.iter_mut().for_each(|c| c.push(t < released));
+            rate.push(v);
+        }
+        extra[(i + per_sample / 2) / per_sample] += (added + motor - law(held(t), q, v)) / per_sample as f64;
+        let net = added + motor + gravity;
+        if t < released || (v == 0.0 && net.abs() <= joint.coulomb) {
+            continue;
+        }
+        let direction = if v != 0.0 { v.signum() } else { net.signum() };
+        let next = v + H * (net - (joint.coulomb + joint.viscous * v.abs()) * direction) / inertia;
+        v = if v != 0.0 && next * v < 0.0 { 0.0 } else { next };
+        q += H * v;
+    }
+    let motor = joint.motor.filter(|_| driven).map(|(kp, kd)| MotorSpec::pd(kp, kd));
+    let entry = StudyLog {
+        file: format!("made-{:.1}.csv", swing.angle),
+        path: "made.csv".into(),
+        role: Role::Fit,
+        drive: if driven { DriveMode::Position } else { DriveMode::Off },
+        motor,
+        extra: body,
+    };
+    let sensor = SensorSpec { resolution_rad: Some(swing.step), period_s: Some(swing.period) };
+    let found = health(&log, &sensor, entry.drive);
+    let experiment = Experiment::new(&log, &entry, &found, swing.step, 9.81).expect("enough samples");
+    let from = experiment.first_sample + experiment.uncompared;
+    Made {
+        start: Start { angle_rad: swing.angle, rate_rad_s: 0.0, release_s: (!driven).then_some(released) },
+        chain: Chain {
+            link: Link::new(inertia, moment, 0.0, 9.81),
+            friction: Friction::coulomb_viscous(joint.coulomb, joint.viscous),
+            motor: motor.map(Motor::new),
+        },
+        noise_rad: (swing.step.powi(2) / 12.0 + 2.0 / 3.0 * swing.noise.powi(2)).sqrt(),
+        extra_nm: extra[from..samples].to_vec(),
+        rate_rad_s: rate.split_off(from),
+        experiment,
+    }
+}
