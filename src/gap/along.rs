@@ -1,5 +1,6 @@
 //! The chain from one sample to the next, with its derivatives, for a joint that is known to move or to rest.
 
+use super::diagnosis::ResidualTorque;
 use super::smoother::State;
 use crate::integrate::rk4;
 use crate::joint::{Chain, Setpoint};
@@ -107,7 +108,7 @@ impl<'a> Along<'a> {
     }
 
     /// Torque of the motor along a path of angles and rates at every sample \[N m\].
-    pub(super) fn motor_nm(&self, angle_rad: &[f64], rate_rad_s: &[f64]) -> Vec<f64> {
+    fn motor_nm(&self, angle_rad: &[f64], rate_rad_s: &[f64]) -> Vec<f64> {
         let mut memory = Memory::default();
         let mut motor_nm = Vec::with_capacity(angle_rad.len());
         for (k, (&q, &v)) in angle_rad.iter().zip(rate_rad_s).enumerate() {
@@ -126,6 +127,13 @@ impl<'a> Along<'a> {
             }
         }
         motor_nm
+    }
+
+    /// The same at the compared samples of a smoothed path \[N m\].
+    pub(super) fn motor_compared_nm(&self, path: &ResidualTorque, uncompared: usize) -> Vec<f64> {
+        let with_start = |compared: &[f64]| [&compared[..uncompared.min(compared.len())], compared].concat();
+        let motor_nm = self.motor_nm(&with_start(&path.angle_rad), &with_start(&path.rate_rad_s));
+        motor_nm[uncompared.min(motor_nm.len())..].to_vec()
     }
 
     /// By how much the move of the setpoint at sample `k` changes the motor's torque at once \[N m\].

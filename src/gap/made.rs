@@ -1,8 +1,11 @@
-//! Logs for tests, made by an integrator of their own: semi-implicit Euler at five microseconds, friction by hand.
+//! Logs for tests, made by an integrator of their own: semi-implicit Euler in steps of 5 or 20 microseconds, friction by hand.
 
-use crate::identify::Experiment;
+use super::localise::LogPart;
+use super::residual_torque::residual_torque;
+use crate::fit::{Budget, Method};
+use crate::identify::{Experiment, ExtensiveModel, JointModel, Prediction, Scale, predict, search};
 use crate::joint::{Chain, Friction, Link, Motor};
-use crate::log::{DriveMode, ExtraMass, Log, MotorSpec, Role, SensorSpec, StudyLog, health};
+use crate::log::{DriveMode, ExtraMass, Log, MotorSpec, Nominal, Role, SensorSpec, StudyLog, health};
 use crate::pendulum::Start;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -27,7 +30,6 @@ pub(super) type Extra = fn(&At) -> f64;
 
 /// Where a torque is asked for.
 pub(super) struct At {
-    #[allow(dead_code)]
     pub t: f64,
     pub q: f64,
     pub v: f64,
@@ -91,13 +93,13 @@ pub(super) struct Made {
 }
 
 pub(super) fn made(joint: &Joint, swing: &Swing) -> Made {
-    const H: f64 = 5e-6;
     let mut rng = ChaCha8Rng::seed_from_u64(swing.seed);
     let driven = swing.setpoint.is_some();
+    let h = if driven { 5e-6 } else { 2e-5 };
     let body = swing.mass.map(|(mass_kg, distance_m)| ExtraMass { mass_kg, distance_m, radius_m: 0.0, length_m: 0.0 });
     let (inertia, moment) =
         swing.mass.map_or((joint.inertia, joint.moment), |(m, d)| (joint.inertia + m * d * d, joint.moment + m * d));
-    let per_sample = (swing.period / H).round() as usize;
+    let per_sample = (swing.period / h).round() as usize;
     let released = if driven { 0.0 } else { 0.2 + swing.period * rng.random::<f64>() };
     // The setpoint as it is held between samples.
     let held = |t: f64| swing.setpoint.map_or(0.0, |f| f(((t + 1e-9) / swing.period).floor().max(0.0) * swing.period));
@@ -119,7 +121,7 @@ pub(super) fn made(joint: &Joint, swing: &Swing) -> Made {
     let samples = (swing.lasts / swing.period) as usize;
     let (mut rate, mut extra) = (vec![], vec![0.0; samples + 1]);
     for i in 0..samples * per_sample {
-        let t = i as f64 * H;
+        let t = i as f64 * h;
         let gravity = -9.81 * moment * q.sin();
         let motor = law(held(t - joint.delay), q, v);
         let added = (joint.extra)(&At { t, q, v, gravity, motor });
@@ -137,13 +139,13 @@ pub(super) fn made(joint: &Joint, swing: &Swing) -> Made {
             continue;
         }
         let direction = if v != 0.0 { v.signum() } else { net.signum() };
-        let next = v + H * (net - (joint.coulomb + joint.viscous * v.abs()) * direction) / inertia;
+        let next = v + h * (net - (joint.coulomb + joint.viscous * v.abs()) * direction) / inertia;
         v = if v != 0.0 && next * v < 0.0 { 0.0 } else { next };
-        q += H * v;
+        q += h * v;
     }
     let motor = joint.motor.filter(|_| driven).map(|(kp, kd)| MotorSpec::pd(kp, kd));
     let entry = StudyLog {
-        file: format!("made-{:.1}.csv", swing.angle),
+        file: format!("made-{}.csv", swing.seed),
         path: "made.csv".into(),
         role: Role::Fit,
         drive: if driven { DriveMode::Position } else { DriveMode::Off },
@@ -166,4 +168,47 @@ pub(super) fn made(joint: &Joint, swing: &Swing) -> Made {
         rate_rad_s: rate.split_off(from),
         experiment,
     }
+}
+
+/// Recordings of a joint against the baseline model refitted to them, as a diagnosis would have them.
+///
+/// The moment is held where no log shows more than ratios.
+pub(super) fn recalibrated(joint: &Joint, swings: &[Swing]) -> Vec<LogPart> {
+    let (experiments, noise_rad, mut model) = recorded(joint, swings);
+    model.parameters[1].fixed = swings.iter().all(|s| s.mass.is_none() && s.setpoint.is_none());
+    let found = search(&model, &experiments, Method::Lm, Budget::default()).expect("the logs have a motion");
+    against(&model, &found.values, &experiments, noise_rad)
+}
+
+/// Recordings of a joint against its true baseline.
+pub(super) fn as_given(joint: &Joint, swings: &[Swing]) -> Vec<LogPart> {
+    let (experiments, noise_rad, model) = recorded(joint, swings);
+    let values: Vec<f64> = model.parameters.iter().map(|p| p.start).collect();
+    against(&model, &values, &experiments, noise_rad)
+}
+
+fn recorded(joint: &Joint, swings: &[Swing]) -> (Vec<Experiment>, f64, ExtensiveModel) {
+    let made: Vec<Made> = swings.iter().map(|s| made(joint, s)).collect();
+    let noise_rad = made[0].noise_rad;
+    let experiments: Vec<Experiment> = made.into_iter().map(|m| m.experiment).collect();
+    let nominal = Nominal {
+        inertia_kg_m2: joint.inertia,
+        moment_kg_m: joint.moment,
+        coulomb_nm: joint.coulomb,
+        viscous_nm_s_rad: joint.viscous,
+    };
+    let scale = Scale::of(&experiments, Some(&nominal), Some(0.0));
+    let model = ExtensiveModel::lumped(&scale, Some(&nominal), false);
+    (experiments, noise_rad, model)
+}
+
+fn against(model: &ExtensiveModel, values: &[f64], experiments: &[Experiment], noise_rad: f64) -> Vec<LogPart> {
+    let predicted = predict(model, experiments, values).expect("the model has a motion");
+    let part = |(e, p): (&Experiment, &Prediction)| {
+        let residual = p.angle_rad.iter().zip(&e.measured_rad).map(|(a, b)| a - b).skip(e.uncompared).collect();
+        let chain = model.chain(values, e);
+        let torque = residual_torque(&chain, e, e.start_from(p.start[0], p.start[1]), noise_rad);
+        LogPart::new(&chain, e, residual, torque, noise_rad)
+    };
+    experiments.iter().zip(&predicted).map(part).collect()
 }

@@ -48,7 +48,7 @@ pub(super) fn phases(c: &Course<'_, '_>) -> Vec<Phase> {
     for &turn in &turns {
         phase[c.near(turn, REVERSAL_S)].fill(Phase::Reversal);
     }
-    let motor_nm = c.motor_nm();
+    let motor_nm = c.along.motor_compared_nm(c.torque, c.e.uncompared);
     for k in c.saturated(&motor_nm) {
         phase[k] = Phase::Saturation;
     }
@@ -71,14 +71,6 @@ impl Course<'_, '_> {
         let t_s = &self.torque.t_s;
         let from = t_s.partition_point(|t| *t < t_s[k] - reach_s);
         from..t_s.partition_point(|t| *t <= t_s[k] + reach_s)
-    }
-
-    /// Torque of the motor at every compared sample \[N m\].
-    fn motor_nm(&self) -> Vec<f64> {
-        let uncompared = self.e.uncompared;
-        let with_start = |compared: &[f64]| [&compared[..uncompared.min(compared.len())], compared].concat();
-        self.along.motor_nm(&with_start(&self.torque.angle_rad), &with_start(&self.torque.rate_rad_s))[uncompared..]
-            .to_vec()
     }
 
     /// A motor that is on, with a setpoint that does not move.

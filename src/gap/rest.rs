@@ -24,6 +24,9 @@ const FLICKERS: f64 = 1.2;
 /// A rest that the model does not explain is longer than coming and going at a turning point by this factor.
 const LONGER: f64 = 2.0;
 
+/// Breakaway is not known better than this share of it.
+const UNSURE: f64 = 0.1;
+
 /// For each sample whether the joint rests there; before `from` nothing is asked.
 ///
 /// Readings within their noise of one value are a rest if the model would stick there too, or if a joint that the
@@ -125,7 +128,8 @@ impl Calm<'_, '_> {
             let net_nm = self.chain.drive_nm(angle_rad, motor_nm);
             let direction = if net_nm < 0.0 { -1.0 } else { 1.0 };
             let breakaway_nm = self.chain.breakaway_nm(self.e.t_s[k], angle_rad, direction, motor_nm);
-            (net_nm.abs() - breakaway_nm).max(0.0) * direction
+            let beyond_nm = net_nm.abs() - breakaway_nm;
+            if beyond_nm > UNSURE * breakaway_nm { beyond_nm * direction } else { 0.0 }
         };
         let near = [angle_rad, angle_rad - self.reach_rad, angle_rad + self.reach_rad].map(at);
         near.into_iter().fold(near[0], |least, b| if b.abs() < least.abs() { b } else { least })
