@@ -3,14 +3,13 @@
 use super::attribute::Attribution;
 use super::decide::{Decision, decide};
 use super::detect::detectable;
-use super::diagnosis::{
-    Answer, Candidate, Diagnosis, Gap, GapOptions, LogGap, LogTraces, ResidualTorque, Verdict, Where,
-};
+use super::diagnosis::{Answer, Candidate, Diagnosis, Gap, GapOptions, LogGap, LogTraces, ResidualTorque, Verdict};
 use super::evidence::Evidence;
 use super::held_out::{HeldOut, closed, rms};
 use super::model::BASELINE;
 use super::next::next;
 use super::numbers::numbers;
+use super::place::place;
 use super::rates::{probability, share_out, standing};
 use super::sentence::sentence;
 use super::trial::{Trial, loss};
@@ -77,7 +76,9 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &(dyn Fn(&str) + Sy
         (probability, probability_source) = (rate, source);
     }
     share_out(&mut ranking, &decision, probability);
-    let traces = traces(&evidence, &attribution, &decision);
+    progress("where the gap lies");
+    let (location, torques) = place(&evidence, &attribution, &decision);
+    let traces = traces(&evidence, &attribution, &decision, torques);
     let intervals_trusted = decision.excess < super::decide::EXPLAINED;
     Ok(Diagnosis {
         joint: case.joint.name.clone(),
@@ -93,7 +94,7 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &(dyn Fn(&str) + Sy
             partial: decision.effect.filter(|_| decision.verdict == Verdict::Unexplained),
             intervals_trusted,
         },
-        location: Where::default(),
+        location,
         gap,
         ranking,
         detectable,
@@ -204,8 +205,13 @@ fn ranking(evidence: &Evidence, held: &HeldOut, a: &Attribution, gap: &Gap) -> V
 }
 
 /// Curves of every log that moves.
-fn traces(evidence: &Evidence, a: &Attribution, decision: &Decision<'_>) -> Vec<LogTraces> {
-    let of = |e: &Experiment, role: Role, k: usize| {
+fn traces(
+    evidence: &Evidence,
+    a: &Attribution,
+    decision: &Decision<'_>,
+    torques: Vec<ResidualTorque>,
+) -> Vec<LogTraces> {
+    let of = |(e, role, k): (&Experiment, Role, usize), residual_torque: ResidualTorque| {
         let readings = &e.measured_rad[e.uncompared..];
         let model = |t: &Trial| -> Vec<f64> {
             let residual = if role == Role::Fit { t.fit.get(k) } else { t.held.get(k) };
@@ -223,11 +229,12 @@ fn traces(evidence: &Evidence, a: &Attribution, decision: &Decision<'_>) -> Vec<
             before_rad: model(&a.given),
             calibrated_rad: model(&a.calibrated),
             after_rad: model(decision.answer),
-            residual_torque: ResidualTorque::default(),
+            residual_torque,
         }
     };
-    let fit = evidence.fit.iter().enumerate().map(|(k, e)| of(e, Role::Fit, k));
-    fit.chain(evidence.held.iter().enumerate().map(|(k, e)| of(e, Role::Validate, k))).collect()
+    let fit = evidence.fit.iter().enumerate().map(|(k, e)| (e, Role::Fit, k));
+    let held = evidence.held.iter().enumerate().map(|(k, e)| (e, Role::Validate, k));
+    fit.chain(held).zip(torques).map(|(log, torque)| of(log, torque)).collect()
 }
 
 fn notes(evidence: &Evidence, decision: &Decision<'_>, trusted: bool) -> Vec<String> {

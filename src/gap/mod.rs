@@ -1,9 +1,14 @@
 //! Layer 7: the gap between model and logs. Where it lies, which effect causes it, how far it closes.
 //!
 //! [`diagnose`] fits hypotheses about a study (the joint as given, recalibrated, with each effect of the catalogue, with
-//! two), weighs them on fitted and held-out logs, and says what it found as a [`Diagnosis`].
+//! two), weighs them on fitted and held-out logs, and says what it found as a [`Diagnosis`]. Where the gap lies is asked
+//! of the torque that the recalibrated joint lacks ([`residual_torque`](residual_torque()), [`localise`](localise())),
+//! without looking at any effect.
 
+mod along;
 mod attribute;
+mod binned;
+mod blocks;
 mod compare;
 mod decide;
 mod detect;
@@ -13,18 +18,31 @@ mod evidence;
 mod explore;
 mod floor;
 mod held_out;
+mod localise;
+#[cfg(test)]
+mod made;
+mod map;
 mod model;
 mod next;
 mod numbers;
+mod phases;
+mod place;
 mod rates;
 mod reach;
+mod residual_torque;
+mod rest;
 mod sentence;
+mod smoother;
+mod stage;
 mod trial;
 mod twins;
+mod variables;
 
 pub use diagnose::{GapError, diagnose};
 pub use diagnosis::{
     Answer, Candidate, Confusion, Detectable, Diagnosis, Gap, GapOptions, LogGap, LogTraces, MapCell, Next, Number,
     Phase, ProfileBin, ResidualTorque, Variable, Verdict, Where,
 };
+pub use localise::{LogPart, localise, stage_by_signature};
 pub use rates::{Rate, Rates};
+pub use residual_torque::residual_torque;
