@@ -36,6 +36,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod blind;
 pub mod cli;
 pub mod fit;
 pub mod gap;

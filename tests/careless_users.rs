@@ -83,6 +83,18 @@ fn command_lines_that_cannot_be_are_refused_as_usage() {
         ("joint of a study", &["drop", "--joint", "q1", "--study", "study.toml"], &["--joint", "cannot be used with"]),
         ("a joint without name", &["drop", "good.csv", "--joint", " "], &["--joint", "needs a name"]),
         ("study without file", &["drop", "--study"], &["--study <FILE>"]),
+        ("nothing to diagnose", &["gap"], &["<STUDY>"]),
+        (
+            "an effect that is none",
+            &["gap", "study.toml", "--without", "delay,friction"],
+            &["`friction` is not an effect", "stribeck, load_friction"],
+        ),
+        (
+            "withheld and considered",
+            &["gap", "study.toml", "--without", "delay", "--only", "stribeck, delay"],
+            &["`delay`", "--without and in --only"],
+        ),
+        ("twins in words", &["gap", "study.toml", "--twins", "few"], &["--twins", "few"]),
         ("nothing to simulate", &["simulate"], &["<STUDY>"]),
         ("two studies", &["simulate", "study.toml", "study.toml"], &["unexpected argument"]),
         ("JSON over the log", &["drop", "good.csv", "--json", "good.csv"], &["good.csv", "written over this input"]),
@@ -117,6 +129,7 @@ fn files_that_cannot_be_read_or_written_are_an_input_output_failure() {
         ("no such second log", &["drop", "good.csv", "gone.csv", "--joint", "j"], &["gone.csv: could not be read"]),
         ("a folder as log", &["drop", "folder"], &["folder: could not be read", "name of a file"]),
         ("no such study", &["drop", "--study", "gone.toml"], &["gone.toml: could not be read", "check the path"]),
+        ("no such study to diagnose", &["gap", "gone.toml"], &["gone.toml: could not be read"]),
         ("a folder as study", &["simulate", "folder"], &["folder: could not be read"]),
         (
             "a log of the study is gone",
@@ -213,10 +226,12 @@ fn logs_that_cannot_be_are_refused_as_data() {
 #[test]
 fn sidecars_and_studies_that_cannot_be_are_refused_as_data() {
     let dir = bench();
+    const NOMINAL: &str = "inertia = 9.0e-4\nmoment = 5.0e-3\ncoulomb = 0.001\nviscous = 0.001\n";
     let study = |old: &str, new: &str| STUDY.replacen(old, new, 1);
     let cases: Vec<(&str, String, &[&str])> = vec![
         ("misspelt key", study("inertia", "intertia"), &["line 4", "intertia"]),
         ("no schema", study("schema = 1\n", ""), &["`schema` is missing"]),
+        ("no nominal model", study(NOMINAL, ""), &["key `[joint] inertia` is missing", "kg m^2"]),
         ("inertia of zero", study("9.0e-4", "0"), &["line 4, key `[joint] inertia`", "above 0"]),
         ("inertia of infinity", study("9.0e-4", "inf"), &["key `[joint] inertia`", "inf"]),
         ("a number beyond all numbers", study("5.0e-3", "1e999"), &["line 5"]),
@@ -230,7 +245,11 @@ fn sidecars_and_studies_that_cannot_be_are_refused_as_data() {
     for (i, (what, text, parts)) in cases.iter().enumerate() {
         let name = format!("study-{i}.toml");
         fs::write(dir.path().join(&name), text).unwrap();
-        for words in [&["drop", "--study", &name, "--out", "out", "--json", "o.json"][..], &["simulate", &name]] {
+        for words in [
+            &["drop", "--study", &name, "--out", "out", "--json", "o.json"][..],
+            &["simulate", &name],
+            &["gap", &name, "--out", "out", "--json", "o.json"],
+        ] {
             refused(what, dir.path(), words, DATA, parts);
         }
     }
@@ -329,6 +348,7 @@ fn what_is_only_untidy_is_fitted() {
         &["drop", "--study", "study.toml", "--out", "out", "--fix", "moment", "--stribeck", "--quiet"],
         &["--help"],
         &["drop", "--help"],
+        &["gap", "--help"],
         &["--version"],
     ] {
         expect_code(dir.path(), words, DONE);

@@ -2,15 +2,15 @@
 
 use super::CliError;
 use super::common::{CommonArgs, json_text, log_name, print, study_name, write_outputs};
-use super::error::{NO, NOT_CONVERGED};
+use super::error::NOT_CONVERGED;
 use super::progress::Progress;
 use super::provenance::provenance;
+use super::still::never_moved;
 use crate::fit::{Budget, Method, Stop};
 use crate::identify::{Case, Directives, DropError, DropFit, DropOptions, fit_drop};
-use crate::log::{Outputs, Role};
-use crate::report::{DropReport, FitFile, drop_report, drop_text, figures, render_html, resting_gravity_nm, still};
+use crate::log::Outputs;
+use crate::report::{DropReport, FitFile, drop_report, drop_text, figures, render_html};
 use clap::{Args, ValueEnum};
-use serde_json::json;
 use std::path::PathBuf;
 
 /// Fit the simple and the extensive pendulum to logged swings of a joint
@@ -139,7 +139,7 @@ pub(super) fn run(args: &DropArgs) -> Result<u8, CliError> {
     };
     let fit = args.common.on_threads(|| fit_drop(&case, &options, &|what| progress.say(what)));
     let fit = match fit? {
-        Err(DropError::NeverMoved) => return never_moved(args, &case),
+        Err(DropError::NeverMoved) => return never_moved(&args.common, &case, "no fit"),
         fit => fit?,
     };
     progress.say("drawing");
@@ -175,31 +175,6 @@ fn write_report(
     args.common.add_json(&mut outputs, &file)?;
     write_outputs(outputs, &case.inputs())?;
     Ok(page)
-}
-
-/// The joint never moved: that is an answer.
-fn never_moved(args: &DropArgs, case: &Case) -> Result<u8, CliError> {
-    let fitted = case.items.iter().filter(|item| item.entry.role == Role::Fit);
-    let sentences: Vec<String> = fitted.clone().map(|item| still(case, item)).collect();
-    let logs: Vec<_> = fitted
-        .map(|item| {
-            json!({ "file": item.entry.file, "moved": false,
-                "breakaway_at_least_nm": resting_gravity_nm(case, item) })
-        })
-        .collect();
-    let mut outputs = Outputs::default();
-    args.common.add_json(
-        &mut outputs,
-        &json!({ "schema": 1, "name": case.joint.name, "moved": false, "sentence": sentences.join(" "), "logs": logs }),
-    )?;
-    write_outputs(outputs, &case.inputs())?;
-    if !args.common.quiet {
-        print(&format!("{}: no fit.\n", case.joint.name));
-        for sentence in sentences {
-            print(&format!("{sentence}\n"));
-        }
-    }
-    Ok(NO)
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! How a command fails, and with which exit code.
 
+use crate::gap::GapError;
 use crate::identify::{CaseError, DropError};
 use crate::log::LogError;
 use crate::report::ReportError;
@@ -29,6 +30,9 @@ pub enum CliError {
     /// No fit can be made.
     #[error(transparent)]
     Drop(#[from] DropError),
+    /// No diagnosis can be made.
+    #[error(transparent)]
+    Gap(#[from] GapError),
     /// A figure cannot be drawn.
     #[error(transparent)]
     Report(#[from] ReportError),
@@ -79,7 +83,9 @@ impl CliError {
             CliError::Case(CaseError::JointsDiffer { .. }) | CliError::Usage(_) | CliError::Overwrites { .. } => USAGE,
             CliError::Drop(DropError::Directive(_)) => USAGE,
             CliError::Drop(DropError::NeverMoved) => NO,
-            CliError::Drop(_) | CliError::Diverged { .. } => NOT_CONVERGED,
+            CliError::Gap(GapError::NoNominal) => DATA,
+            CliError::Gap(GapError::NeverMoved) => NO,
+            CliError::Gap(_) | CliError::Drop(_) | CliError::Diverged { .. } => NOT_CONVERGED,
             CliError::Case(_) | CliError::FitFile { .. } => DATA,
             CliError::Report(_) | CliError::Threads(_) | CliError::Encode(_) => IO,
         }

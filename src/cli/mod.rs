@@ -1,11 +1,14 @@
 //! The command line: parses, runs, and says how it ended.
 
+mod blind;
 mod common;
 mod drop;
 mod error;
+mod gap;
 mod progress;
 mod provenance;
 mod simulate;
+mod still;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -24,7 +27,9 @@ struct Cli {
 
 #[derive(Subcommand, Debug)]
 enum Command {
+    Blind(Box<blind::BlindArgs>),
     Drop(Box<drop::DropArgs>),
+    Gap(gap::GapArgs),
     Simulate(simulate::SimulateArgs),
 }
 
@@ -39,7 +44,9 @@ pub fn run() -> ExitCode {
         }
     };
     let result = match cli.command {
+        Command::Blind(args) => blind::run(&args),
         Command::Drop(args) => drop::run(&args),
+        Command::Gap(args) => gap::run(&args),
         Command::Simulate(args) => simulate::run(&args),
     };
     match result {

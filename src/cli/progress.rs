@@ -26,6 +26,14 @@ impl Progress {
             bar.set_message(what.to_owned());
         }
     }
+
+    /// Clears the line while something is printed.
+    pub(super) fn pause(&self, print: impl FnOnce()) {
+        match &self.0 {
+            Some(bar) => bar.suspend(print),
+            None => print(),
+        }
+    }
 }
 
 impl Drop for Progress {

@@ -82,10 +82,9 @@ pub(super) fn run(args: &SimulateArgs) -> Result<u8, CliError> {
         rows.push(json!({ "file": item.entry.file, "role": role, "rms": prediction.rms_rad, "samples": samples,
             "criterion": prediction.criterion_rad2_s, "predicted": csv.display().to_string() }));
     }
-    let hashes = provenance.inputs.iter().map(|(file, hash)| json!({ "file": file, "sha256": hash }));
     let found = json!({
         "schema": SCHEMA, "joint": case.joint.name, "parameters": in_force.source, "logs": rows,
-        "version": provenance.version, "command": provenance.command, "inputs": hashes.collect::<Vec<_>>(),
+        "version": provenance.version, "command": provenance.command, "inputs": provenance.hashed(),
     });
     args.common.add_json(&mut outputs, &found)?;
     write_outputs(outputs, &inputs)?;

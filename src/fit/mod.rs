@@ -11,7 +11,7 @@ mod quasi_newton;
 mod uncertainty;
 
 pub use problem::{Block, Coordinate, Normal, Rejected, Residuals, Rounding};
-pub use uncertainty::{Uncertainty, Undetermined, uncertainty};
+pub use uncertainty::{Uncertainty, Undetermined, correlation_length, uncertainty};
 
 /// How to search.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -150,7 +150,7 @@ fn inverse_of(jtj: &DMatrix<f64>, answering: &[usize]) -> Result<DMatrix<f64>, U
 }
 
 /// Integrated correlation time of a residual series, in samples, at least 1 (initial positive sequence, Geyer 1992).
-fn correlation_length(r: &[f64]) -> f64 {
+pub fn correlation_length(r: &[f64]) -> f64 {
     let n = r.len();
     let variance: f64 = r.iter().map(|x| x * x).sum();
     if n < 8 || variance <= 0.0 {

@@ -169,7 +169,7 @@ pub struct Answer {
 }
 
 /// Where the gap lies.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Where {
     /// The stage of the chain; `None` where there is no gap.
     pub stage: Option<Stage>,
@@ -192,7 +192,7 @@ pub struct Where {
 }
 
 /// One cell of the map: a log in a phase.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MapCell {
     /// The log.
     pub file: String,

@@ -1,20 +1,40 @@
 //! Layer 7: the gap between model and logs. Where it lies, which effect causes it, how far it closes.
+//!
+//! [`diagnose`] fits hypotheses about a study (the joint as given, recalibrated, with each effect of the catalogue, with
+//! two), weighs them on fitted and held-out logs, and says what it found as a [`Diagnosis`].
 
 mod along;
+mod attribute;
 mod binned;
 mod blocks;
+mod compare;
+mod decide;
+mod detect;
+mod diagnose;
 mod diagnosis;
+mod evidence;
+mod explore;
+mod floor;
+mod held_out;
 mod localise;
 #[cfg(test)]
 mod made;
 mod map;
+mod model;
+mod next;
+mod numbers;
 mod phases;
+mod rates;
+mod reach;
 mod residual_torque;
 mod rest;
+mod sentence;
 mod smoother;
 mod stage;
+mod trial;
 mod variables;
 
+pub use diagnose::{GapError, diagnose};
 pub use diagnosis::{
     Answer, Candidate, Confusion, Detectable, Diagnosis, Gap, GapOptions, LogGap, LogTraces, MapCell, Next, Number,
     Phase, ProfileBin, ResidualTorque, Variable, Verdict, Where,

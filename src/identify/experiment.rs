@@ -175,7 +175,7 @@ impl Experiment {
     ///
     /// Over a short time a motion cannot run far from its log, whatever the parameters: fitting the parts has few local
     /// minima.
-    pub(super) fn parts(&self, window_s: f64) -> Vec<Self> {
+    pub(crate) fn parts(&self, window_s: f64) -> Vec<Self> {
         let mut parts = Vec::new();
         let mut from = 0;
         while from + 8 < self.t_s.len() {

@@ -25,4 +25,5 @@ pub use model::{BodyMass, ExtensiveModel, JointModel, LinkBy, SimpleModel};
 pub use parameter::{Parameter, Search};
 pub use problem::Problem;
 pub use run::{Found, Prediction, predict, prediction, search};
+pub(crate) use run::{candidates, ranked};
 pub use scale::Scale;

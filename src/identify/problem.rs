@@ -3,8 +3,8 @@
 use super::parameter::{free_of, starts_of, values_in};
 use super::{Experiment, Found, JointModel, Parameter};
 use crate::fit::{Block, Coordinate, Rejected, Residuals, Rounding};
-use crate::joint::{Real, gradient, variable};
-use crate::pendulum::{Diverged, State, rollout};
+use crate::joint::{Chain, Real, gradient, variable};
+use crate::pendulum::{Diverged, Start, State, rollout};
 use num_dual::DualSVec64;
 use rayon::prelude::*;
 
@@ -106,7 +106,7 @@ impl<'a, M: JointModel> Problem<'a, M> {
         let e = &self.experiments[experiment];
         let chain = self.model.chain(&self.values(x), e);
         let [first, second] = self.start(x, experiment);
-        rollout(&chain, e.input(), &e.t_s, e.start_from(first, second), visit)
+        readings(&chain, e, e.start_from(first, second), visit)
     }
 
     /// Criterion of one experiment.
@@ -164,7 +164,7 @@ impl<'a, M: JointModel> Problem<'a, M> {
         let start = e.start_from(seed(first, width - 2), seed(second, width - 1));
         let chain = self.model.chain(&values, e);
         let first_pass = from == 0;
-        rollout(&chain, e.input(), &e.t_s, start, |k, s| {
+        readings(&chain, e, start, |k, s| {
             if k < e.uncompared {
                 return;
             }
@@ -189,6 +189,20 @@ impl<'a, M: JointModel> Problem<'a, M> {
             if n > 1 { (0..n).into_par_iter().map(&f).collect() } else { (0..n).map(&f).collect() };
         results.map_err(|diverged| Rejected { why: diverged.to_string() })
     }
+}
+
+/// The motion of an experiment as its encoder reads it: start and states are readings, not true angles.
+pub(crate) fn readings<T: Real>(
+    chain: &Chain<T>,
+    e: &Experiment,
+    start: Start<T>,
+    mut visit: impl FnMut(usize, &State<T>),
+) -> Result<(), Diverged> {
+    let gain = chain.sensor_gain;
+    let start = Start { angle_rad: start.angle_rad / gain, rate_rad_s: start.rate_rad_s / gain, ..start };
+    rollout(chain, e.input(), &e.t_s, start, |k, s| {
+        visit(k, &State { angle_rad: s.angle_rad * gain, rate_rad_s: s.rate_rad_s * gain });
+    })
 }
 
 impl<M: JointModel> Residuals for Problem<'_, M> {

@@ -195,7 +195,7 @@ fn other_stops<M: JointModel>(model: &M, problem: &Problem<'_, M>, x: &[f64]) ->
 }
 
 /// Points of a problem in the order of their criterion; those without a motion are left out.
-fn ranked<M: JointModel>(problem: &Problem<'_, M>, candidates: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+pub(crate) fn ranked<M: JointModel>(problem: &Problem<'_, M>, candidates: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     let points = candidates.iter().map(|values| problem.coordinates_of(values));
     let mut ranked: Vec<(f64, Vec<f64>)> =
         points.filter_map(|x| problem.criterion(&x).ok().map(|criterion| (criterion, x))).collect();
@@ -206,7 +206,7 @@ fn ranked<M: JointModel>(problem: &Problem<'_, M>, candidates: Vec<Vec<f64>>) ->
 
 /// Values from which a search may start: the parameters' own starts, the values that explain the smoothed
 /// accelerations, those that explain short parts of the logs, and the first two with a parameter changed by a factor.
-fn candidates<M: JointModel>(model: &M, experiments: &[Experiment]) -> Vec<Vec<f64>> {
+pub(crate) fn candidates<M: JointModel>(model: &M, experiments: &[Experiment]) -> Vec<Vec<f64>> {
     let parameters = model.parameters();
     let given = starts_of(parameters);
     let mut all = vec![given.clone()];

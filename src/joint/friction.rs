@@ -31,6 +31,11 @@ pub trait FrictionTerm<T: Real>: Send + Sync {
 
     /// A bound on its slope against speed \[N m s/rad\] near `speed_rad_s`, for the choice of the step.
     fn slope_nm_s_rad(&self, speed_rad_s: f64) -> f64;
+
+    /// Whether it changes while the joint rests and nothing else changes.
+    fn changes_with_time(&self) -> bool {
+        false
+    }
 }
 
 /// Friction of a turning joint, Coulomb, Stribeck and viscous parts (3.11).
@@ -84,6 +89,11 @@ impl<T: Real> Friction<T> {
     pub fn breakaway_nm(&self, at: &Contact<T>) -> T {
         debug_assert!(at.speed_rad_s.re() == 0.0, "breakaway is asked for at rest");
         self.resistance_nm(at)
+    }
+
+    /// Whether a joint at rest may break away though nothing pushes harder.
+    pub(crate) fn changes_with_time(&self) -> bool {
+        self.terms.iter().any(|term| term.changes_with_time())
     }
 
     /// A bound on the slope of the law near `speed_rad_s` \[N m s/rad\], for the choice of the step.

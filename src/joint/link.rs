@@ -33,6 +33,16 @@ impl<T: Real> Link<T> {
         }
     }
 
+    /// The link as it acts when every angle counts `offset` more: gravity is `-g M* sin(q + offset - rest)`.
+    pub fn turned(self, offset_rad: T) -> Self {
+        let (sin, cos) = offset_rad.sin_cos();
+        Self {
+            sine_nm: self.cosine_nm * sin + self.sine_nm * cos,
+            cosine_nm: self.cosine_nm * cos - self.sine_nm * sin,
+            ..self
+        }
+    }
+
     /// Gravity torque at a joint angle \[N m\].
     #[inline]
     pub fn gravity_nm(&self, angle_rad: T) -> T {

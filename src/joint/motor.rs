@@ -12,32 +12,54 @@ pub struct Setpoint<T> {
     pub rate_rad_s: T,
 }
 
-/// The controller with its motor: `tau = kp (q_ref - q) + ki integral - kd dq`, then the limits the engineer models.
+/// Linear torque-speed curve: the torque that is left falls from stall to zero at the no-load speed.
 #[derive(Clone, Copy, Debug)]
-pub struct Motor {
-    spec: MotorSpec,
+pub struct SpeedLine<T> {
+    /// At standstill \[N m\].
+    pub stall_nm: T,
+    /// Speed at which nothing is left \[rad/s\].
+    pub no_load_rad_s: T,
 }
 
-impl Motor {
-    /// The motor of a log.
+/// The controller with its motor: `tau = kp (q_ref - q) + ki integral - kd dq`, then gain and limits.
+#[derive(Clone, Copy, Debug)]
+pub struct Motor<T> {
+    /// The control law; `None` where the log gives the commanded torque itself.
+    law: Option<MotorSpec>,
+    /// Delivered torque per commanded torque, before any limit; 1 for a perfect motor.
+    pub gain: T,
+    /// A limit beyond those of the control law \[N m\].
+    pub torque_limit_nm: Option<T>,
+    /// A torque-speed curve beyond that of the control law; it limits a motor that drives, not one that brakes.
+    pub speed_line: Option<SpeedLine<T>>,
+}
+
+impl<T: Real> Motor<T> {
+    /// The motor of a log that is driven by position, perfect but for the limits that the engineer models.
     pub fn new(spec: MotorSpec) -> Self {
-        Self { spec }
+        Self { law: Some(spec), gain: T::constant(1.0), torque_limit_nm: None, speed_line: None }
+    }
+
+    /// A perfect motor whose commanded torque is in the log.
+    pub fn direct() -> Self {
+        Self { law: None, gain: T::constant(1.0), torque_limit_nm: None, speed_line: None }
     }
 
     /// Period at which the law is evaluated \[s\]; `None`: continuously.
     pub fn sample_period_s(&self) -> Option<f64> {
-        self.spec.sample_period_s
+        self.law.and_then(|law| law.sample_period_s)
     }
 
     /// True where a joint that stands still feels a torque that changes by itself.
     pub(crate) fn winds_up(&self) -> bool {
-        self.spec.ki_nm_rad_s != 0.0
+        self.law.is_some_and(|law| law.ki_nm_rad_s != 0.0)
     }
 
-    /// Torque on the joint \[N m\]; `integral_rad_s` is the integral of the angle error.
+    /// The torque that the control law asks for \[N m\]; angle and rate as the controller sees them, `integral_rad_s` is
+    /// the integral of the angle error.
     #[inline]
-    pub fn torque_nm<T: Real>(&self, setpoint: Setpoint<T>, angle_rad: T, rate_rad_s: T, integral_rad_s: T) -> T {
-        let s = &self.spec;
+    pub fn command_nm(&self, setpoint: Setpoint<T>, angle_rad: T, rate_rad_s: T, integral_rad_s: T) -> T {
+        let Some(s) = &self.law else { return T::nought() };
         let mut torque = (setpoint.angle_rad - angle_rad) * s.kp_nm_rad - rate_rad_s * s.kd_nm_s_rad;
         if s.ki_nm_rad_s != 0.0 {
             torque += integral_rad_s * s.ki_nm_rad_s;
@@ -45,31 +67,65 @@ impl Motor {
         if s.derivative == Derivative::Error {
             torque += setpoint.rate_rad_s * s.kd_nm_s_rad;
         }
-        self.limited_nm(torque, rate_rad_s)
+        torque
     }
 
-    /// Torque limit, and the linear torque-speed line when driving (not when braking).
+    /// The torque that arrives of what the law asks for \[N m\], for an encoder without gain.
     #[inline]
-    fn limited_nm<T: Real>(&self, torque_nm: T, rate_rad_s: T) -> T {
-        let Some(stall_nm) = self.spec.torque_limit_nm else { return torque_nm };
-        let sign = if torque_nm.re() < 0.0 { -1.0 } else { 1.0 };
-        let mut limit = T::constant(stall_nm);
-        if let Some(w_max) = self.spec.speed_limit_rad_s {
-            let driving_speed = rate_rad_s * sign;
-            if driving_speed.re() > 0.0 {
-                limit = (driving_speed * (-1.0 / w_max) + 1.0) * stall_nm;
-                if limit.re() < 0.0 {
-                    limit = T::nought();
+    pub fn torque_nm(&self, setpoint: Setpoint<T>, angle_rad: T, rate_rad_s: T, integral_rad_s: T) -> T {
+        self.delivered_nm(self.command_nm(setpoint, angle_rad, rate_rad_s, integral_rad_s), rate_rad_s)
+    }
+
+    /// What arrives of a commanded torque \[N m\]: gain first, then the limits.
+    #[inline]
+    pub fn delivered_nm(&self, command_nm: T, rate_rad_s: T) -> T {
+        let mut torque_nm = command_nm * self.gain;
+        if let Some(law) = &self.law
+            && let Some(stall_nm) = law.torque_limit_nm
+        {
+            let stall_nm = T::constant(stall_nm);
+            torque_nm = match law.speed_limit_rad_s {
+                Some(w_max) => {
+                    on_line(torque_nm, rate_rad_s, SpeedLine { stall_nm, no_load_rad_s: T::constant(w_max) })
                 }
-            }
+                None => saturated(torque_nm, stall_nm),
+            };
         }
-        if torque_nm.re() * sign > limit.re() { limit * sign } else { torque_nm }
+        if let Some(limit_nm) = self.torque_limit_nm {
+            torque_nm = saturated(torque_nm, limit_nm);
+        }
+        match self.speed_line {
+            Some(line) => on_line(torque_nm, rate_rad_s, line),
+            None => torque_nm,
+        }
     }
 
     /// Stiffness and damping that the law adds to the joint \[N m/rad, N m s/rad\], for the choice of the step.
     pub(crate) fn stiffness_and_damping(&self) -> (f64, f64) {
-        (self.spec.kp_nm_rad, self.spec.kd_nm_s_rad)
+        let gain = self.gain.re().abs();
+        self.law.map_or((0.0, 0.0), |law| (gain * law.kp_nm_rad, gain * law.kd_nm_s_rad))
     }
+}
+
+#[inline]
+fn saturated<T: Real>(torque_nm: T, limit_nm: T) -> T {
+    let sign = if torque_nm.re() < 0.0 { -1.0 } else { 1.0 };
+    if torque_nm.re() * sign > limit_nm.re() { limit_nm * sign } else { torque_nm }
+}
+
+/// A torque under a torque-speed line: limited when driving, and by the stall torque when braking.
+#[inline]
+fn on_line<T: Real>(torque_nm: T, rate_rad_s: T, line: SpeedLine<T>) -> T {
+    let sign = if torque_nm.re() < 0.0 { -1.0 } else { 1.0 };
+    let driving_speed = rate_rad_s * sign;
+    let mut limit = line.stall_nm;
+    if driving_speed.re() > 0.0 {
+        limit = line.stall_nm - line.stall_nm * driving_speed / line.no_load_rad_s;
+        if limit.re() < 0.0 {
+            limit = T::nought();
+        }
+    }
+    if torque_nm.re() * sign > limit.re() { limit * sign } else { torque_nm }
 }
 
 #[cfg(test)]

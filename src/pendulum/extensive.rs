@@ -18,8 +18,8 @@ pub struct ExtensivePendulum<T> {
 
 impl<T: Real> ExtensivePendulum<T> {
     /// The pendulum as a joint chain.
-    pub fn chain(self, motor: Option<Motor>) -> Chain<T> {
+    pub fn chain(self, motor: Option<Motor<T>>) -> Chain<T> {
         let friction = Friction::coulomb_viscous(self.coulomb_nm, self.viscous_nm_s_rad);
-        Chain { link: self.link, friction: Friction { stribeck: self.stribeck, ..friction }, motor }
+        Chain::new(self.link, Friction { stribeck: self.stribeck, ..friction }, motor)
     }
 }

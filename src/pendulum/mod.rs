@@ -5,14 +5,20 @@
 //! - [`ExtensivePendulum`]: bodies with inertias, Coulomb to Stribeck friction (3.12, 3.13).
 //! - [`rollout`](rollout()): their motion, with true sticking.
 
+mod events;
 mod extensive;
+mod one_body;
+mod play;
 pub mod ratios;
 mod rollout;
+mod schedule;
 mod simple;
 
 pub use extensive::ExtensivePendulum;
 pub use ratios::{
     RatioError, RatioTest, SimpleEstimate, friction_from_ratios, length_from_stiffness, mass_from_ratios,
 };
-pub use rollout::{Diverged, Input, Start, State, rollout, rollout_refined};
+pub use rollout::{Diverged, Start, State, rollout, rollout_refined};
+pub use schedule::Input;
+pub(crate) use schedule::{Command, Schedule};
 pub use simple::SimplePendulum;

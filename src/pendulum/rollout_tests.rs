@@ -1,5 +1,6 @@
 use super::*;
 use crate::joint::{Friction, Link, Motor, Stribeck, gradient, variable};
+use crate::log::Hold;
 use crate::log::MotorSpec;
 use approx::assert_relative_eq;
 use num_dual::DualSVec64;
@@ -8,11 +9,7 @@ use proptest::prelude::*;
 const G: f64 = 9.81;
 
 fn chain(inertia: f64, moment: f64, coulomb: f64, viscous: f64) -> Chain<f64> {
-    Chain {
-        link: Link::new(inertia, moment, 0.0, G),
-        friction: Friction::coulomb_viscous(coulomb, viscous),
-        motor: None,
-    }
+    Chain::new(Link::new(inertia, moment, 0.0, G), Friction::coulomb_viscous(coulomb, viscous), None)
 }
 
 fn times(n: usize, period_s: f64) -> Vec<f64> {
@@ -151,14 +148,11 @@ fn a_sampled_law_tends_to_the_continuous_one() {
 
 /// Inertia, moment, Coulomb, viscous, angle, release: as dual numbers and as finite differences.
 fn sensitivities<T: Real>(p: [T; 6], motor: Option<MotorSpec>, setpoint: &[f64], t: &[f64]) -> Vec<T> {
-    let c = Chain {
-        link: Link::new(p[0], p[1], T::constant(0.05), G),
-        friction: Friction {
-            stribeck: Some(Stribeck { static_nm: p[2] * 1.3, speed_rad_s: T::constant(0.3) }),
-            ..Friction::coulomb_viscous(p[2], p[3])
-        },
-        motor: motor.map(Motor::new),
+    let friction = Friction {
+        stribeck: Some(Stribeck { static_nm: p[2] * 1.3, speed_rad_s: T::constant(0.3) }),
+        ..Friction::coulomb_viscous(p[2], p[3])
     };
+    let c = Chain::new(Link::new(p[0], p[1], T::constant(0.05), G), friction, motor.map(Motor::new));
     let start = Start { angle_rad: p[4], rate_rad_s: T::nought(), release_s: Some(p[5]) };
     let input = match motor {
         None => Input::Off,

@@ -19,13 +19,13 @@ pub struct SimplePendulum<T> {
 
 impl<T: Real> SimplePendulum<T> {
     /// The pendulum as a joint chain.
-    pub fn chain(&self, motor: Option<Motor>) -> Chain<T> {
-        Chain {
+    pub fn chain(&self, motor: Option<Motor<T>>) -> Chain<T> {
+        Chain::new(
             // Any gravity will do: only g M L = (g/L) M L^2 enters.
-            link: Link::new(self.ml2_kg_m2, self.g_over_l_1_s2 * self.ml2_kg_m2, self.rest_rad, 1.0),
-            friction: Friction::coulomb_viscous(T::nought(), self.b_over_ml2_1_s * self.ml2_kg_m2),
+            Link::new(self.ml2_kg_m2, self.g_over_l_1_s2 * self.ml2_kg_m2, self.rest_rad, 1.0),
+            Friction::coulomb_viscous(T::nought(), self.b_over_ml2_1_s * self.ml2_kg_m2),
             motor,
-        }
+        )
     }
 }
 

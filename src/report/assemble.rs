@@ -17,7 +17,7 @@ pub fn drop_report(case: &Case, fit: &DropFit, provenance: Provenance) -> DropRe
         joint: case.joint.name.clone(),
         sentence: sentence(case, fit),
         notes: notes(case, fit),
-        health: case.items.iter().map(health_row).collect(),
+        health: health_rows(case),
         logs: logs(case, fit),
         models: vec![simple_summary(fit), extensive_summary(fit)],
         correlation: Correlation { names: names.collect(), matrix: extensive.correlation() },
@@ -45,7 +45,8 @@ fn status(status: Status) -> ParameterStatus {
     }
 }
 
-fn row(e: &Estimate) -> ParameterRow {
+/// An estimate as a row of the tables.
+pub(super) fn row(e: &Estimate) -> ParameterRow {
     ParameterRow {
         name: e.name.clone(),
         symbol: e.symbol.clone(),
@@ -140,6 +141,11 @@ pub(super) fn stribeck_rows(fit: &DropFit) -> Vec<ParameterRow> {
     let mu_st = derived_row(fit, ("mu_st", "mu_st", "N m"), determined, |v| v[coulomb] + v[excess]);
     let v_st = ParameterRow { name: "v_st".into(), ..row(&fit.extensive.estimates[speed]) };
     vec![mu_st, v_st]
+}
+
+/// One row per log, in the case's order.
+pub(super) fn health_rows(case: &Case) -> Vec<LogHealthRow> {
+    case.items.iter().map(health_row).collect()
 }
 
 fn health_row(item: &Item) -> LogHealthRow {

@@ -1,7 +1,7 @@
 //! `fit.json`: what a fit found, for programs (specification, section 6).
 
 use super::{DropReport, ModelSummary, ParameterRow, ParameterStatus};
-use crate::identify::{DropFit, Status};
+use crate::identify::DropFit;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -123,13 +123,29 @@ pub struct LogFit {
 }
 
 impl Quantity {
-    fn of(row: &ParameterRow) -> Self {
+    /// What a row of the tables says; JSON has no word for what is not finite, so that becomes null.
+    pub(super) fn of(row: &ParameterRow) -> Self {
+        let finite = |interval: Option<[f64; 2]>| interval.filter(|ends| ends.iter().all(|end| end.is_finite()));
         Self {
             value: row.value.is_finite().then_some(row.value),
             unit: row.unit.clone(),
-            interval: row.interval,
-            interval_naive: row.interval_naive,
+            interval: finite(row.interval),
+            interval_naive: finite(row.interval_naive),
             identifiable: row.status == ParameterStatus::Determined,
+        }
+    }
+}
+
+impl JointFit {
+    /// From rows with the names of the baseline's parameters.
+    pub(super) fn of(rows: &[ParameterRow]) -> Self {
+        let quantity = |name: &str| rows.iter().find(|r| r.name == name).map(Quantity::of);
+        Self {
+            inertia: quantity("inertia").unwrap_or_default(),
+            moment: quantity("moment").unwrap_or_default(),
+            coulomb: quantity("coulomb").unwrap_or_default(),
+            viscous: quantity("viscous").unwrap_or_default(),
+            rest: quantity("rest"),
         }
     }
 }
@@ -138,24 +154,8 @@ impl FitFile {
     /// The file of a drop fit and its report.
     pub fn of_drop(fit: &DropFit, report: &DropReport) -> Self {
         let rows = super::assemble::joint_rows(fit);
-        let quantity = |name: &str| rows.iter().find(|r| r.name == name).map(Quantity::of);
-        let joint = JointFit {
-            inertia: quantity("inertia").unwrap_or_default(),
-            moment: quantity("moment").unwrap_or_default(),
-            coulomb: quantity("coulomb").unwrap_or_default(),
-            viscous: quantity("viscous").unwrap_or_default(),
-            rest: quantity("rest"),
-        };
-        let masses = fit.extensive.estimates.iter().filter(|e| e.name.starts_with("mass_")).map(|e| {
-            let quantity = Quantity {
-                value: Some(e.value),
-                unit: e.unit.clone(),
-                interval: e.interval,
-                interval_naive: e.interval_naive,
-                identifiable: e.status == Status::Determined,
-            };
-            (e.name.clone(), quantity)
-        });
+        let joint = JointFit::of(&rows);
+        let masses = fit.extensive.estimates.iter().filter(|e| e.name.starts_with("mass_"));
         let stribeck = super::assemble::stribeck_rows(fit);
         let effects = if stribeck.is_empty() {
             Vec::new()
@@ -176,7 +176,7 @@ impl FitFile {
             name: report.joint.clone(),
             joint,
             effects,
-            masses: masses.collect(),
+            masses: masses.map(|e| (e.name.clone(), Quantity::of(&super::assemble::row(e)))).collect(),
             ratios: ratios.iter().map(|row| (row.name.clone(), Quantity::of(row))).collect(),
             models: report.models.iter().map(|m| (key(m).to_owned(), model(m))).collect(),
             logs: report

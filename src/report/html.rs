@@ -11,8 +11,19 @@ use super::{DropReport, LogHealthRow, ModelSummary, ParameterRow, ReportError};
 
 /// Logs whose figures stand open on the page; the others can be unfolded.
 const OPEN_LOGS: usize = 8;
-/// The ending makes the template engine escape every text.
-const TEMPLATE_NAME: &str = "report.html";
+/// Frame and parts of all pages. The ending makes the template engine escape every text.
+const SHARED: [(&str, &str); 2] =
+    [("page.html", include_str!("templates/page.html")), ("parts.html", include_str!("templates/parts.html"))];
+
+/// Renders a page from its template; the fonts are given to every page.
+pub(super) fn render(name: &str, template: &str, values: Value) -> Result<String, ReportError> {
+    let mut environment = Environment::new();
+    for (name, template) in SHARED.into_iter().chain([(name, template)]) {
+        environment.add_template(name, template)?;
+    }
+    let fonts = context! { font_regular => STANDARD.encode(FONT_REGULAR), font_bold => STANDARD.encode(FONT_BOLD) };
+    Ok(environment.get_template(name)?.render(context! { ..values, ..fonts })?)
+}
 
 /// Puts a drop report into one HTML page: verdict, notes, models, parameters, data health, figures, provenance.
 ///
@@ -22,16 +33,9 @@ const TEMPLATE_NAME: &str = "report.html";
 /// [`ReportError::Draw`] or [`ReportError::Font`] from the figures, [`ReportError::Page`] from the template; none depends
 /// on the data.
 pub fn render_html(report: &DropReport) -> Result<String, ReportError> {
-    let mut logs: Vec<Value> = log_figures(report)?.into_iter().map(figure_view).collect();
-    let folded = logs.split_off(OPEN_LOGS.min(logs.len()));
-    let others: Vec<Value> = model_figures(report)?.into_iter().map(figure_view).collect();
+    let (logs, folded) = open_and_folded(log_figures(report)?);
     let provenance = report.provenance.clone();
-
-    let mut environment = Environment::new();
-    environment.add_template(TEMPLATE_NAME, include_str!("template.html"))?;
-    let page = environment.get_template(TEMPLATE_NAME)?.render(context! {
-        font_regular => STANDARD.encode(FONT_REGULAR),
-        font_bold => STANDARD.encode(FONT_BOLD),
+    let values = context! {
         joint => report.joint.as_str(),
         sentence => report.sentence.as_str(),
         notes => report.notes.clone(),
@@ -39,17 +43,27 @@ pub fn render_html(report: &DropReport) -> Result<String, ReportError> {
         health => report.health.iter().map(health_view).collect::<Vec<_>>(),
         logs,
         folded,
-        figures => others,
+        figures => figure_views(model_figures(report)?),
         has_friction => !report.friction.is_empty(),
         version => provenance.version,
         command => provenance.command,
         inputs => provenance.inputs,
-    })?;
-    Ok(page)
+    };
+    render("drop.html", include_str!("templates/drop.html"), values)
 }
 
-fn figure_view(figure: Figure) -> Value {
-    context! { title => figure.title, caption => figure.caption, svg => Value::from_safe_string(figure.svg) }
+/// Figures of the logs that stand open, and those that can be unfolded.
+pub(super) fn open_and_folded(figures: Vec<Figure>) -> (Vec<Value>, Vec<Value>) {
+    let mut open = figure_views(figures);
+    let folded = open.split_off(OPEN_LOGS.min(open.len()));
+    (open, folded)
+}
+
+pub(super) fn figure_views(figures: Vec<Figure>) -> Vec<Value> {
+    let view = |figure: Figure| {
+        context! { title => figure.title, caption => figure.caption, svg => Value::from_safe_string(figure.svg) }
+    };
+    figures.into_iter().map(view).collect()
 }
 
 fn model_view(model: &ModelSummary) -> Value {
@@ -64,7 +78,7 @@ fn model_view(model: &ModelSummary) -> Value {
     }
 }
 
-fn parameter_view(row: &ParameterRow) -> Value {
+pub(super) fn parameter_view(row: &ParameterRow) -> Value {
     let cells = ParameterCells::from(row);
     context! {
         label => cells.label,
@@ -77,7 +91,7 @@ fn parameter_view(row: &ParameterRow) -> Value {
     }
 }
 
-fn health_view(row: &LogHealthRow) -> Value {
+pub(super) fn health_view(row: &LogHealthRow) -> Value {
     let milli = |value: f64| significant(1e3 * value, 3);
     let seconds = |value: f64| if value.is_finite() { format!("{value:.3}") } else { UNKNOWN.to_owned() };
     let dash = || "–".to_owned();

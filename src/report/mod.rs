@@ -5,8 +5,10 @@
 //! Nothing is computed here but what the eye needs (thinning, a smoothed speed for the phase portrait).
 
 mod assemble;
+mod blind;
 mod error;
 mod fit_json;
+mod gap;
 mod html;
 mod model;
 mod notes;
@@ -16,14 +18,17 @@ mod rows;
 #[cfg(test)]
 mod sample;
 mod table;
+mod text;
 
 pub use assemble::drop_report;
+pub use blind::{BlindReport, blind_figures, blind_html, blind_text};
 pub use error::ReportError;
 pub use fit_json::{EffectFit, FitFile, JointFit, LogFit, ModelFit, Quantity, SCHEMA};
+pub use gap::{GapReport, NEXT_FILE, gap_figures, gap_json, gap_text, render_gap_html};
 pub use html::render_html;
 pub use model::{
-    Correlation, DropReport, FrictionPoint, LogCurves, LogHealthRow, ModelSummary, ParameterRow, ParameterStatus,
-    Provenance,
+    Correlation, DropReport, FrictionPoint, HashedInput, LogCurves, LogHealthRow, ModelSummary, ParameterRow,
+    ParameterStatus, Provenance,
 };
 pub use notes::{resting_gravity_nm, still};
 pub use number::{WithUncertainty, format_with_uncertainty};

@@ -1,5 +1,7 @@
 //! What a drop report shows, as plain data: the command line assembles it, figures and HTML draw it.
 
+use serde::Serialize;
+
 /// Everything the report of `aibo-fit drop` shows.
 #[derive(Clone, Debug)]
 pub struct DropReport {
@@ -24,7 +26,7 @@ pub struct DropReport {
 }
 
 /// One row of the data-health table.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct LogHealthRow {
     /// As the user named it.
     pub file: String,
@@ -165,4 +167,20 @@ pub struct Provenance {
     pub command: String,
     /// Input file and its SHA-256.
     pub inputs: Vec<(String, String)>,
+}
+
+/// An input file and its hash, for JSON.
+#[derive(Clone, Debug, Serialize)]
+pub struct HashedInput<'a> {
+    /// As the user named it.
+    pub file: &'a str,
+    /// SHA-256 of its content, in hexadecimal digits.
+    pub sha256: &'a str,
+}
+
+impl Provenance {
+    /// The inputs by name, for JSON.
+    pub fn hashed(&self) -> Vec<HashedInput<'_>> {
+        self.inputs.iter().map(|(file, sha256)| HashedInput { file, sha256 }).collect()
+    }
 }

@@ -1,7 +1,7 @@
 //! What the report says in words: the sentence that opens it, and what the reader should not overlook.
 
 use super::assemble::{is_relative, joint_rows, ratio_rows};
-use super::number::{as_given, significant};
+use super::number::{as_given, mrad};
 use super::{ParameterRow, ParameterStatus, format_with_uncertainty};
 use crate::fit::Stop;
 use crate::geometry::Ers7Tables;
@@ -11,10 +11,6 @@ use crate::log::{DriveMode, Start};
 
 /// Correlation of residuals, in samples, from which on it is mentioned.
 const CORRELATED_SAMPLES: f64 = 5.0;
-
-fn mrad(rad: f64) -> String {
-    format!("{} mrad", significant(1e3 * rad, 3))
-}
 
 /// The sentence a colleague would say.
 pub(super) fn sentence(case: &Case, fit: &DropFit) -> String {

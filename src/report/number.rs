@@ -46,6 +46,21 @@ pub(super) fn significant(value: f64, digits: i32) -> String {
     Digits::new(magnitude, exponent(magnitude, digits) - digits + 1).write(value)
 }
 
+/// An angle in milliradians.
+pub(super) fn mrad(rad: f64) -> String {
+    format!("{} mrad", significant(1e3 * rad, 3))
+}
+
+/// A share as a whole percentage; from 99 to 100 % with a decimal, because the rest is what matters there.
+pub(super) fn percent(share: f64) -> String {
+    if !share.is_finite() {
+        return UNKNOWN.to_owned();
+    }
+    let decimals = usize::from((0.99..0.9995).contains(&share));
+    let text = format!("{:.decimals$} %", 100.0 * share);
+    if text == "-0 %" { "0 %".to_owned() } else { text }
+}
+
 /// Like [`significant`], without zeros at the end: for numbers that somebody typed.
 pub(super) fn as_given(value: f64) -> String {
     let text = significant(value, 6);
@@ -191,6 +206,13 @@ mod tests {
         assert_eq!(as_given(2.5e-6), "2.5e-6");
         assert_eq!(as_given(0.0), "0");
         assert_eq!(significant(12.345, 3), "12.3");
+        assert_eq!(mrad(0.00214), "2.14 mrad");
+    }
+
+    #[test]
+    fn shares_are_whole_percentages_but_close_to_all() {
+        assert_eq!([0.0, -0.001, 0.934, 0.9934, 1.0 - 1e-9].map(percent), ["0 %", "0 %", "93 %", "99.3 %", "100 %"]);
+        assert_eq!([f64::NAN, -0.5].map(percent), [UNKNOWN, "-50 %"]);
     }
 
     proptest! {

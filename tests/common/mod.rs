@@ -161,7 +161,7 @@ fn draw(seed: u64, attempt: u64, lack: Lack) -> Option<Set> {
             }
             Lack::Drag => friction.terms.push(Box::new(Drag { c2: viscous / omega })),
         }
-        let chain = Chain { link, friction, motor: Some(Motor::new(motor)) };
+        let chain = Chain::new(link, friction, Some(Motor::new(motor)));
         let encoder = Encoder { resolution_rad: step, noise_rad: noise_steps * step };
         let (mut q_rad, mut angle) = (Vec::with_capacity(n), Vec::with_capacity(n));
         rollout_refined(&chain, input, &t_s, start, 4.0, |_, s| {

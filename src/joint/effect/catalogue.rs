@@ -1,5 +1,7 @@
 //! The effects by name, in one table: one more effect is one file and one line here.
 
+use super::{Effect, EffectParameter, Named, Reach};
+use crate::joint::{Chain, Real};
 use serde::{Serialize, Serializer};
 use std::fmt;
 use std::str::FromStr;
@@ -25,6 +27,10 @@ pub enum Stage {
 }
 
 impl Stage {
+    /// All of them, in the chain's order.
+    pub const ALL: [Stage; 7] =
+        [Stage::Setpoint, Stage::Delay, Stage::Controller, Stage::Motor, Stage::Gearing, Stage::Link, Stage::Sensor];
+
     /// The word in reports and JSON.
     pub fn name(self) -> &'static str {
         match self {
@@ -40,7 +46,7 @@ impl Stage {
 }
 
 macro_rules! catalogue {
-    ($($(#[$doc:meta])* $effect:ident, $id:literal, $stage:ident;)*) => {
+    ($($(#[$doc:meta])* $effect:ident, $module:ident, $stage:ident;)*) => {
         /// An effect of the catalogue.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum EffectId { $($(#[$doc])* $effect,)* }
@@ -51,12 +57,49 @@ macro_rules! catalogue {
 
             /// The fixed id, e.g. `load_friction`.
             pub fn id(self) -> &'static str {
-                match self { $(EffectId::$effect => $id,)* }
+                match self { $(EffectId::$effect => stringify!($module),)* }
             }
 
             /// The stage of the chain on which it sits.
             pub fn stage(self) -> Stage {
                 match self { $(EffectId::$effect => Stage::$stage,)* }
+            }
+
+            /// Its parameters under the catalogue's names; the first measures its size.
+            pub fn named_parameters(self) -> &'static [Named] {
+                match self { $(EffectId::$effect => super::$module::Term::NAMED,)* }
+            }
+
+            /// Its parameters as they are searched.
+            pub fn parameters(self, reach: &Reach) -> Vec<EffectParameter> {
+                match self { $(EffectId::$effect => super::$module::Term::parameters(reach),)* }
+            }
+
+            /// How many parameters are searched.
+            #[inline]
+            pub fn searched_count(self) -> usize {
+                match self { $(EffectId::$effect => super::$module::Term::NAMED.len(),)* }
+            }
+
+            /// Points from which a search starts; empty where logs of this reach cannot show the effect.
+            pub fn starts(self, reach: &Reach) -> Vec<Vec<f64>> {
+                match self { $(EffectId::$effect => super::$module::Term::starts(reach),)* }
+            }
+
+            /// Puts the effect on a chain; `bare_kg_m2` is the inertia of the bare link.
+            #[inline]
+            pub fn apply<T: Real>(self, values: &[T], bare_kg_m2: T, chain: &mut Chain<T>) {
+                match self { $(EffectId::$effect => super::$module::Term::apply(values, bare_kg_m2, chain),)* }
+            }
+
+            /// The values under the catalogue's names, of the values as they are searched.
+            pub fn named(self, values: &[f64], coulomb_nm: f64) -> Vec<f64> {
+                match self { $(EffectId::$effect => super::$module::Term::named(values, coulomb_nm),)* }
+            }
+
+            /// The values as they are searched, of the catalogue's.
+            pub fn searched(self, named: &[f64], coulomb_nm: f64) -> Vec<f64> {
+                match self { $(EffectId::$effect => super::$module::Term::searched(named, coulomb_nm),)* }
             }
         }
     };
@@ -64,39 +107,47 @@ macro_rules! catalogue {
 
 catalogue! {
     /// Static friction above Coulomb's, falling with speed.
-    Stribeck, "stribeck", Link;
+    Stribeck, stribeck, Link;
     /// Friction that grows with the gravity torque on the bearing.
-    LoadFriction, "load_friction", Link;
+    LoadFriction, load_friction, Link;
     /// Friction that grows with the motor torque through the gears.
-    GearFriction, "gear_friction", Gearing;
+    GearFriction, gear_friction, Gearing;
     /// Friction that grows with the square of the speed.
-    QuadraticDrag, "quadratic_drag", Link;
+    QuadraticDrag, quadratic_drag, Link;
     /// Coulomb friction that differs with the direction.
-    AsymmetricFriction, "asymmetric_friction", Link;
+    AsymmetricFriction, asymmetric_friction, Link;
     /// Coulomb friction that varies over a turn.
-    PositionFriction, "position_friction", Link;
+    PositionFriction, position_friction, Link;
     /// Friction that changes along a log.
-    FrictionDrift, "friction_drift", Link;
+    FrictionDrift, friction_drift, Link;
     /// Free play between motor and link.
-    Backlash, "backlash", Gearing;
+    Backlash, backlash, Gearing;
     /// A parallel spring.
-    JointSpring, "joint_spring", Link;
+    JointSpring, joint_spring, Link;
     /// A stop inside the range of motion.
-    EndStop, "end_stop", Link;
+    EndStop, end_stop, Link;
     /// The encoder's zero, or the direction of the centre of mass.
-    AngleOffset, "angle_offset", Sensor;
+    AngleOffset, angle_offset, Sensor;
     /// The encoder's gain.
-    SensorGain, "sensor_gain", Sensor;
+    SensorGain, sensor_gain, Sensor;
     /// The setpoint acts late.
-    Delay, "delay", Delay;
+    Delay, delay, Delay;
     /// The setpoint is taken over only every so often.
-    SetpointHold, "setpoint_hold", Setpoint;
+    SetpointHold, setpoint_hold, Setpoint;
     /// The motor's torque saturates.
-    TorqueLimit, "torque_limit", Motor;
+    TorqueLimit, torque_limit, Motor;
     /// The motor's torque falls with speed.
-    SpeedLimit, "speed_limit", Motor;
+    SpeedLimit, speed_limit, Motor;
     /// The motor delivers more or less than commanded.
-    MotorGain, "motor_gain", Motor;
+    MotorGain, motor_gain, Motor;
+}
+
+impl EffectId {
+    /// Whether only a motor that is on can show it.
+    pub fn is_driven_only(self) -> bool {
+        use EffectId::{Delay, GearFriction, MotorGain, SetpointHold, SpeedLimit, TorqueLimit};
+        matches!(self, GearFriction | Delay | SetpointHold | TorqueLimit | SpeedLimit | MotorGain)
+    }
 }
 
 impl fmt::Display for EffectId {

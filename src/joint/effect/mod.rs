@@ -1,5 +1,141 @@
 //! The catalogue of unmodelled effects: terms that may be added to one stage of the chain.
+//!
+//! Each effect is one file with its physics, its parameters (units, zero, bounds), the points from which a search
+//! starts, and the term that it puts on a [`Chain`]. They serve fitting and simulation alike. One more effect is one
+//! file and one line in the table of `catalogue.rs`.
 
+mod angle_offset;
+mod asymmetric_friction;
+mod backlash;
 mod catalogue;
+mod delay;
+mod end_stop;
+mod friction_drift;
+mod gear_friction;
+mod joint_spring;
+mod load_friction;
+mod motor_gain;
+mod position_friction;
+mod quadratic_drag;
+mod sensor_gain;
+mod setpoint_hold;
+mod speed_limit;
+mod stribeck;
+#[cfg(test)]
+mod tests;
+mod torque_limit;
+
+use super::{Chain, Real};
 
 pub use catalogue::{EffectId, Stage, UnknownEffect};
+
+/// How an effect's parameter is searched.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Scan {
+    /// By its logarithm.
+    Logarithm,
+    /// As it is, with a typical change in its unit.
+    Linear(f64),
+    /// Not at all: it takes the values of the starting points only.
+    Held,
+}
+
+/// A parameter as it is searched.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EffectParameter {
+    /// Name; that of the catalogue where the two are the same.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Lowest value.
+    pub lower: f64,
+    /// Highest value.
+    pub upper: f64,
+    /// How it is searched.
+    pub scan: Scan,
+}
+
+impl EffectParameter {
+    fn linear(name: &'static str, unit: &'static str, [lower, upper]: [f64; 2], scale: f64) -> Self {
+        Self { name, unit, lower, upper, scan: Scan::Linear(scale) }
+    }
+
+    fn logarithm(name: &'static str, unit: &'static str, [lower, upper]: [f64; 2]) -> Self {
+        Self { name, unit, lower, upper, scan: Scan::Logarithm }
+    }
+}
+
+/// A parameter under the catalogue's name.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Named {
+    /// The catalogue's name.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// What it is where the effect is absent; a limit is absent at infinity.
+    pub zero: f64,
+}
+
+/// How far a joint and its logs reach: what gives an effect's parameters their typical sizes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reach {
+    /// Largest gravity torque, or drive torque where there is no gravity \[N m\].
+    pub torque_nm: f64,
+    /// Of the nominal joint \[N m\].
+    pub coulomb_nm: f64,
+    /// Of the nominal bare link \[kg m^2\].
+    pub inertia_kg_m2: f64,
+    /// Largest speed \[rad/s\].
+    pub speed_rad_s: f64,
+    /// Lowest and highest angle \[rad\].
+    pub angle_rad: [f64; 2],
+    /// Longest log \[s\].
+    pub duration_s: f64,
+    /// Quantisation step \[rad\], or noise.
+    pub resolution_rad: f64,
+    /// The driven logs, where there are any.
+    pub driven: Option<DrivenReach>,
+}
+
+/// How far driven logs reach.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DrivenReach {
+    /// Largest commanded torque \[N m\].
+    pub command_nm: f64,
+    /// Largest speed \[rad/s\].
+    pub speed_rad_s: f64,
+    /// Sampling period \[s\].
+    pub period_s: f64,
+    /// Some are driven by a setpoint, not by a torque.
+    pub by_setpoint: bool,
+}
+
+/// One effect of the catalogue.
+trait Effect {
+    /// Its parameters under the catalogue's names; the first measures its size.
+    const NAMED: &'static [Named];
+
+    /// Its parameters as they are searched.
+    fn parameters(reach: &Reach) -> Vec<EffectParameter>;
+
+    /// Points from which a search starts; empty where the logs cannot show the effect.
+    fn starts(reach: &Reach) -> Vec<Vec<f64>>;
+
+    /// Puts the term on a chain; `bare_kg_m2` is the inertia of the bare link.
+    fn apply<T: Real>(values: &[T], bare_kg_m2: T, chain: &mut Chain<T>);
+
+    /// The values under the catalogue's names, of the values as they are searched.
+    fn named(values: &[f64], _coulomb_nm: f64) -> Vec<f64> {
+        values.to_vec()
+    }
+
+    /// The values as they are searched, of the catalogue's.
+    fn searched(named: &[f64], _coulomb_nm: f64) -> Vec<f64> {
+        named.to_vec()
+    }
+}
+
+/// All combinations of two sets of values.
+fn pairs(a: &[f64], b: &[f64]) -> Vec<Vec<f64>> {
+    a.iter().flat_map(|&a| b.iter().map(move |&b| vec![a, b])).collect()
+}

@@ -4,12 +4,10 @@
 //! back. Sizes in this module and its users are CSS pixels, [`px`] turns them into drawing units.
 
 use std::io;
-use std::ops::Range;
 use std::sync::OnceLock;
 
 use plotters::chart::ChartContext;
 use plotters::coord::Shift;
-use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use plotters::drawing::DrawingAreaErrorKind;
 use plotters::prelude::{
     Cartesian2d, ChartBuilder, Circle, DrawingArea, IntoDrawingArea, PathElement, Polygon, RGBAColor, RGBColor,
@@ -18,6 +16,7 @@ use plotters::prelude::{
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontDesc, FontFamily, FontStyle, FontTransform, TextStyle, register_font};
 
+use super::axis::{Axis, drawable};
 use crate::report::ReportError;
 use crate::report::rows::shorten;
 
@@ -31,41 +30,53 @@ pub(crate) const FONT_REGULAR: &[u8] = include_bytes!("../../../assets/dejavu-sa
 pub(crate) const FONT_BOLD: &[u8] = include_bytes!("../../../assets/dejavu-sans-bold.ttf");
 
 /// Okabe and Ito's colour-blind-safe palette (2008), the part in use.
-pub(super) const SIMPLE: RGBColor = RGBColor(230, 159, 0);
-pub(super) const EXTENSIVE: RGBColor = RGBColor(0, 114, 178);
-pub(super) const SETPOINT: RGBColor = RGBColor(0, 158, 115);
-pub(super) const POSITIVE: RGBColor = RGBColor(213, 94, 0);
-pub(super) const MEASURED: RGBColor = RGBColor(90, 90, 90);
-pub(super) const INK: RGBColor = RGBColor(34, 34, 34);
-pub(super) const BAND: RGBColor = RGBColor(204, 121, 167);
-pub(super) const SHADE: RGBColor = RGBColor(150, 150, 150);
+pub(in crate::report) const SIMPLE: RGBColor = RGBColor(230, 159, 0);
+pub(in crate::report) const EXTENSIVE: RGBColor = RGBColor(0, 114, 178);
+pub(in crate::report) const SETPOINT: RGBColor = RGBColor(0, 158, 115);
+pub(in crate::report) const POSITIVE: RGBColor = RGBColor(213, 94, 0);
+pub(in crate::report) const MEASURED: RGBColor = RGBColor(90, 90, 90);
+pub(in crate::report) const INK: RGBColor = RGBColor(34, 34, 34);
+pub(in crate::report) const BAND: RGBColor = RGBColor(204, 121, 167);
+pub(in crate::report) const SHADE: RGBColor = RGBColor(150, 150, 150);
 const GRID: RGBColor = RGBColor(224, 224, 224);
 
+/// A gap as given, recalibrated, with the answer's effects.
+pub(in crate::report) const BEFORE: RGBColor = SIMPLE;
+pub(in crate::report) const CALIBRATED: RGBColor = RGBColor(86, 180, 233);
+pub(in crate::report) const AFTER: RGBColor = EXTENSIVE;
+
 /// Models in the order of the report: simple, extensive.
-pub(super) const MODEL_COLOURS: [RGBColor; 2] = [SIMPLE, EXTENSIVE];
+pub(in crate::report) const MODEL_COLOURS: [RGBColor; 2] = [SIMPLE, EXTENSIVE];
 
 /// Width of every figure \[px\].
-pub(super) const WIDTH: f64 = 920.0;
+pub(in crate::report) const WIDTH: f64 = 920.0;
 /// Left and right margins that every chart keeps \[px\].
-pub(super) const LEFT: f64 = 84.0;
-pub(super) const RIGHT: f64 = 24.0;
+pub(in crate::report) const LEFT: f64 = 84.0;
+pub(in crate::report) const RIGHT: f64 = 24.0;
 /// Where a legend of two rows ends \[px\].
-pub(super) const LEGEND_END: f64 = 79.0;
+pub(in crate::report) const LEGEND_END: f64 = 79.0;
+/// Middle of a legend's first row, and the height of a row \[px\].
+const LEGEND_TOP: f64 = 44.0;
+const LEGEND_ROW: f64 = 19.0;
 /// Points that one series of a figure may have.
-pub(super) const MOST_POINTS: usize = 2000;
+pub(in crate::report) const MOST_POINTS: usize = 2000;
 
-pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-pub(super) type DrawError = DrawingAreaErrorKind<io::Error>;
-pub(super) type Drawn = Result<(), DrawError>;
-pub(super) type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<Axis, Axis>>;
+pub(in crate::report) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+pub(in crate::report) type DrawError = DrawingAreaErrorKind<io::Error>;
+pub(in crate::report) type Drawn = Result<(), DrawError>;
+pub(in crate::report) type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<Axis, Axis>>;
 
 /// CSS pixels in drawing units.
-pub(super) fn px(pixels: f64) -> i32 {
+pub(in crate::report) fn px(pixels: f64) -> i32 {
     (pixels * SCALE).round() as i32
 }
 
 /// Draws one figure: white ground, title, then whatever `draw` adds below it.
-pub(super) fn sketch(title: &str, height: f64, draw: impl FnOnce(&Area<'_>) -> Drawn) -> Result<String, ReportError> {
+pub(in crate::report) fn sketch(
+    title: &str,
+    height: f64,
+    draw: impl FnOnce(&Area<'_>) -> Drawn,
+) -> Result<String, ReportError> {
     register_fonts()?;
     let failed = |cause: DrawError| ReportError::Draw { figure: title.to_owned(), cause: cause.to_string() };
     let mut svg = String::new();
@@ -103,7 +114,7 @@ fn shrunk(svg: &str, height: f64) -> String {
 
 /// How a text looks and which of its points is placed.
 #[derive(Clone, Copy)]
-pub(super) struct Look {
+pub(in crate::report) struct Look {
     pub size: f64,
     pub colour: RGBColor,
     pub bold: bool,
@@ -127,13 +138,18 @@ impl Look {
     }
 
     /// Width of a text \[px\]; 0 where the font cannot tell.
-    pub(super) fn width(self, words: &str) -> f64 {
+    pub(in crate::report) fn width(self, words: &str) -> f64 {
+        // A figure may want to know before it is begun; a damaged font shows when it is drawn.
+        let _ = register_fonts();
+        if register_fonts().is_err() {
+            return 0.0;
+        }
         let upright = Self { upward: false, ..self };
         upright.style().font.box_size(words).map_or(0.0, |(width, _)| f64::from(width) / SCALE)
     }
 
     /// Shortens a text in the middle until it fits.
-    pub(super) fn fit(self, words: &str, room: f64) -> String {
+    pub(in crate::report) fn fit(self, words: &str, room: f64) -> String {
         let mut most = words.chars().count();
         let mut fitted = words.to_owned();
         while most > 1 && self.width(&fitted) > room {
@@ -145,7 +161,7 @@ impl Look {
 }
 
 /// Writes a text at a point \[px\], vertically centred; characters that XML forbids are replaced.
-pub(super) fn text(area: &Area<'_>, (x, y): (f64, f64), words: &str, look: Look) -> Drawn {
+pub(in crate::report) fn text(area: &Area<'_>, (x, y): (f64, f64), words: &str, look: Look) -> Drawn {
     let forbidden = |c: char| c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}');
     let clean: String = words.chars().map(|c| if forbidden(c) { '\u{fffd}' } else { c }).collect();
     let room = if look.upward { f64::INFINITY } else { WIDTH - RIGHT - LEFT.min(x) };
@@ -153,147 +169,23 @@ pub(super) fn text(area: &Area<'_>, (x, y): (f64, f64), words: &str, look: Look)
 }
 
 /// Words in the middle of an area that has nothing to draw.
-pub(super) fn notice(area: &Area<'_>, words: &str) -> Drawn {
+pub(in crate::report) fn notice(area: &Area<'_>, words: &str) -> Drawn {
     let (width, height) = area.dim_in_pixel();
     let middle = (f64::from(width) / SCALE / 2.0, f64::from(height) / SCALE / 2.0);
     let look = Look { colour: MEASURED, anchor: HPos::Center, ..Look::default() };
     area.draw_text(words, &look.style(), (px(middle.0), px(middle.1)))
 }
 
-pub(super) fn stroke(colour: impl Color, width: f64) -> ShapeStyle {
+pub(in crate::report) fn stroke(colour: impl Color, width: f64) -> ShapeStyle {
     ShapeStyle { color: colour.to_rgba(), filled: false, stroke_width: px(width) as u32 }
 }
 
-pub(super) fn filled(colour: impl Color, opacity: f64) -> ShapeStyle {
+pub(in crate::report) fn filled(colour: impl Color, opacity: f64) -> ShapeStyle {
     colour.mix(opacity).filled()
 }
 
-/// Range of an axis, its ticks and their labels.
-#[derive(Clone)]
-pub(super) struct Axis {
-    low: f64,
-    high: f64,
-    ticks: Vec<(f64, String)>,
-}
-
-impl Axis {
-    /// An axis over all drawable values, widened by a share of its span on both sides.
-    ///
-    /// No value at all gives 0 to 1, a single value a little room on both sides.
-    pub(super) fn over(values: impl IntoIterator<Item = f64>, margin: f64) -> Self {
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for value in values.into_iter().filter(|value| drawable(*value)) {
-            (low, high) = (low.min(value), high.max(value));
-        }
-        if low > high {
-            return Self::between(0.0, 1.0);
-        }
-        let magnitude = low.abs().max(high.abs());
-        if high - low <= 1e-9 * magnitude || high - low < 1e-250 {
-            let room = if magnitude < 1e-200 { 1e-3 } else { 0.1 * magnitude };
-            return Self::between(low - room, high + room);
-        }
-        let room = margin * (high - low);
-        Self::between(low - room, high + room)
-    }
-
-    /// An axis between two limits, `low < high`, with ticks at multiples of 1, 2 or 5.
-    pub(super) fn between(low: f64, high: f64) -> Self {
-        let rough = (high - low) / 8.0;
-        let power = rough.log10().floor();
-        let step = [1.0, 2.0, 5.0, 10.0].map(|s| s * 10f64.powf(power)).into_iter().find(|step| *step >= rough);
-        let step = step.unwrap_or(rough);
-        let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
-        let decimals = (-step.log10() - 1e-9).ceil().max(0.0) as usize;
-        let plain = decimals <= 6 && low.abs().max(high.abs()) < 1e6;
-        let label = |tick: f64| if plain { format!("{tick:.decimals$}") } else { short_exponent(tick, step) };
-        let ticks = (first..=last).map(|k| k as f64 * step).map(|tick| (tick, label(tick).replace('-', "\u{2212}")));
-        Self { low, high, ticks: ticks.collect() }
-    }
-
-    /// A logarithmic axis; its coordinates are the decimal logarithms.
-    pub(super) fn decades(low: i32, high: i32) -> Self {
-        let stride = ((high - low) / 7 + 1).max(1) as usize;
-        let label = |exponent: i32| format!("10{}", superscript(exponent));
-        let ticks = (low..=high).step_by(stride).map(|exponent| (f64::from(exponent), label(exponent))).collect();
-        Self { low: f64::from(low), high: f64::from(high), ticks }
-    }
-
-    /// An axis that counts from `low` to `high`, with ticks at whole numbers.
-    pub(super) fn counting(low: usize, high: usize) -> Self {
-        let mut axis = Self::between(low as f64 - 0.5, high.max(low) as f64 + 0.5);
-        axis.ticks.retain(|(tick, _)| tick.fract() == 0.0);
-        for (tick, label) in &mut axis.ticks {
-            *label = format!("{tick:.0}").replace('-', "\u{2212}");
-        }
-        axis
-    }
-
-    pub(super) fn low(&self) -> f64 {
-        self.low
-    }
-
-    pub(super) fn high(&self) -> f64 {
-        self.high
-    }
-
-    fn label(&self, at: f64) -> String {
-        self.ticks.iter().find(|(tick, _)| *tick == at).map(|(_, label)| label.clone()).unwrap_or_default()
-    }
-}
-
-impl Ranged for Axis {
-    type FormatOption = NoDefaultFormatting;
-    type ValueType = f64;
-
-    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
-        let share = (value - self.low) / (self.high - self.low);
-        limit.0 + (f64::from(limit.1 - limit.0) * share).round() as i32
-    }
-
-    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
-        let ticks = if hint.weight().allow_light_points() { &[][..] } else { &self.ticks };
-        ticks.iter().map(|(tick, _)| *tick).collect()
-    }
-
-    fn range(&self) -> Range<f64> {
-        self.low..self.high
-    }
-}
-
-impl ValueFormatter<f64> for Axis {
-    fn format_ext(&self, value: &f64) -> String {
-        self.label(*value)
-    }
-}
-
-/// Whether a value has a place on a figure at all.
-pub(super) fn drawable(value: f64) -> bool {
-    value.is_finite() && value.abs() < 1e100
-}
-
-/// `tick` with an exponent and no more digits than multiples of `step` need.
-fn short_exponent(tick: f64, step: f64) -> String {
-    if tick == 0.0 {
-        return "0".to_owned();
-    }
-    let digits = (tick.abs().log10().floor() - step.log10().floor()).clamp(0.0, 12.0) as usize;
-    format!("{tick:.digits$e}")
-}
-
-fn superscript(number: i32) -> String {
-    let raised = |c: char| match c {
-        '-' => '⁻',
-        '1' => '¹',
-        '2' => '²',
-        '3' => '³',
-        digit => digit.to_digit(10).and_then(|d| char::from_u32(0x2070 + d)).unwrap_or(digit),
-    };
-    number.to_string().chars().map(raised).collect()
-}
-
 /// Axes of a chart in the given box \[px\]: top, bottom; without an `x_label` the x ticks stay unnamed.
-pub(super) fn chart<'a, 'b>(
+pub(in crate::report) fn chart<'a, 'b>(
     root: &'a Area<'b>,
     (top, bottom): (f64, f64),
     (x, y): (&Axis, &Axis),
@@ -327,21 +219,26 @@ pub(super) fn chart<'a, 'b>(
 }
 
 /// A line through the points; what cannot be drawn leaves a gap.
-pub(super) fn line(chart: &mut Chart<'_, '_>, points: &[(f64, f64)], style: ShapeStyle) -> Drawn {
+pub(in crate::report) fn line(chart: &mut Chart<'_, '_>, points: &[(f64, f64)], style: ShapeStyle) -> Drawn {
     let pieces = points.split(|(x, y)| !drawable(*x) || !drawable(*y)).filter(|piece| piece.len() > 1);
     chart.draw_series(pieces.map(|piece| PathElement::new(piece, style)))?;
     Ok(())
 }
 
 /// Filled dots; what cannot be drawn is left out.
-pub(super) fn dots(chart: &mut Chart<'_, '_>, points: &[(f64, f64)], radius: f64, style: ShapeStyle) -> Drawn {
+pub(in crate::report) fn dots(
+    chart: &mut Chart<'_, '_>,
+    points: &[(f64, f64)],
+    radius: f64,
+    style: ShapeStyle,
+) -> Drawn {
     let seen = points.iter().filter(|(x, y)| drawable(*x) && drawable(*y));
     chart.draw_series(seen.map(|point| Circle::new(*point, px(radius), style)))?;
     Ok(())
 }
 
 /// The area between two curves over `x`, given as `(x, low, high)`.
-pub(super) fn band(chart: &mut Chart<'_, '_>, points: &[(f64, f64, f64)], style: ShapeStyle) -> Drawn {
+pub(in crate::report) fn band(chart: &mut Chart<'_, '_>, points: &[(f64, f64, f64)], style: ShapeStyle) -> Drawn {
     let hole = |(x, low, high): &(f64, f64, f64)| !drawable(*x) || !drawable(*low) || !drawable(*high);
     for piece in points.split(hole).filter(|piece| piece.len() > 1) {
         let there = piece.iter().map(|(x, low, _)| (*x, *low));
@@ -352,14 +249,14 @@ pub(super) fn band(chart: &mut Chart<'_, '_>, points: &[(f64, f64, f64)], style:
 }
 
 /// A rectangle in the chart's coordinates, given by two opposite corners.
-pub(super) fn block(chart: &mut Chart<'_, '_>, corners: [(f64, f64); 2], style: ShapeStyle) -> Drawn {
+pub(in crate::report) fn block(chart: &mut Chart<'_, '_>, corners: [(f64, f64); 2], style: ShapeStyle) -> Drawn {
     chart.draw_series([Rectangle::new(corners, style)])?;
     Ok(())
 }
 
 /// Sign of a legend entry.
 #[derive(Clone, Copy)]
-pub(super) enum Sign {
+pub(in crate::report) enum Sign {
     Dot,
     Line,
     Box,
@@ -367,21 +264,39 @@ pub(super) enum Sign {
 }
 
 /// The mark of a nominal value around a point \[px\].
-pub(super) fn diamond((x, y): (f64, f64), style: ShapeStyle) -> Polygon<(i32, i32)> {
+pub(in crate::report) fn diamond((x, y): (f64, f64), style: ShapeStyle) -> Polygon<(i32, i32)> {
     let corners = [(x - 5.0, y), (x, y - 7.0), (x + 5.0, y), (x, y + 7.0)];
     Polygon::new(corners.map(|(x, y)| (px(x), px(y))), style)
 }
 
-/// Legend in rows under the title, with `names` as `(sign, colour, words)`; returns where it ends \[px\].
-pub(super) fn legend(root: &Area<'_>, names: &[(Sign, RGBAColor, String)]) -> Result<f64, DrawError> {
+/// One entry of a legend: sign, colour, words.
+pub(in crate::report) type LegendEntry = (Sign, RGBAColor, String);
+
+/// Places of a legend's entries \[px\], with their words as they fit.
+fn legend_places(names: &[LegendEntry]) -> Vec<([f64; 2], String)> {
     let look = Look::default();
-    let (mut x, mut y) = (LEFT, 44.0);
-    for (sign, colour, words) in names {
+    let (mut x, mut y) = (LEFT, LEGEND_TOP);
+    let mut places = Vec::with_capacity(names.len());
+    for (_, _, words) in names {
         let words = look.fit(words, WIDTH - LEFT - RIGHT - 26.0);
         let width = 26.0 + look.width(&words);
         if x > LEFT && x + width > WIDTH - RIGHT {
-            (x, y) = (LEFT, y + 19.0);
+            (x, y) = (LEFT, y + LEGEND_ROW);
         }
+        places.push(([x, y], words));
+        x += width + 22.0;
+    }
+    places
+}
+
+/// Where a legend will end \[px\].
+pub(in crate::report) fn legend_end(names: &[LegendEntry]) -> f64 {
+    legend_places(names).last().map_or(LEGEND_TOP, |([_, y], _)| *y) + 16.0
+}
+
+/// Legend in rows under the title; returns where it ends \[px\].
+pub(in crate::report) fn legend(root: &Area<'_>, names: &[LegendEntry]) -> Result<f64, DrawError> {
+    for ((sign, colour, _), ([x, y], words)) in names.iter().zip(legend_places(names)) {
         match sign {
             Sign::Dot => root.draw(&Circle::new((px(x + 10.0), px(y)), px(2.5), colour.filled()))?,
             Sign::Line => {
@@ -394,16 +309,15 @@ pub(super) fn legend(root: &Area<'_>, names: &[(Sign, RGBAColor, String)]) -> Re
                 root.draw(&Rectangle::new(corners, colour.filled()))?;
             }
         }
-        text(root, (x + 26.0, y), &words, look)?;
-        x += width + 22.0;
+        text(root, (x + 26.0, y), &words, Look::default())?;
     }
-    Ok(y + 16.0)
+    Ok(legend_end(names))
 }
 
 /// Which samples of a column to draw so that no peak is lost: of each bucket the lowest and the highest, one that is not
 /// a number where there is one, so that gaps stay gaps, and a few evenly spaced ones, because extremes alone would draw
 /// noise as two curves. In order, at most `limit`.
-fn thin(column: &[f64], limit: usize) -> Vec<usize> {
+fn thin_to(column: &[f64], limit: usize) -> Vec<usize> {
     const EVEN: usize = 5;
     let (length, buckets) = (column.len(), limit / (EVEN + 3));
     if length <= limit || buckets == 0 {
@@ -423,10 +337,15 @@ fn thin(column: &[f64], limit: usize) -> Vec<usize> {
     kept
 }
 
+/// Which samples of a column to draw, at most [`MOST_POINTS`].
+pub(in crate::report) fn thin(column: &[f64]) -> Vec<usize> {
+    thin_to(column, MOST_POINTS)
+}
+
 /// A thinned curve over `x`.
-pub(super) fn thinned(x: &[f64], y: &[f64]) -> Vec<(f64, f64)> {
+pub(in crate::report) fn thinned(x: &[f64], y: &[f64]) -> Vec<(f64, f64)> {
     let length = x.len().min(y.len());
-    thin(&y[..length], MOST_POINTS).into_iter().map(|i| (x[i], y[i])).collect()
+    thin(&y[..length]).into_iter().map(|i| (x[i], y[i])).collect()
 }
 
 #[cfg(test)]
@@ -435,37 +354,12 @@ mod tests {
 
     use super::*;
 
-    fn labels(axis: &Axis) -> Vec<&str> {
-        axis.ticks.iter().map(|(_, label)| label.as_str()).collect()
-    }
-
-    #[test]
-    fn ticks_are_round_numbers_with_equal_decimals() {
-        assert_eq!(labels(&Axis::between(-0.42, 0.41)), ["−0.4", "−0.2", "0.0", "0.2", "0.4"]);
-        assert_eq!(labels(&Axis::between(0.0, 6.0)), ["0", "1", "2", "3", "4", "5", "6"]);
-        assert_eq!(labels(&Axis::between(0.0, 2.5e-8)), ["0", "5e−9", "1.0e−8", "1.5e−8", "2.0e−8", "2.5e−8"]);
-    }
-
-    #[test]
-    fn logarithmic_ticks_are_powers_of_ten() {
-        assert_eq!(labels(&Axis::decades(-12, 2)), ["10⁻¹²", "10⁻⁹", "10⁻⁶", "10⁻³", "10⁰"]);
-    }
-
-    #[test]
-    fn degenerate_ranges_get_room() {
-        for values in [vec![], vec![f64::NAN], vec![0.0; 3], vec![7.5], vec![1.0, 1.0 + 1e-15], vec![-1e99, 1e99]] {
-            let axis = Axis::over(values.iter().copied(), 0.05);
-            assert!(axis.low < axis.high, "{values:?}");
-            assert!((2..12).contains(&axis.ticks.len()), "{values:?}: {:?}", labels(&axis));
-        }
-    }
-
     #[test]
     fn thinning_keeps_peaks_and_gaps() {
         let mut column: Vec<f64> = (0..10_000).map(|i| f64::from(i).sin()).collect();
         column[4321] = 9.0;
         column[7000] = f64::NAN;
-        let kept = thin(&column, MOST_POINTS);
+        let kept = thin(&column);
         assert!(kept.len() <= MOST_POINTS && kept.contains(&4321) && kept.contains(&7000));
     }
 
@@ -479,15 +373,8 @@ mod tests {
 
     proptest! {
         #[test]
-        fn axes_hold_for_any_values(values in prop::collection::vec(prop::num::f64::ANY, 0..20)) {
-            let axis = Axis::over(values, 0.05);
-            prop_assert!(axis.low < axis.high && axis.low.is_finite() && axis.high.is_finite());
-            prop_assert!(axis.ticks.len() < 20);
-        }
-
-        #[test]
         fn thinning_is_in_order_and_within_its_limit(values in prop::collection::vec(prop::num::f64::ANY, 0..300)) {
-            let kept = thin(&values, 50);
+            let kept = thin_to(&values, 50);
             prop_assert!(kept.len() <= 50 && kept.is_sorted());
         }
     }

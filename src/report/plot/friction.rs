@@ -2,7 +2,8 @@
 
 use plotters::style::Color;
 
-use super::canvas::{Axis, EXTENSIVE, INK, Sign, band, chart, filled, legend, line, notice, sketch, stroke};
+use super::axis::Axis;
+use super::canvas::{EXTENSIVE, INK, Sign, band, chart, filled, legend, line, notice, sketch, stroke};
 use crate::report::{FrictionPoint, ReportError};
 
 const HEIGHT: f64 = 440.0;

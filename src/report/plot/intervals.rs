@@ -4,9 +4,10 @@ use plotters::prelude::{Circle, PathElement, Polygon};
 use plotters::style::text_anchor::HPos;
 use plotters::style::{Color, RGBColor};
 
+use super::axis::drawable;
 use super::canvas::{
-    Area, Drawn, INK, LEFT, Look, MEASURED, MODEL_COLOURS, RIGHT, Sign, WIDTH, diamond, drawable, filled, legend, px,
-    sketch, stroke, text,
+    Area, Drawn, INK, LEFT, Look, MEASURED, MODEL_COLOURS, RIGHT, Sign, WIDTH, diamond, filled, legend, px, sketch,
+    stroke, text,
 };
 use crate::report::number::significant;
 use crate::report::rows::{ParameterCells, is_shown, typeset_unit};
@@ -27,9 +28,15 @@ const NUMBERS: f64 = BARS[1] + 18.0;
 /// # Errors
 /// [`ReportError::Font`] and [`ReportError::Draw`], neither of which depends on the data.
 pub fn parameter_intervals(joint: &str, models: &[ModelSummary]) -> Result<String, ReportError> {
-    let rows = models.iter().map(|model| model.parameters.len() + 1).sum::<usize>();
+    let groups: Vec<_> = models.iter().map(|model| (model.name.as_str(), &model.parameters[..])).collect();
+    interval_bars(&format!("{joint} parameters with 95 % intervals"), &groups)
+}
+
+/// The same of any groups of parameters, each with a name.
+pub(in crate::report) fn interval_bars(title: &str, groups: &[(&str, &[ParameterRow])]) -> Result<String, ReportError> {
+    let rows = groups.iter().map(|(_, parameters)| parameters.len() + 1).sum::<usize>();
     let height = 60.0 + ROW * rows as f64 + 66.0;
-    sketch(&format!("{joint} parameters with 95 % intervals"), height, |root| {
+    sketch(title, height, |root| {
         let names = [
             (Sign::Dot, INK.to_rgba(), "estimate".to_owned()),
             (Sign::Line, INK.to_rgba(), "robust interval".to_owned()),
@@ -40,10 +47,10 @@ pub fn parameter_intervals(joint: &str, models: &[ModelSummary]) -> Result<Strin
         let bottom = top + ROW * rows as f64;
         ruler(root, top, bottom)?;
         let mut y = top + ROW / 2.0;
-        for (model, colour) in models.iter().zip(MODEL_COLOURS.into_iter().cycle()) {
-            text(root, (20.0, y), &model.name, Look { bold: true, ..Look::default() })?;
+        for ((name, parameters), colour) in groups.iter().zip(MODEL_COLOURS.into_iter().cycle()) {
+            text(root, (20.0, y), name, Look { bold: true, ..Look::default() })?;
             y += ROW;
-            for row in &model.parameters {
+            for row in *parameters {
                 parameter(root, y, row, colour)?;
                 y += ROW;
             }

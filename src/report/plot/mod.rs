@@ -1,13 +1,16 @@
 //! Figures as SVG, one function each; the drawing library stays in here.
 
-mod canvas;
+pub(super) mod axis;
+pub(super) mod canvas;
 mod correlation;
 mod friction;
-mod intervals;
+pub(super) mod heat;
+pub(super) mod intervals;
+pub(super) mod overlay;
 mod phase;
 mod swing;
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 mod trace;
 
 pub(super) use canvas::{FONT_BOLD, FONT_REGULAR};
@@ -106,7 +109,7 @@ fn widest_swing(logs: &[LogCurves]) -> Option<&LogCurves> {
 }
 
 /// A file name without folder and ending, reduced to letters, digits and dashes.
-fn plain(file: &str) -> String {
+pub(super) fn plain(file: &str) -> String {
     let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
     let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
     stem.chars().take(40).map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' }).collect()

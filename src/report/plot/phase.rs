@@ -3,9 +3,8 @@
 use nalgebra::{Matrix3, Vector3};
 use plotters::style::Color;
 
-use super::canvas::{
-    Axis, EXTENSIVE, MEASURED, MOST_POINTS, Sign, chart, dots, drawable, filled, legend, line, sketch, stroke,
-};
+use super::axis::{Axis, drawable};
+use super::canvas::{EXTENSIVE, MEASURED, MOST_POINTS, Sign, chart, dots, filled, legend, line, sketch, stroke};
 use crate::report::{LogCurves, ReportError};
 
 const HEIGHT: f64 = 520.0;

@@ -6,7 +6,7 @@ use super::*;
 use crate::report::{Correlation, FrictionPoint, ModelSummary, render_html, sample};
 
 /// All texts of a figure, after checking that it is sound XML with whole numbers only.
-fn texts(svg: &str) -> Vec<String> {
+pub(in crate::report) fn texts(svg: &str) -> Vec<String> {
     let document = roxmltree::Document::parse(svg).unwrap_or_else(|error| panic!("{error}:\n{svg}"));
     assert!(!svg.contains("NaN") && !svg.contains("inf\""), "a number that is none");
     let written = document.descendants().filter(|node| node.has_tag_name("text"));
@@ -66,6 +66,10 @@ fn a_long_log_is_thinned() {
 #[test]
 fn degenerate_data_is_drawn_without_panic() {
     let mut log = sample::single().logs.remove(0);
+    log.t_s[20] = 2.5e307;
+    log.first_fitted = 20;
+    log.half_step_rad = -1.6e240;
+    texts(&swing("q1", &log).expect("a time beyond all axes"));
     log.first_fitted = 10_000;
     texts(&swing("q1", &log).expect("nothing fitted"));
     texts(&phase_portrait("q1", &log).expect("nothing fitted"));

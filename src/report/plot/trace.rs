@@ -2,7 +2,8 @@
 
 use plotters::style::Color;
 
-use super::canvas::{Axis, MODEL_COLOURS, Sign, chart, dots, drawable, filled, legend, line, notice, sketch, stroke};
+use super::axis::{Axis, drawable};
+use super::canvas::{MODEL_COLOURS, Sign, chart, dots, filled, legend, line, notice, sketch, stroke};
 use crate::report::{ModelSummary, ReportError};
 
 const HEIGHT: f64 = 400.0;

@@ -1,0 +1,35 @@
+//! Layer 7b: sealed trials. Studies whose cause is drawn at random, and how well a diagnosis finds it.
+//!
+//! Which question: can the diagnosis be believed? A trial makes a study, seals what is true of it, diagnoses the study
+//! from its files alone, and only then opens the answer.
+//!
+//! The maker shares nothing with the code that diagnoses but the names of the effects: it has its own joints, its own
+//! integrator ([`sim`], time stepping with set-valued friction at 25 microseconds), its own formulas (half of the studies
+//! use variants of the catalogue's, such as presliding instead of rigid Coulomb friction) and mechanisms that the
+//! catalogue does not have ([`OutsideId`]).
+
+mod answer;
+mod cause;
+mod dice;
+mod joint;
+mod make;
+mod matter;
+mod mechanism;
+mod motion;
+mod plan;
+mod record;
+mod score;
+mod seal;
+mod sim;
+mod size;
+mod truth;
+mod write;
+
+pub use answer::{Answered, GapNumbers, Ranked, StatedEffect, StatedNumber};
+pub use cause::{Cause, CauseFilter, OutsideId, UnknownCause};
+pub use joint::Family;
+pub use make::{Made, make, make_filtered, make_with};
+pub use record::{RunRecord, TrialRecord};
+pub use score::{Bin, ByCause, BySize, Coverage, Judgement, Rate, Score, Stated, Table, Trial, WallTime, score};
+pub use seal::{Sealed, TRUTHS_FILE};
+pub use truth::{FourNumbers, Nearest, TrueMechanism, TrueNumber, Truth};

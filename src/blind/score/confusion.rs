@@ -1,0 +1,80 @@
+//! What was there against what was answered.
+
+use super::Trial;
+use crate::blind::answer::Answered;
+use crate::blind::truth::Truth;
+use crate::gap::Verdict;
+use crate::joint::EffectId;
+use serde::Serialize;
+
+/// Two effects at once.
+const PAIR: &str = "two effects";
+/// Something that the catalogue does not have.
+const OUTSIDE: &str = "outside";
+/// No answer.
+const FAILED: &str = "failed";
+
+/// A table of counts; only rows and columns that occur.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Table {
+    /// What was there.
+    pub rows: Vec<&'static str>,
+    /// What was answered.
+    pub columns: Vec<&'static str>,
+    /// `counts[row][column]`
+    pub counts: Vec<Vec<u32>>,
+}
+
+impl Table {
+    /// Counts trials.
+    pub fn of(trials: &[Trial]) -> Self {
+        let cells: Vec<(&'static str, &'static str)> =
+            trials.iter().map(|trial| (row(&trial.truth), column(&trial.answer))).collect();
+        let tail = [PAIR, "none", "calibration", OUTSIDE, "unexplained", FAILED];
+        let all: Vec<&'static str> = EffectId::ALL.iter().map(|effect| effect.id()).chain(tail).collect();
+        let kept = |used: &dyn Fn(&str) -> bool| all.iter().copied().filter(|name| used(name)).collect::<Vec<_>>();
+        let rows = kept(&|name| cells.iter().any(|(row, _)| *row == name));
+        // a column beside each row that is also an answer, so that the diagonal is whole
+        let columns = kept(&|name| {
+            cells.iter().any(|(row, column)| *column == name || (*row == name && name != OUTSIDE))
+                || (name == "unexplained" && rows.contains(&OUTSIDE))
+        });
+        let mut counts = vec![vec![0; columns.len()]; rows.len()];
+        for (row, column) in cells {
+            let at = rows.iter().position(|name| *name == row).zip(columns.iter().position(|name| *name == column));
+            if let Some((i, j)) = at {
+                counts[i][j] += 1;
+            }
+        }
+        Self { rows, columns, counts }
+    }
+
+    /// Whether a column is the right answer to a row.
+    pub fn is_right(row: &str, column: &str) -> bool {
+        row == column || (row == OUTSIDE && column == "unexplained")
+    }
+}
+
+fn row(truth: &Truth) -> &'static str {
+    match truth.verdict {
+        Verdict::None => "none",
+        Verdict::Calibration => "calibration",
+        Verdict::Unexplained => OUTSIDE,
+        Verdict::Effect if truth.second.is_some() => PAIR,
+        Verdict::Effect => truth.effect.unwrap_or(OUTSIDE),
+    }
+}
+
+fn column(answer: &Result<Answered, String>) -> &'static str {
+    let Ok(answer) = answer else { return FAILED };
+    match answer.verdict {
+        Verdict::None => "none",
+        Verdict::Calibration => "calibration",
+        Verdict::Unexplained => "unexplained",
+        Verdict::Effect if answer.second.is_some() => PAIR,
+        Verdict::Effect => {
+            let named = answer.effect.as_deref().and_then(|effect| effect.parse::<EffectId>().ok());
+            named.map_or(FAILED, EffectId::id)
+        }
+    }
+}

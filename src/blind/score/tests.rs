@@ -1,0 +1,180 @@
+//! Scores of hand-made trials.
+
+use super::*;
+use crate::blind::OutsideId;
+use crate::blind::answer::{GapNumbers, StatedEffect, StatedNumber};
+use crate::blind::joint::Family;
+use crate::blind::truth::{FourNumbers, TrueMechanism, TrueNumber};
+use crate::joint::{EffectId, Stage};
+use approx::assert_relative_eq;
+
+fn mechanism(effect: EffectId) -> TrueMechanism {
+    let parameters = vec![TrueNumber::new(effect.named_parameters()[0].name, "", 2.0)];
+    TrueMechanism { id: effect.id(), stage: effect.stage(), parameters, ratio: 10.0, left: 5.0 }
+}
+
+fn truth(verdict: Verdict, effects: &[EffectId]) -> Truth {
+    let numbers = FourNumbers::of([1.0, 2.0, 3.0, 4.0]);
+    Truth {
+        seed: 1,
+        trial: 0,
+        verdict,
+        effect: effects.first().map(|effect| effect.id()),
+        second: effects.get(1).copied(),
+        outside: (verdict == Verdict::Unexplained).then_some(OutsideId::Cogging),
+        stage: effects.first().map(|effect| effect.stage()),
+        mechanisms: effects.iter().map(|effect| mechanism(*effect)).collect(),
+        ratio: 10.0,
+        left: 5.0,
+        nearest: None,
+        joint: numbers,
+        nominal: numbers,
+        family: Family::Servo,
+        textbook: true,
+        noise_rad: 1e-3,
+        free_logs: 5,
+        driven_logs: 2,
+        loaded_logs: 1,
+    }
+}
+
+fn answered(verdict: Verdict, effects: &[EffectId], equivalent: &[EffectId], probability: f64) -> Answered {
+    let number = |name: &str, value: f64, interval: [f64; 2]| StatedNumber {
+        name: name.to_owned(),
+        value,
+        interval: Some(interval),
+        interval_naive: Some([value, value]),
+    };
+    let stated = |effect: &EffectId| StatedEffect {
+        effect: *effect,
+        parameters: vec![number(effect.named_parameters()[0].name, 2.1, [1.9, 2.3])],
+    };
+    Answered {
+        verdict,
+        effect: effects.first().map(|effect| effect.id().to_owned()),
+        second: effects.get(1).copied(),
+        equivalent: equivalent.to_vec(),
+        probability,
+        partial: None,
+        intervals_trusted: true,
+        stage: effects.first().map(|effect| effect.stage()),
+        variable: None,
+        gap: GapNumbers {
+            before: 0.03,
+            calibrated: 0.02,
+            after_first: 0.002,
+            after: 0.002,
+            floor: 0.002,
+            closed: Some(1.0),
+            closed_interval: None,
+        },
+        ranking: vec![],
+        effects: effects.iter().map(stated).collect(),
+        joint: vec![number("inertia", 1.1, [0.9, 1.3]), number("moment", 3.0, [2.5, 3.5])],
+    }
+}
+
+fn trial(truth: Truth, answer: Answered, wall_s: f64) -> Trial {
+    Trial { truth, answer: Ok(answer), wall_s }
+}
+
+use EffectId::{Delay, MotorGain, Stribeck};
+use Verdict::{Calibration, Effect, None as Nothing, Unexplained};
+
+#[test]
+fn an_answer_is_judged_by_what_it_names() {
+    let one = truth(Effect, &[Delay]);
+    let judge = |truth: &Truth, answer: Answered| Judgement::of(&trial(truth.clone(), answer, 1.0));
+
+    let right = judge(&one, answered(Effect, &[Delay], &[Delay], 0.9));
+    assert!(right.verdict && right.top && right.set && right.stage == Some(true) && right.missed == Some(false));
+    let near = judge(&one, answered(Effect, &[MotorGain], &[MotorGain, Delay], 0.9));
+    assert!(near.verdict && !near.top && near.set && near.any == Some(false) && near.stage == Some(false));
+    let too_much = judge(&one, answered(Effect, &[Delay, Stribeck], &[Delay], 0.9));
+    assert!(!too_much.top && !too_much.set && too_much.any == Some(true));
+    let missed = judge(&one, answered(Calibration, &[], &[], 0.9));
+    assert!(!missed.verdict && missed.missed == Some(true) && missed.false_alarm.is_none());
+
+    let two = truth(Effect, &[Delay, Stribeck]);
+    let turned = judge(&two, answered(Effect, &[Stribeck, Delay], &[Stribeck], 0.9));
+    assert!(turned.top && turned.set && turned.stage == Some(true), "the order of two effects does not count");
+    let half = judge(&two, answered(Effect, &[Stribeck], &[Stribeck], 0.9));
+    assert!(half.verdict && !half.top && !half.set && half.any == Some(true));
+
+    let nothing = truth(Nothing, &[]);
+    let alarm = judge(&nothing, answered(Unexplained, &[], &[], 0.9));
+    assert!(alarm.false_alarm == Some(true) && alarm.any.is_none() && alarm.stage.is_none());
+    let needless = judge(&nothing, answered(Calibration, &[], &[], 0.9));
+    assert!(!needless.verdict && needless.false_alarm == Some(false));
+}
+
+#[test]
+fn a_run_is_scored_by_hand() {
+    let mut wrong_number = answered(Calibration, &[], &[], 0.6);
+    wrong_number.effect = Some("moment".into());
+    let mut calibration = truth(Calibration, &[]);
+    calibration.effect = Some("coulomb");
+    let trials = vec![
+        trial(truth(Effect, &[Delay]), answered(Effect, &[Delay], &[Delay, MotorGain], 0.9), 0.5),
+        trial(truth(Effect, &[Stribeck]), answered(Calibration, &[], &[], 0.7), 1.5),
+        trial(truth(Effect, &[Delay, Stribeck]), answered(Effect, &[Delay], &[Delay], 0.5), 1.0),
+        trial(truth(Nothing, &[]), answered(Nothing, &[], &[], 0.98), 0.2),
+        trial(calibration, wrong_number, 0.3),
+        trial(truth(Unexplained, &[]), answered(Effect, &[Delay], &[Delay], 0.4), 0.4),
+        Trial { truth: truth(Unexplained, &[]), answer: Err("no".into()), wall_s: 0.1 },
+    ];
+    let score = score(&trials);
+    let counts = |rate: Rate| (rate.hits, rate.of);
+    assert_eq!((score.trials, score.failed), (7, 1));
+    assert_eq!(counts(score.verdict), (4, 7));
+    assert_eq!(counts(score.top), (3, 7));
+    assert_eq!((counts(score.single), counts(score.both), counts(score.either)), ((1, 2), (0, 1), (1, 1)));
+    assert_eq!(counts(score.number), (0, 1));
+    assert_relative_eq!(score.set_size.unwrap(), 4.0 / 3.0, epsilon = 1e-12);
+    assert_eq!((counts(score.false_alarms), counts(score.missed)), ((0, 2), (2, 5)));
+    assert_relative_eq!(score.false_alarm_bound, 1.0 - 0.05_f64.sqrt(), epsilon = 1e-9);
+    assert_eq!((counts(score.unexplained), counts(score.needless_calibration)), ((0, 2), (0, 1)));
+    assert_eq!(score.stated.bins.iter().map(|bin| bin.right.of).sum::<u32>(), 6, "a failure states nothing");
+    assert_eq!((score.wall.median_s, score.wall.max_s), (0.4, 1.5));
+
+    // right answers: delay, nothing, calibration; inertia 1 within [0.9, 1.3], moment 2 not within [2.5, 3.5]
+    assert_eq!(score.coverage[0].name, "inertia");
+    assert_eq!((counts(score.coverage[0].textbook), counts(score.coverage[1].textbook)), ((3, 3), (0, 3)));
+    assert_eq!(counts(score.coverage[0].textbook_naive), (0, 3));
+    let delay = score.coverage.iter().find(|c| c.name == "delay.T").unwrap();
+    assert_eq!((counts(delay.textbook), counts(delay.variant)), ((1, 1), (0, 0)));
+
+    let causes: Vec<&str> = score.causes.iter().map(|cause| cause.cause.as_str()).collect();
+    assert_eq!(causes, ["delay", "stribeck", "delay+stribeck", "cogging", "calibration", "none"]);
+    assert_eq!(score.causes[1].taken_for, Some(("calibration".into(), 1)));
+    assert_eq!((score.sizes.len(), score.sizes[0].from, counts(score.sizes[0].missed)), (1, 3.0, (1, 2)));
+}
+
+#[test]
+fn confusion_has_what_occurs_and_a_whole_diagonal() {
+    let trials = vec![
+        trial(truth(Effect, &[Delay]), answered(Calibration, &[], &[], 0.7), 1.0),
+        trial(truth(Effect, &[Delay, Stribeck]), answered(Effect, &[Stribeck, Delay], &[], 0.7), 1.0),
+        trial(truth(Unexplained, &[]), answered(Effect, &[MotorGain], &[], 0.7), 1.0),
+    ];
+    let table = Table::of(&trials);
+    assert_eq!(table.rows, ["delay", "two effects", "outside"]);
+    assert_eq!(table.columns, ["delay", "motor_gain", "two effects", "calibration", "unexplained"]);
+    assert_eq!(table.counts, [[0, 0, 0, 1, 0], [0, 0, 1, 0, 0], [0, 1, 0, 0, 0]]);
+    assert!(Table::is_right("outside", "unexplained") && !Table::is_right("delay", "unexplained"));
+}
+
+#[test]
+fn angles_are_covered_modulo_a_turn() {
+    let position = EffectId::PositionFriction;
+    let mut truth = truth(Effect, &[position]);
+    truth.mechanisms[0].parameters = vec![TrueNumber::new("phi", "rad", 3.1)];
+    let mut answer = answered(Effect, &[position], &[position], 0.9);
+    let turned = [3.0 - std::f64::consts::TAU, 3.2 - std::f64::consts::TAU];
+    answer.effects[0].parameters[0].name = "phi".into();
+    answer.effects[0].parameters[0].interval = Some(turned);
+    answer.effects[0].effect = position;
+    assert_eq!(answer.effects[0].effect.stage(), Stage::Link);
+    let found = coverage::coverage(&[trial(truth, answer, 1.0)]);
+    assert_eq!(found.iter().find(|c| c.name == "position_friction.phi").unwrap().textbook, Rate::new(1, 1));
+}

@@ -1,0 +1,56 @@
+//! The seal: the answers as one text, and its hash.
+
+use super::truth::Truth;
+use sha2::{Digest, Sha256};
+
+/// Name of the file with the answers, once they are open.
+pub const TRUTHS_FILE: &str = "truths.json";
+
+/// Sealed answers.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Sealed {
+    /// The answers as JSON without spaces, keys in a fixed order, one line.
+    pub text: String,
+    /// SHA-256 of that text, in hexadecimal digits.
+    pub sha256: String,
+}
+
+impl Sealed {
+    /// Seals answers.
+    ///
+    /// # Errors
+    /// Where an answer cannot be written as JSON.
+    pub fn new(truths: &[Truth]) -> Result<Self, serde_json::Error> {
+        let text = serde_json::to_string(truths)? + "\n";
+        let sha256 = sha256(&text);
+        Ok(Self { text, sha256 })
+    }
+
+    /// Whether a text is what was sealed.
+    pub fn is_of(&self, text: &str) -> bool {
+        sha256(text) == self.sha256
+    }
+
+    /// The line for a file that `sha256sum --check` reads.
+    pub fn line(&self) -> String {
+        format!("{}  {TRUTHS_FILE}\n", self.sha256)
+    }
+}
+
+fn sha256(text: &str) -> String {
+    Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_seal_is_of_its_text_and_of_no_other() {
+        let sealed = Sealed::new(&[]).unwrap();
+        assert_eq!(sealed.text, "[]\n");
+        assert!(sealed.is_of("[]\n") && !sealed.is_of("[] \n"));
+        // echo '[]' | sha256sum
+        assert_eq!(sealed.line(), "37517e5f3dc66819f61f5a7bb8ace1921282415f10551d2defa5c3eb0985b570  truths.json\n");
+    }
+}

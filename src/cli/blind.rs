@@ -1,0 +1,201 @@
+//! `aibo-fit blind`: sealed trials of the diagnosis.
+
+use super::CliError;
+use super::common::{CommonArgs, json_text, print};
+use super::progress::Progress;
+use super::provenance::provenance;
+use crate::blind::{
+    Answered, CauseFilter, Made, RunRecord, Sealed, TRUTHS_FILE, Trial, TrialRecord, Truth, make_filtered, score,
+};
+use crate::gap::{Diagnosis, GapOptions, diagnose};
+use crate::identify::Case;
+use crate::log::Outputs;
+use crate::report::{BlindReport, GapReport, blind_figures, blind_html, blind_text, gap_json};
+use clap::Args;
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+/// Test the diagnosis on studies whose cause is drawn at random and sealed before it starts
+///
+/// Makes studies of joints with a hidden cause, prints and stores the SHA-256 of the answers, diagnoses every study from
+/// its files, opens the answers and scores. The maker has its own integrator, formulas and mechanisms. Writes studies,
+/// sealed.sha256, diagnoses, truths.json, score.json, report.html and the figures as SVG.
+#[derive(Args, Debug)]
+#[command(after_help = "Causes: any, none, calibration, effect, pair, outside; the id of an effect, as delay; two of \
+them, as delay+stribeck; a mechanism that the catalogue does not have, as cogging.\n\n\
+Check of the seal: sha256sum --check sealed.sha256, in the output folder.\n\n\
+Example: aibo-fit blind --trials 20 --seed 7")]
+pub(super) struct BlindArgs {
+    /// Studies to make
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    trials: u32,
+    /// Seed of all that is drawn [default: from the system, and printed]
+    #[arg(long, value_name = "S")]
+    seed: Option<u64>,
+    /// What is behind the gaps
+    #[arg(long, value_name = "CAUSE", default_value = "any")]
+    cause: CauseFilter,
+    /// Diagnose nothing; write the studies to DIR/studies and the open answers to DIR/truth
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "json"])]
+    make_only: Option<PathBuf>,
+    #[command(flatten)]
+    common: CommonArgs,
+}
+
+/// Runs the command.
+pub(super) fn run(args: &BlindArgs) -> Result<u8, CliError> {
+    let progress = Progress::new(args.common.quiet);
+    let seed = args.seed.unwrap_or_else(rand::random);
+    if let Some(folder) = &args.make_only {
+        args.common.on_threads(|| make_only(args, seed, folder, &progress))??;
+        drop(progress);
+        say(args, &format!("{} studies, seed {seed}, in {}\n", args.trials, folder.display()));
+        return Ok(0);
+    }
+    let folder = args.common.folder("blind");
+    let truths = args.common.on_threads(|| make_all(args, seed, &folder, &progress))??;
+    let sealed = Sealed::new(&truths).map_err(encode)?;
+    let mut seal = Outputs::default();
+    seal.add(folder.join("sealed.sha256"), sealed.line());
+    seal.write()?;
+    progress.pause(|| say(args, &format!("{} answers sealed: SHA-256 {}\n", truths.len(), sealed.sha256)));
+
+    let trials = diagnose_all(args, &truths, &folder, &progress)?;
+    progress.say("opening and scoring");
+    let report = open(args, seed, &sealed, trials)?;
+    let page = write(args, &folder, &report, &sealed)?;
+    drop(progress);
+    say(args, &format!("\n{}\nreport: {}\n", blind_text(&report), page.display()));
+    Ok(0)
+}
+
+fn say(args: &BlindArgs, text: &str) {
+    if !args.common.quiet {
+        print(text);
+    }
+}
+
+fn encode(error: serde_json::Error) -> CliError {
+    CliError::Encode(error.to_string())
+}
+
+/// Folder of a study under the folder of all.
+fn study_folder(folder: &Path, trial: u64) -> PathBuf {
+    folder.join("studies").join(format!("{trial:03}"))
+}
+
+/// Makes and writes every study; what is true of them stays in memory.
+fn make_all(args: &BlindArgs, seed: u64, folder: &Path, progress: &Progress) -> Result<Vec<Truth>, CliError> {
+    let done = AtomicUsize::new(0);
+    let one = |trial: u64| {
+        let Made { study, truth } = make_filtered(seed, trial, args.cause);
+        let mut outputs = Outputs::default();
+        for (name, content) in study {
+            outputs.add(study_folder(folder, trial).join(name), content);
+        }
+        outputs.write()?;
+        progress.say(&format!("making studies: {} of {}", 1 + done.fetch_add(1, Ordering::Relaxed), args.trials));
+        Ok(truth)
+    };
+    (0..u64::from(args.trials)).into_par_iter().map(one).collect()
+}
+
+fn make_only(args: &BlindArgs, seed: u64, folder: &Path, progress: &Progress) -> Result<(), CliError> {
+    let truths = make_all(args, seed, folder, progress)?;
+    let mut outputs = Outputs::default();
+    for truth in &truths {
+        outputs.add(folder.join("truth").join(format!("{:03}.json", truth.trial)), json_text(truth)?);
+    }
+    Ok(outputs.write()?)
+}
+
+/// Diagnoses every study from its files; results in the order of the trials.
+///
+/// Each diagnosis has one thread of its own, so that its time is its own: a shared pool would let it wait for others.
+fn diagnose_all(
+    args: &BlindArgs,
+    truths: &[Truth],
+    folder: &Path,
+    progress: &Progress,
+) -> Result<Vec<Trial>, CliError> {
+    let threads = args.common.threads.map_or_else(rayon::current_num_threads, usize::from).min(truths.len());
+    let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let worker = || -> Result<Vec<(usize, Trial)>, CliError> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+        let pool = pool.map_err(|error| CliError::Threads(error.to_string()))?;
+        let mut trials = Vec::new();
+        loop {
+            let at = next.fetch_add(1, Ordering::Relaxed);
+            let Some(truth) = truths.get(at) else { return Ok(trials) };
+            let study = study_folder(folder, truth.trial).join("study.toml");
+            let began = Instant::now();
+            let diagnosis = pool.install(|| diagnose_one(&study));
+            let wall_s = began.elapsed().as_secs_f64();
+            let answer = diagnosis.as_ref().map(|(_, diagnosis)| Answered::of(diagnosis)).map_err(Clone::clone);
+            if let Ok((case, diagnosis)) = diagnosis {
+                let report = GapReport::new(&case, diagnosis, GapOptions::default(), provenance(case.inputs())?);
+                let path = folder.join("diagnoses").join(format!("{:03}.json", truth.trial));
+                let mut output = Outputs::default();
+                output.add(path, json_text(&gap_json(&report))?);
+                output.write()?;
+            }
+            trials.push((at, Trial { truth: truth.clone(), answer, wall_s }));
+            progress.say(&format!("diagnosing: {} of {}", 1 + done.fetch_add(1, Ordering::Relaxed), truths.len()));
+        }
+    };
+    let found: Vec<Result<Vec<(usize, Trial)>, CliError>> = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(worker)).collect();
+        let join = |worker: std::thread::ScopedJoinHandle<'_, _>| match worker.join() {
+            Ok(found) => found,
+            Err(panic) => std::panic::resume_unwind(panic),
+        };
+        workers.into_iter().map(join).collect()
+    });
+    let mut trials = Vec::with_capacity(truths.len());
+    for part in found {
+        trials.extend(part?);
+    }
+    trials.sort_unstable_by_key(|(at, _)| *at);
+    Ok(trials.into_iter().map(|(_, trial)| trial).collect())
+}
+
+fn diagnose_one(study: &Path) -> Result<(Case, Diagnosis), String> {
+    let case = Case::of_study(study).map_err(|error| error.to_string())?;
+    let diagnosis = diagnose(&case, &GapOptions::default(), &|_| {}).map_err(|error| error.to_string())?;
+    Ok((case, diagnosis))
+}
+
+fn open(args: &BlindArgs, seed: u64, sealed: &Sealed, trials: Vec<Trial>) -> Result<BlindReport, CliError> {
+    let truths: Vec<Truth> = trials.iter().map(|trial| trial.truth.clone()).collect();
+    let opened = Sealed::new(&truths).map_err(encode)?;
+    let seal_holds = sealed.is_of(&opened.text) && args.trials as usize == truths.len();
+    let score = score(&trials);
+    let provenance = provenance([])?;
+    Ok(BlindReport { seed, sha256: sealed.sha256.clone(), seal_holds, score, trials, provenance })
+}
+
+fn write(args: &BlindArgs, folder: &Path, report: &BlindReport, sealed: &Sealed) -> Result<PathBuf, CliError> {
+    let record = RunRecord {
+        schema: 1,
+        version: &report.provenance.version,
+        command: &report.provenance.command,
+        seed: report.seed,
+        sha256: &report.sha256,
+        seal_holds: report.seal_holds,
+        score: &report.score,
+        trials: report.trials.iter().map(TrialRecord::of).collect(),
+    };
+    let mut outputs = Outputs::default();
+    outputs.add(folder.join(TRUTHS_FILE), sealed.text.as_str());
+    for figure in blind_figures(report)? {
+        outputs.add(folder.join(figure.file_name), figure.svg);
+    }
+    outputs.add(folder.join("score.json"), json_text(&record)?);
+    let page = folder.join("report.html");
+    outputs.add(&page, blind_html(report)?);
+    args.common.add_json(&mut outputs, &record)?;
+    outputs.write()?;
+    Ok(page)
+}

@@ -1,0 +1,131 @@
+//! `aibo-fit gap`: where model and logs of a joint part, which effect is behind it, how far the gap closes.
+
+use super::CliError;
+use super::common::{CommonArgs, json_text, print, study_name, write_outputs};
+use super::progress::Progress;
+use super::provenance::provenance;
+use super::still::never_moved;
+use crate::gap::{GapError, GapOptions, diagnose};
+use crate::identify::Case;
+use crate::joint::{EffectId, UnknownEffect};
+use crate::log::Outputs;
+use crate::report::{FitFile, GapReport, NEXT_FILE, gap_figures, gap_json, gap_text, render_gap_html};
+use clap::Args;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+/// Diagnose the gap between a joint's nominal model and its logs
+///
+/// Says where the two part, which unmodelled effect is behind it, and how far the gap closes when that effect is added;
+/// or that nothing is missing, that only the given numbers are off, that these logs cannot tell two effects apart, or
+/// that no effect of the catalogue explains them. Prints the answer, and writes report.html, the figures as SVG,
+/// fit.json (for simulate --fit), and next.csv (t [s], q_ref [rad]) where a motion would tell more.
+#[derive(Args, Debug)]
+#[command(after_help = after_help())]
+pub(super) struct GapArgs {
+    /// The study: nominal model and logs in one TOML file
+    #[arg(value_name = "STUDY")]
+    study: PathBuf,
+    /// Withhold effects from the catalogue, separated by commas [default: none]
+    #[arg(long, value_name = "IDS", value_delimiter = ',', value_parser = effect)]
+    without: Vec<EffectId>,
+    /// Consider these effects only, separated by commas [default: all]
+    #[arg(long, value_name = "IDS", value_delimiter = ',', value_parser = effect)]
+    only: Vec<EffectId>,
+    /// Measure the probabilities on so many twins of this study; 0: take the rates that come with the program
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=100_000))]
+    twins: u32,
+    /// Seed of the twins
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    seed: u64,
+    #[command(flatten)]
+    common: CommonArgs,
+}
+
+fn after_help() -> String {
+    let ids: Vec<&str> = EffectId::ALL.iter().map(|effect| effect.id()).collect();
+    format!(
+        "Effects: {}.\nAngles are in rad, times in s, torques in N m; the exit code is 0 for any verdict.\n\n\
+         Example: aibo-fit gap study.toml --without delay,backlash",
+        ids.join(", ")
+    )
+}
+
+fn effect(word: &str) -> Result<EffectId, UnknownEffect> {
+    word.trim().parse()
+}
+
+/// Runs the command.
+pub(super) fn run(args: &GapArgs) -> Result<u8, CliError> {
+    if let Some(both) = args.only.iter().find(|effect| args.without.contains(effect)) {
+        return Err(CliError::Usage(format!("`{both}` stands in --without and in --only; leave it out of one")));
+    }
+    let options = GapOptions {
+        without: args.without.clone(),
+        only: args.only.clone(),
+        twins: args.twins as usize,
+        seed: args.seed,
+    };
+    let progress = Progress::new(args.common.quiet);
+    progress.say("reading");
+    let case = Case::of_study(&args.study)?;
+    let diagnosis = args.common.on_threads(|| diagnose(&case, &options, &|what| progress.say(what)))?;
+    let diagnosis = match diagnosis {
+        Err(GapError::NeverMoved) => return never_moved(&args.common, &case, "no diagnosis"),
+        diagnosis => diagnosis?,
+    };
+    progress.say("drawing");
+    let report = GapReport::new(&case, diagnosis, options, provenance(case.inputs())?);
+    let page = write_report(args, &case, &report)?;
+    drop(progress);
+    if !args.common.quiet {
+        print(&gap_text(&report));
+        print(&format!("\nreport: {}\n", page.display()));
+    }
+    Ok(0)
+}
+
+/// Draws everything first and writes it then, so that an error leaves no half of a report.
+fn write_report(args: &GapArgs, case: &Case, report: &GapReport) -> Result<PathBuf, CliError> {
+    let folder = args.common.folder(&study_name(&args.study));
+    let mut outputs = Outputs::default();
+    for figure in gap_figures(report)? {
+        outputs.add(folder.join(figure.file_name), figure.svg);
+    }
+    let fit = FitFile::of_diagnosis(&report.diagnosis, &report.provenance);
+    outputs.add(folder.join("fit.json"), json_text(&fit)?);
+    if let Some((t_s, q_ref_rad)) = report.diagnosis.next.as_ref().and_then(|next| next.motion.as_ref()) {
+        outputs.add(folder.join(NEXT_FILE), motion_csv(t_s, q_ref_rad));
+    }
+    let page = folder.join("report.html");
+    outputs.add(&page, render_gap_html(report)?);
+    args.common.add_json(&mut outputs, &gap_json(report))?;
+    write_outputs(outputs, &case.inputs())?;
+    Ok(page)
+}
+
+/// A motion as CSV, in the columns of a log's setpoint.
+fn motion_csv(t_s: &[f64], q_ref_rad: &[f64]) -> String {
+    let mut text = String::from("t,q_ref\n");
+    for (t, q_ref) in t_s.iter().zip(q_ref_rad) {
+        let _ = writeln!(text, "{t:.6},{q_ref:.7}");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn effects_are_read_with_blanks_or_refused_with_the_catalogue() {
+        assert_eq!(effect(" delay"), Ok(EffectId::Delay));
+        let error = effect("friction").unwrap_err().to_string();
+        assert!(error.contains("`friction`") && error.contains("stribeck, load_friction"), "{error}");
+    }
+
+    #[test]
+    fn a_motion_has_the_columns_of_a_log() {
+        assert_eq!(motion_csv(&[0.0, 0.02], &[-0.1, 0.25]), "t,q_ref\n0.000000,-0.1000000\n0.020000,0.2500000\n");
+    }
+}

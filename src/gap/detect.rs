@@ -1,0 +1,82 @@
+//! The smallest size of each effect that these logs would have shown.
+
+use super::attribute::Attribution;
+use super::diagnosis::Detectable;
+use super::evidence::Evidence;
+use super::explore::Projector;
+use super::model::COULOMB;
+use super::trial::Trial;
+use crate::fit::Residuals;
+use crate::identify::{Found, Problem};
+use crate::joint::EffectId;
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+/// Deviance at which an effect counts as shown: five standard deviations.
+const SHOWN: f64 = 25.0;
+/// An effect's size may be extrapolated from its mildest starting point by this factor, either way.
+const REACH: f64 = 30.0;
+
+/// One entry for each effect; the joint is taken as `around` describes it.
+pub(super) fn detectable(
+    evidence: &Evidence,
+    a: &Attribution,
+    around: &Trial,
+    effects: &[EffectId],
+) -> Vec<Detectable> {
+    let coarse = evidence.coarse();
+    let problem = Problem::new(&around.model, &coarse.fit);
+    let Ok(blocks) = problem.linearise(&problem.coordinates_from(&around.found)) else { return Vec::new() };
+    let projector = Projector::of(&blocks, around.model.free());
+    let here: Vec<DVector<f64>> = blocks.iter().map(|b| DVector::from_column_slice(&b.residual)).collect();
+    // Weights are times: a sample of the full logs counts for its period.
+    let samples: f64 = evidence.fit.iter().map(|e| e.weights_s.iter().sum::<f64>()).sum::<f64>();
+    let count: f64 = evidence.fit.iter().map(|e| super::evidence::counts(e).sum::<f64>()).sum();
+    let unit = a.noise_rad.powi(2) * a.correlation * samples / count;
+    effects
+        .par_iter()
+        .map(|&effect| {
+            let named = effect.named_parameters()[0];
+            let model = around.model.with(effect, &evidence.reach);
+            let with = Problem::new(&model, &coarse.fit);
+            let mut shown: Vec<(f64, f64)> = effect
+                .starts(&evidence.reach)
+                .into_iter()
+                .filter_map(|start| {
+                    let size = effect.named(&start, around.found.values[COULOMB])[0];
+                    let values: Vec<f64> = around.found.values.iter().copied().chain(start).collect();
+                    let x = with.coordinates_from(&Found { values, ..around.found.clone() });
+                    let mut moved = Vec::with_capacity(here.len());
+                    for (k, e) in coarse.fit.iter().enumerate() {
+                        let mut r = DVector::zeros(e.compared());
+                        let motion = with.motion(&x, k, |i, s| {
+                            if i >= e.uncompared {
+                                let row = i - e.uncompared;
+                                r[row] = e.weights_s[row].sqrt() * (s.angle_rad - e.measured_rad[i]) - here[k][row];
+                            }
+                        });
+                        motion.ok()?;
+                        moved.push(r);
+                    }
+                    Some((size, projector.left(&moved) / unit))
+                })
+                .filter(|(_, deviance)| deviance.is_finite() && *deviance > 0.0)
+                .collect();
+            // Distance from the zero orders sizes; a limit's zero is infinity, where the largest is the mildest.
+            let strength =
+                |size: f64| if named.zero.is_finite() { (size - named.zero).abs() } else { 1.0 / size.abs() };
+            shown.sort_by(|a, b| strength(a.0).total_cmp(&strength(b.0)));
+            let value = if named.zero.is_finite() && effect != EffectId::SetpointHold {
+                // Near its zero an effect acts in proportion to its size.
+                let nearest = shown.iter().min_by(|a, b| (a.1 / SHOWN).ln().abs().total_cmp(&(b.1 / SHOWN).ln().abs()));
+                nearest.and_then(|(size, deviance)| {
+                    let factor = (SHOWN / deviance).sqrt();
+                    (factor < REACH).then(|| (size - named.zero).abs() * factor)
+                })
+            } else {
+                shown.iter().find(|(_, deviance)| *deviance > SHOWN).map(|(size, _)| *size)
+            };
+            Detectable { effect, value, name: named.name, unit: named.unit }
+        })
+        .collect()
+}

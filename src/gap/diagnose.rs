@@ -1,0 +1,250 @@
+//! A diagnosis from beginning to end.
+
+use super::attribute::Attribution;
+use super::decide::{Decision, decide};
+use super::detect::detectable;
+use super::diagnosis::{
+    Answer, Candidate, Diagnosis, Gap, GapOptions, LogGap, LogTraces, ResidualTorque, Verdict, Where,
+};
+use super::evidence::Evidence;
+use super::held_out::{HeldOut, closed, rms};
+use super::model::BASELINE;
+use super::next::next;
+use super::numbers::numbers;
+use super::sentence::sentence;
+use super::trial::{Trial, loss};
+use crate::fit::Budget;
+use crate::identify::{Case, Experiment, JointModel, Signal};
+use crate::joint::EffectId;
+use crate::log::Role;
+use rayon::prelude::*;
+
+/// Why no diagnosis can be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum GapError {
+    /// The study has no nominal model.
+    #[error(
+        "the study has no nominal model: [joint] needs inertia, moment, coulomb and viscous, what the engineer believes today"
+    )]
+    NoNominal,
+    /// Nothing moves in any log.
+    #[error("the joint never moved in any log")]
+    NeverMoved,
+    /// The joint as given has no motion that stays finite.
+    #[error("the joint as given runs away on the logs; check the units and sizes of [joint] and [motor]")]
+    Diverged,
+}
+
+/// Diagnoses the gap of a joint study. `progress` is told what is being tried.
+///
+/// # Errors
+/// [`GapError`] where there is nothing to diagnose.
+pub fn diagnose(case: &Case, options: &GapOptions, progress: &(dyn Fn(&str) + Sync)) -> Result<Diagnosis, GapError> {
+    let nominal = case.joint.nominal.ok_or(GapError::NoNominal)?;
+    let evidence = Evidence::of(case, nominal).ok_or(GapError::NeverMoved)?;
+    let considered =
+        |e: &EffectId| !options.without.contains(e) && (options.only.is_empty() || options.only.contains(e));
+    let effects: Vec<EffectId> = EffectId::ALL.iter().copied().filter(considered).collect();
+    let attribution = Attribution::of(&evidence, &effects, progress);
+    if !attribution.calibrated.criterion().is_finite() {
+        return Err(GapError::Diverged);
+    }
+    progress("weighing");
+    let held = HeldOut::of(&evidence);
+    let decision = decide(&evidence, &held, &attribution);
+    let gap = gap(&evidence, &held, &attribution, &decision);
+    progress("what these logs could have shown");
+    let around = if decision.effect.is_some() { decision.answer } else { &attribution.calibrated };
+    let detectable = detectable(&evidence, &attribution, around, &effects);
+    let (parameters, effect_parameters) = numbers(&evidence, around);
+    let parameter = (decision.verdict == Verdict::Calibration).then(|| worst_number(&evidence, &attribution));
+    let named = matches!(decision.verdict, Verdict::Effect);
+    let sentence = sentence(&case.joint.name, &decision, &gap, parameter.as_deref(), &effect_parameters);
+    let ranking = ranking(&evidence, &held, &attribution, &decision, &gap);
+    progress("what would tell more");
+    let rivals = rivals(&attribution, &decision);
+    let next = if named { next(&evidence, &attribution, decision.answer, &rivals) } else { None };
+    let (probability, probability_source) = super::rates::probability(&decision);
+    let traces = traces(&evidence, &attribution, &decision);
+    let intervals_trusted = decision.excess < super::decide::EXPLAINED;
+    Ok(Diagnosis {
+        joint: case.joint.name.clone(),
+        answer: Answer {
+            verdict: decision.verdict,
+            effect: if named { decision.effect.map(|e| e.id().to_owned()) } else { parameter },
+            second: decision.second.filter(|_| named),
+            equivalent: if named { decision.equivalent.clone() } else { Vec::new() },
+            probability,
+            probability_source,
+            sentence,
+            partial: decision.effect.filter(|_| decision.verdict == Verdict::Unexplained),
+            intervals_trusted,
+        },
+        location: Where::default(),
+        gap,
+        ranking,
+        detectable,
+        parameters,
+        effect_parameters,
+        next,
+        confusion: None,
+        traces,
+        notes: notes(&evidence, &decision, intervals_trusted),
+        withheld: EffectId::ALL.iter().copied().filter(|e| !effects.contains(e)).collect(),
+    })
+}
+
+/// How far the gap closes on logs that were not fitted.
+fn gap(evidence: &Evidence, held: &HeldOut, a: &Attribution, decision: &Decision<'_>) -> Gap {
+    let of = |t: &Trial| held.residuals(evidence, t);
+    let (given, calibrated, answer) = (of(&a.given), of(&a.calibrated), of(decision.answer));
+    let first = decision.first.map_or_else(|| answer.clone(), of);
+    let floor = a.noise_rad;
+    let (before, after) = (held.rms_rad(&given), held.rms_rad(&answer));
+    Gap {
+        unit: "rad",
+        before,
+        calibrated: held.rms_rad(&calibrated),
+        after_first: held.rms_rad(&first),
+        after,
+        floor,
+        closed: closed(before, after, floor),
+        closed_interval: closed(before, after, floor).and_then(|_| held.closed_interval(&given, &answer, floor)),
+        held_out: held.how.to_owned(),
+        per_log: per_log(held, [&given, &calibrated, &answer], floor),
+    }
+}
+
+/// One line for each held-out log; parts of one log are put together again.
+fn per_log(held: &HeldOut, [given, calibrated, answer]: [&Vec<Vec<f64>>; 3], floor: f64) -> Vec<LogGap> {
+    let mut files: Vec<&str> = Vec::new();
+    for e in &held.experiments {
+        if !files.contains(&e.file.as_str()) {
+            files.push(&e.file);
+        }
+    }
+    let of = |file: &str, residuals: &[Vec<f64>]| {
+        rms(held.experiments.iter().zip(residuals).filter(|(e, _)| e.file == file).flat_map(|(_, r)| r))
+    };
+    files
+        .iter()
+        .map(|file| LogGap {
+            file: (*file).to_owned(),
+            before: of(file, given),
+            calibrated: of(file, calibrated),
+            after: of(file, answer),
+            floor,
+        })
+        .collect()
+}
+
+/// The parameter whose correction alone closes most of what recalibration closes.
+fn worst_number(evidence: &Evidence, a: &Attribution) -> String {
+    let coarse = evidence.coarse();
+    let parameters = a.calibrated.model.parameters();
+    let alone = |i: usize| {
+        let others: Vec<usize> = (0..BASELINE).filter(|k| *k != i).collect();
+        let model = a.calibrated.model.clone().holding(&others, &a.given.found.values);
+        let starts = a.given.found.starts.clone();
+        let from = &a.given.found.values;
+        let near = Trial::solved(&coarse, model.clone(), from, starts.clone(), Budget { evaluations: 30 });
+        let mut other = from.clone();
+        other[i] = a.calibrated.found.values[i];
+        let far = Trial::solved(&coarse, model, &other, starts, Budget { evaluations: 30 });
+        near.fit_loss(&coarse).min(far.fit_loss(&coarse))
+    };
+    let free: Vec<usize> = (0..BASELINE - 1).filter(|&i| !parameters[i].fixed).collect();
+    let losses: Vec<f64> = free.par_iter().map(|&i| alone(i)).collect();
+    let best = free.iter().zip(&losses).min_by(|a, b| a.1.total_cmp(b.1));
+    best.map_or_else(|| "inertia".to_owned(), |(&i, _)| parameters[i].name.clone())
+}
+
+/// Hypotheses that stand as well as the answer.
+fn rivals<'a>(a: &'a Attribution, decision: &Decision<'_>) -> Vec<&'a Trial> {
+    let others = decision.equivalent.iter().filter(|e| Some(**e) != decision.effect);
+    let pool = if decision.second.is_some() { &a.seconds } else { &a.firsts };
+    let with = |t: &&Trial, other: &EffectId| {
+        t.effects().contains(other) && decision.second.is_none_or(|second| t.effects().contains(&second))
+    };
+    others.filter_map(|other| pool.iter().find(|t| with(t, other))).collect()
+}
+
+fn ranking(evidence: &Evidence, held: &HeldOut, a: &Attribution, decision: &Decision<'_>, gap: &Gap) -> Vec<Candidate> {
+    let best = a.firsts.first();
+    let mut candidates: Vec<Candidate> = a
+        .firsts
+        .iter()
+        .map(|t| {
+            let effect = t.effects()[0];
+            let after = held.rms_rad(&held.residuals(evidence, t));
+            let (_, mut effects) = numbers(evidence, t);
+            Candidate {
+                effect,
+                probability: 0.0,
+                after,
+                closed: closed(gap.before, after, gap.floor),
+                behind_sd: best.map_or(0.0, |best| a.behind(evidence, t, best).max(0.0)),
+                parameters: effects.pop().map(|(_, numbers)| numbers).unwrap_or_default(),
+                refitted: true,
+            }
+        })
+        .collect();
+    super::rates::share_out(&mut candidates, decision);
+    candidates
+}
+
+/// Curves of every log that moves.
+fn traces(evidence: &Evidence, a: &Attribution, decision: &Decision<'_>) -> Vec<LogTraces> {
+    let of = |e: &Experiment, role: Role, k: usize| {
+        let readings = &e.measured_rad[e.uncompared..];
+        let model = |t: &Trial| -> Vec<f64> {
+            let residual = if role == Role::Fit { t.fit.get(k) } else { t.held.get(k) };
+            residual.map(|r| r.iter().zip(readings).map(|(r, q)| r + q).collect()).unwrap_or_default()
+        };
+        LogTraces {
+            file: e.file.clone(),
+            role: if role == Role::Fit { "fit" } else { "validate" }.to_owned(),
+            t_s: e.t_s[e.uncompared..].to_vec(),
+            measured_rad: readings.to_vec(),
+            setpoint_rad: match &e.signal {
+                Signal::Position { setpoint_rad, .. } => Some(setpoint_rad[e.uncompared..].to_vec()),
+                _ => None,
+            },
+            before_rad: model(&a.given),
+            calibrated_rad: model(&a.calibrated),
+            after_rad: model(decision.answer),
+            residual_torque: ResidualTorque::default(),
+        }
+    };
+    let fit = evidence.fit.iter().enumerate().map(|(k, e)| of(e, Role::Fit, k));
+    fit.chain(evidence.held.iter().enumerate().map(|(k, e)| of(e, Role::Validate, k))).collect()
+}
+
+fn notes(evidence: &Evidence, decision: &Decision<'_>, trusted: bool) -> Vec<String> {
+    let mut notes = Vec::new();
+    if !trusted {
+        notes.push(
+            "Something is left that the model does not explain: the intervals of the parameters do not allow for the \
+             bias that it causes, and are not to be trusted."
+                .to_owned(),
+        );
+    }
+    if !evidence.scale_known {
+        notes.push(
+            "No log is driven and no known mass is hung on: the logs show ratios of torques only, so `moment` is held \
+             at its nominal value and everything else is in proportion to it."
+                .to_owned(),
+        );
+    }
+    if evidence.held.is_empty() {
+        notes.push("The study names no \"validate\" log: logs were held out in turn.".to_owned());
+    }
+    let spread = evidence.fit.iter().zip(&decision.answer.fit).map(|(e, r)| (loss(e, r), e));
+    if let Some((_, worst)) = spread.max_by(|a, b| a.0.total_cmp(&b.0))
+        && decision.verdict == Verdict::Unexplained
+    {
+        notes.push(format!("Most of what stays lies in {}.", worst.file));
+    }
+    notes
+}

@@ -1,0 +1,102 @@
+//! The logs of a study as evidence: what is fitted, what is held out, and how much each sample counts.
+
+use super::reach::reach_of;
+use crate::identify::{Case, Experiment};
+use crate::joint::Reach;
+use crate::log::{Nominal, Role};
+
+/// A study's logs, made ready to be argued from.
+pub(super) struct Evidence {
+    /// Logs that parameters are fitted to.
+    pub fit: Vec<Experiment>,
+    /// Logs that are only predicted; empty where the study names none.
+    pub held: Vec<Experiment>,
+    /// The joint as given.
+    pub nominal: Nominal,
+    /// Where it hangs, as given; 0 where nothing is said \[rad\].
+    pub rest_rad: f64,
+    /// Typical sizes.
+    pub reach: Reach,
+    /// Whether a drive or a known mass shows torques, not only their ratios.
+    pub scale_known: bool,
+}
+
+/// A phase in which the encoder repeats one rounding error counts like this many samples.
+const RUN_COUNTS: f64 = 12.0;
+
+impl Evidence {
+    /// The evidence of a case; `None` where no log to be fitted moves.
+    pub fn of(case: &Case, nominal: Nominal) -> Option<Self> {
+        let mut fit = case.experiments(Role::Fit);
+        let mut held = case.experiments(Role::Validate);
+        if fit.is_empty() {
+            fit = std::mem::take(&mut held);
+        }
+        if fit.is_empty() {
+            return None;
+        }
+        for e in fit.iter_mut().chain(&mut held) {
+            lighten_runs(e);
+        }
+        let all: Vec<Experiment> = fit.iter().chain(&held).cloned().collect();
+        let loads = |e: &Experiment| e.load.map_or(0.0, |l| l.moment_kg_m);
+        let scale_known = fit.iter().any(|e| e.is_driven() || loads(e) > 0.1 * nominal.moment_kg_m);
+        Some(Self {
+            reach: reach_of(&all, &nominal),
+            fit,
+            held,
+            nominal,
+            rest_rad: case.joint.rest_rad.unwrap_or(0.0),
+            scale_known,
+        })
+    }
+
+    /// The same logs with fewer samples, for the many fits of an exploration.
+    pub fn coarse(&self) -> Self {
+        let thin = |all: &[Experiment]| all.iter().map(thinned).collect();
+        Self { fit: thin(&self.fit), held: thin(&self.held), ..*self }
+    }
+}
+
+/// Samples of a free log that an exploration looks at, at the most.
+const COARSE_SAMPLES: usize = 260;
+
+/// A free log with every few samples left out; those that stay count for those that go. Driven logs keep all, because
+/// what drives them between two samples counts.
+fn thinned(e: &Experiment) -> Experiment {
+    let stride = e.compared().div_ceil(COARSE_SAMPLES);
+    if e.is_driven() || stride < 2 {
+        return e.clone();
+    }
+    let keep: Vec<usize> = (0..e.uncompared).chain((e.uncompared..e.t_s.len()).step_by(stride)).collect();
+    let pick = |values: &[f64]| keep.iter().map(|&k| values[k]).collect::<Vec<f64>>();
+    Experiment {
+        t_s: pick(&e.t_s),
+        measured_rad: pick(&e.measured_rad),
+        weights_s: e.weights_s.chunks(stride).map(|part| part.iter().sum()).collect(),
+        runs: Vec::new(),
+        ..e.clone()
+    }
+}
+
+/// A long phase of one repeated reading is one rounding error: it gets the weight of a few samples, because its
+/// hundreds would pull the friction to where the joint happens to rest within a step of the encoder.
+fn lighten_runs(e: &mut Experiment) {
+    for run in &e.runs {
+        let share = (RUN_COUNTS / run.len() as f64).min(1.0);
+        for weight in &mut e.weights_s[run.clone()] {
+            *weight *= share;
+        }
+    }
+}
+
+/// How much each compared sample counts: about 1, and less in phases of one repeated reading.
+pub(super) fn counts(e: &Experiment) -> impl Iterator<Item = f64> + '_ {
+    // The heaviest weights are those of the plain samples.
+    let period = e.weights_s.iter().copied().fold(0.0, f64::max).min(mean_period(e) * 1.5).max(1e-12);
+    e.weights_s.iter().map(move |w| (w / period).min(1.0))
+}
+
+fn mean_period(e: &Experiment) -> f64 {
+    (e.t_s[e.t_s.len() - 1] - e.t_s[e.uncompared]) / (e.compared() - 1).max(1) as f64
+}

@@ -1,0 +1,43 @@
+//! The sensor's own noise, from the roughness of what models leave.
+
+use super::evidence::Evidence;
+use super::trial::Trial;
+
+/// Samples over which roughness is averaged to one value.
+const BLOCK: usize = 24;
+/// One in so many blocks is set aside at either end.
+const TRIMMED: usize = 8;
+
+/// Standard deviation of the noise of the readings, pooled over all logs \[rad\].
+///
+/// Second differences of white noise have six times its variance, and a smooth misfit has hardly any. Each log is
+/// judged by the model that leaves it the least rough; blocks in which the reading stands still repeat one rounding
+/// error and are passed over; the extreme blocks are set aside. Never below a step's rounding.
+pub(super) fn noise_rad(evidence: &Evidence, trials: &[&Trial]) -> f64 {
+    let mut roughness: Vec<f64> = Vec::new();
+    for (k, e) in evidence.fit.iter().chain(&evidence.held).enumerate() {
+        let readings = &e.measured_rad[e.uncompared..];
+        let of = |t: &&Trial| -> Vec<f64> {
+            let r = if k < t.fit.len() { Some(&t.fit[k]) } else { t.held.get(k - t.fit.len()) };
+            let Some(r) = r else { return Vec::new() };
+            let second: Vec<f64> = r.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).powi(2) / 6.0).collect();
+            second
+                .chunks_exact(BLOCK)
+                .zip(readings.windows(3).collect::<Vec<_>>().chunks_exact(BLOCK))
+                .filter(|(_, read)| read.iter().filter(|w| w[0] != w[1] || w[1] != w[2]).count() * 2 > BLOCK)
+                .map(|(c, _)| c.iter().sum::<f64>() / BLOCK as f64)
+                .collect()
+        };
+        let least = trials.iter().map(of).min_by(|a, b| a.iter().sum::<f64>().total_cmp(&b.iter().sum::<f64>()));
+        roughness.extend(least.unwrap_or_default().into_iter().filter(|x| x.is_finite()));
+    }
+    let step = evidence.reach.resolution_rad;
+    let rounding = step / 12f64.sqrt();
+    if roughness.is_empty() {
+        return rounding.max(1e-6);
+    }
+    roughness.sort_by(f64::total_cmp);
+    let aside = roughness.len() / TRIMMED;
+    let middle = &roughness[aside..roughness.len() - aside];
+    (middle.iter().sum::<f64>() / middle.len() as f64).sqrt().max(rounding).max(1e-9)
+}

@@ -1,0 +1,146 @@
+//! What hypotheses leave of logs that they were not fitted to.
+
+use super::evidence::{Evidence, counts};
+use super::trial::{Trial, predicted};
+use crate::fit::Budget;
+use crate::identify::Experiment;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+/// Logs, or parts of one, that were held out, in the order of the residuals below.
+pub(super) struct HeldOut {
+    pub experiments: Vec<Experiment>,
+    /// How they were held out, in words.
+    pub how: &'static str,
+    in_turn: bool,
+}
+
+/// Parts into which a single log is cut.
+const PARTS: f64 = 4.0;
+/// Evaluations of a fit without the held-out log; it begins where the fit with it ended.
+const AGAIN: Budget = Budget { evaluations: 20 };
+
+impl HeldOut {
+    pub fn of(evidence: &Evidence) -> Self {
+        if !evidence.held.is_empty() {
+            let how = "predicted by fits to the other logs, as the study says";
+            return Self { experiments: evidence.held.clone(), how, in_turn: false };
+        }
+        if let [only] = &evidence.fit[..] {
+            let duration_s = only.t_s[only.t_s.len() - 1] - only.t_s[0];
+            let experiments = only.parts(duration_s / PARTS);
+            let how = "each part of the only log predicted by a fit to its other parts; every part has a free start";
+            return Self { experiments, how, in_turn: true };
+        }
+        let how = "each log predicted by a fit to all others";
+        Self { experiments: evidence.fit.clone(), how, in_turn: true }
+    }
+
+    /// Model less reading on every held-out log.
+    pub fn residuals(&self, evidence: &Evidence, trial: &Trial) -> Vec<Vec<f64>> {
+        if !self.in_turn {
+            return trial.held.clone();
+        }
+        let cut = self.experiments.len() != evidence.fit.len() || evidence.fit.len() == 1;
+        (0..self.experiments.len())
+            .into_par_iter()
+            .map(|k| {
+                let others = |i: &usize| *i != k;
+                let without = Evidence {
+                    fit: (0..self.experiments.len()).filter(others).map(|i| self.experiments[i].clone()).collect(),
+                    held: Vec::new(),
+                    ..*evidence
+                };
+                let fitted;
+                let values = if without.fit.is_empty() || trial.model.free() == 0 {
+                    &trial.found.values
+                } else {
+                    let starts = (0..self.experiments.len()).filter(others);
+                    let starts = starts.map(|i| {
+                        let e = &self.experiments[i];
+                        if cut { e.start_coordinates(&e.start) } else { trial.found.starts[i] }
+                    });
+                    fitted = Trial::solved(&without, trial.model.clone(), &trial.found.values, starts.collect(), AGAIN);
+                    &fitted.found.values
+                };
+                predicted(&trial.model, &self.experiments[k], values, None).1
+            })
+            .collect()
+    }
+
+    /// Root of the mean squared residual over all held-out samples \[rad\].
+    pub fn rms_rad(&self, residuals: &[Vec<f64>]) -> f64 {
+        rms(residuals.iter().flatten())
+    }
+
+    /// How much worse `a` predicts than `b`: difference of the counted square sums \[rad^2\] and its standard deviation.
+    pub fn difference(&self, a: &[Vec<f64>], b: &[Vec<f64>]) -> (f64, f64) {
+        let mut blocks = Vec::new();
+        for ((e, a), b) in self.experiments.iter().zip(a).zip(b) {
+            let size = block(e);
+            let d: Vec<f64> = counts(e).zip(a.iter().zip(b)).map(|(c, (a, b))| c * (a * a - b * b)).collect();
+            blocks.extend(d.chunks(size).map(|part| part.iter().sum::<f64>()));
+        }
+        let n = blocks.len() as f64;
+        let sum: f64 = blocks.iter().sum();
+        let spread: f64 = blocks.iter().map(|b| (b - sum / n).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+        (sum, (n * spread).sqrt())
+    }
+
+    /// 95 % interval of `1 - (after - floor) / (before - floor)`, by blocks of 0.25 s drawn with replacement.
+    pub fn closed_interval(&self, before: &[Vec<f64>], after: &[Vec<f64>], floor_rad: f64) -> Option<[f64; 2]> {
+        let mut blocks: Vec<(f64, f64, f64)> = Vec::new();
+        for ((e, before), after) in self.experiments.iter().zip(before).zip(after) {
+            for (b, a) in before.chunks(block(e)).zip(after.chunks(block(e))) {
+                blocks.push((squares(b), squares(a), b.len() as f64));
+            }
+        }
+        let mut random = ChaCha8Rng::seed_from_u64(1);
+        let mut drawn: Vec<f64> = (0..DRAWS)
+            .map(|_| {
+                let mut sum = (0.0, 0.0, 0.0);
+                for _ in 0..blocks.len() {
+                    let (b, a, n) = blocks[random.random_range(0..blocks.len())];
+                    sum = (sum.0 + b, sum.1 + a, sum.2 + n);
+                }
+                closed((sum.0 / sum.2).sqrt(), (sum.1 / sum.2).sqrt(), floor_rad).unwrap_or(f64::NAN)
+            })
+            .filter(|c| c.is_finite())
+            .collect();
+        if drawn.len() < DRAWS / 2 {
+            return None;
+        }
+        drawn.sort_by(f64::total_cmp);
+        let at = |share: f64| drawn[((drawn.len() - 1) as f64 * share).round() as usize];
+        Some([at(0.025), at(0.975)])
+    }
+}
+
+/// Draws of the bootstrap.
+const DRAWS: usize = 400;
+
+/// Share of the gap above the floor that is closed; `None` where there is no gap.
+pub(super) fn closed(before_rad: f64, after_rad: f64, floor_rad: f64) -> Option<f64> {
+    (before_rad > floor_rad).then(|| 1.0 - (after_rad - floor_rad) / (before_rad - floor_rad))
+}
+
+fn squares(r: &[f64]) -> f64 {
+    r.iter().map(|r| r * r).sum()
+}
+
+/// Root of the mean square.
+pub(super) fn rms<'a>(residuals: impl Iterator<Item = &'a f64>) -> f64 {
+    let (mut sum, mut n) = (0.0, 0usize);
+    for r in residuals {
+        sum += r * r;
+        n += 1;
+    }
+    (sum / n.max(1) as f64).sqrt()
+}
+
+/// Samples in a block of 0.25 s.
+fn block(e: &Experiment) -> usize {
+    let period = (e.t_s[e.t_s.len() - 1] - e.t_s[0]) / (e.t_s.len() - 1).max(1) as f64;
+    ((0.25 / period) as usize).clamp(4, 500)
+}

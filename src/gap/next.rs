@@ -1,0 +1,155 @@
+//! The experiment that would tell apart what these logs cannot.
+//!
+//! Candidates are swings from wider angles and with more mass, and, where the joint has a motor, motions within the
+//! range that the logs already use. For each, both hypotheses predict the reading; what is left of the difference after
+//! the rival has been refitted to the old logs and the new one together, in units of the noise, gives the power
+//! (T-optimal discrimination, Atkinson and Fedorov 1975, to first order).
+
+use super::attribute::Attribution;
+use super::diagnosis::Next;
+use super::evidence::Evidence;
+use super::trial::Trial;
+use crate::fit::{Normal, Residuals};
+use crate::identify::{Experiment, Load, Problem, Signal};
+use crate::pendulum::Start;
+use statrs::distribution::{ContinuousCDF, Normal as Gauss};
+use std::f64::consts::TAU;
+
+/// Deviance by which two hypotheses must differ to be told apart.
+const TOLD_APART: f64 = 16.0;
+/// Length of a proposed log \[s\].
+const DURATION_S: f64 = 6.0;
+
+struct Proposal {
+    what: String,
+    experiment: Experiment,
+    motion: Option<(Vec<f64>, Vec<f64>)>,
+}
+
+/// The proposal that separates the answer from all its equivalents best; `None` where there is nothing to separate.
+pub(super) fn next(evidence: &Evidence, a: &Attribution, answer: &Trial, rivals: &[&Trial]) -> Option<Next> {
+    if rivals.is_empty() {
+        return None;
+    }
+    let rated = proposals(evidence).into_iter().map(|proposal| {
+        let weakest = rivals.iter().flat_map(|rival| {
+            [
+                power(evidence, a, &proposal.experiment, answer, rival),
+                power(evidence, a, &proposal.experiment, rival, answer),
+            ]
+        });
+        (weakest.fold(1.0, f64::min), proposal)
+    });
+    let (power, best) = rated.max_by(|x, y| x.0.total_cmp(&y.0))?;
+    Some(Next { what: best.what, power, motion: best.motion })
+}
+
+/// Probability that the experiment, made by `truth`, tells it from `rival`.
+fn power(evidence: &Evidence, a: &Attribution, e: &Experiment, truth: &Trial, rival: &Trial) -> f64 {
+    let unit = a.noise_rad.powi(2) * a.correlation;
+    left_after_refit(evidence, e, truth, rival).map_or(0.0, |left| {
+        // A difference of deviances has twice its root as standard deviation.
+        let deviance = left / unit;
+        let z = (deviance - TOLD_APART) / (2.0 * deviance.max(1.0).sqrt());
+        Gauss::new(0.0, 1.0).map_or(0.0, |gauss| gauss.cdf(z))
+    })
+}
+
+/// Counted square sum by which the rival misses what the truth does in the new log, after a refit to all logs.
+fn left_after_refit(evidence: &Evidence, e: &Experiment, truth: &Trial, rival: &Trial) -> Option<f64> {
+    let start = e.start_coordinates(&e.start);
+    let predicted = |trial: &Trial| -> Option<Vec<f64>> {
+        let one = std::slice::from_ref(e);
+        let problem = Problem::of_starts(&trial.model, one, &trial.found.values);
+        let mut q = Vec::with_capacity(e.t_s.len());
+        problem.motion(&start, 0, |_, s| q.push(s.angle_rad)).ok()?;
+        Some(q)
+    };
+    let reading = predicted(truth)?;
+    let period = e.weights_s.iter().copied().fold(0.0, f64::max);
+    let mut all = evidence.coarse().fit;
+    all.push(Experiment { measured_rad: reading, ..e.clone() });
+    let mut starts = rival.found.starts.clone();
+    starts.push(start);
+    let problem = Problem::new(&rival.model, &all);
+    let found = crate::identify::Found { starts, ..rival.found.clone() };
+    let x = problem.coordinates_from(&found);
+    let mut blocks = problem.linearise(&x).ok()?;
+    let new = blocks.len() - 1;
+    for block in &mut blocks[..new] {
+        block.residual.iter_mut().for_each(|r| *r = 0.0);
+    }
+    let normal = Normal::of(&blocks, x.len());
+    let mut jtj = normal.jtj.clone();
+    for i in 0..x.len() {
+        jtj[(i, i)] += 1e-9 * jtj[(i, i)] + 1e-300;
+    }
+    let taken = normal.jtr.dot(&jtj.cholesky()?.solve(&normal.jtr));
+    Some(((normal.criterion - taken) / period).max(0.0))
+}
+
+fn proposals(evidence: &Evidence) -> Vec<Proposal> {
+    let Some(example) = evidence.fit.first() else { return Vec::new() };
+    let n = &evidence.nominal;
+    let period_s = evidence.fit.iter().map(|e| e.t_s[1] - e.t_s[0]).fold(f64::INFINITY, f64::min).clamp(5e-4, 0.02);
+    let t_s: Vec<f64> = (0..=(DURATION_S / period_s) as usize).map(|k| k as f64 * period_s).collect();
+    let distance_m = if n.moment_kg_m > 0.0 { (n.inertia_kg_m2 / n.moment_kg_m).sqrt().clamp(0.03, 0.3) } else { 0.1 };
+    let log = |signal: Signal, angle_rad: f64, load: Option<Load>, motor| Experiment {
+        file: String::new(),
+        first_sample: 0,
+        measured_rad: vec![0.0; t_s.len()],
+        uncompared: 0,
+        weights_s: vec![period_s; t_s.len()],
+        signal,
+        motor,
+        release_window_s: None,
+        start: Start { angle_rad, rate_rad_s: 0.0, release_s: None },
+        load,
+        runs: Vec::new(),
+        t_s: t_s.clone(),
+        ..example.clone()
+    };
+    let mut all = Vec::new();
+    for share in [0.0, 0.5, 1.0, 2.0] {
+        let mass_kg = share * n.moment_kg_m / distance_m;
+        let load = (mass_kg > 0.0).then(|| Load {
+            inertia_kg_m2: mass_kg * distance_m * distance_m,
+            moment_kg_m: mass_kg * distance_m,
+            angle_rad: 0.0,
+            hanging_rad: 0.0,
+        });
+        for angle in [-1.8, -0.7, 0.7, 1.4, 2.2] {
+            let hung = if mass_kg > 0.0 {
+                format!(" with {} hung on at {:.0} mm from the axis", grams(mass_kg), 1e3 * distance_m)
+            } else {
+                " without extra mass".to_owned()
+            };
+            let what = format!("let it swing from {angle:.1} rad{hung}, motor off, for {DURATION_S:.0} s");
+            all.push(Proposal { what, experiment: log(Signal::Off, angle, load, None), motion: None });
+        }
+    }
+    let driven = evidence.fit.iter().filter(|e| e.motor.is_some());
+    let widest = driven.clone().flat_map(|e| &e.measured_rad).fold(0.0, |w: f64, q| w.max(q.abs()));
+    if let Some(example) = driven.clone().next() {
+        for (amplitude, from_hz, to_hz) in [(0.5, 0.2, 1.5), (1.0, 0.2, 1.5), (1.0, 0.5, 4.0)] {
+            let amplitude = amplitude * widest;
+            let sweep = |t: f64| {
+                let phase = TAU * (from_hz * t + 0.5 * (to_hz - from_hz) * t * t / DURATION_S);
+                amplitude * phase.sin()
+            };
+            let setpoint_rad: Vec<f64> = t_s.iter().map(|t| sweep(*t)).collect();
+            let motion = Some((t_s.clone(), setpoint_rad.clone()));
+            let hold = example.motor.map(|m| m.hold).unwrap_or_default();
+            let signal = Signal::Position { setpoint_rad, hold, on: None };
+            let what = format!(
+                "drive it along the sweep in next.csv: {amplitude:.2} rad, from {from_hz} to {to_hz} Hz in {DURATION_S:.0} s"
+            );
+            all.push(Proposal { what, experiment: log(signal, 0.0, None, example.motor), motion });
+        }
+    }
+    all
+}
+
+fn grams(kg: f64) -> String {
+    if kg < 1.0 { format!("{:.0} g", 1e3 * kg) } else { format!("{kg:.2} kg") }
+}

@@ -1,0 +1,100 @@
+//! Parameters of a hypothesis with intervals, under the catalogue's names.
+
+use super::diagnosis::Number;
+use super::evidence::Evidence;
+use super::model::{BASELINE, COULOMB};
+use super::trial::Trial;
+use crate::fit::{Residuals, Uncertainty, uncertainty};
+use crate::identify::{Estimate, JointModel, Problem, Status};
+use crate::joint::EffectId;
+use nalgebra::DMatrix;
+
+/// Estimates of the four numbers, and of each effect's parameters.
+pub(super) fn numbers(evidence: &Evidence, trial: &Trial) -> (Vec<Estimate>, Vec<(EffectId, Vec<Number>)>) {
+    let problem = Problem::new(&trial.model, &evidence.fit);
+    let x = problem.coordinates_from(&trial.found);
+    let sure = problem.linearise(&x).ok().and_then(|blocks| uncertainty(&problem, &blocks).ok());
+    let spread = Spread { trial, free: free(trial), x, sure };
+    let parameters = trial.model.parameters()[..BASELINE - 1].iter().enumerate();
+    let joint = parameters
+        .map(|(i, p)| {
+            let [interval, interval_naive] = spread.intervals(&|values| values[i], p.lower, p.upper);
+            Estimate {
+                name: p.name.clone(),
+                symbol: p.symbol.clone(),
+                unit: p.unit.clone(),
+                status: match (p.fixed, interval) {
+                    (true, _) => Status::Held,
+                    (false, Some(_)) => Status::Determined,
+                    (false, None) => Status::NotDetermined,
+                },
+                value: trial.found.values[i],
+                interval,
+                interval_naive,
+                nominal: p.nominal,
+            }
+        })
+        .collect();
+    let effects = trial.effects().iter().enumerate().map(|(k, &effect)| {
+        let place = trial.model.place(k);
+        let named = |values: &[f64]| effect.named(&values[place.clone()], values[COULOMB]);
+        let values = named(&trial.found.values);
+        let of = |i: usize| {
+            let p = effect.named_parameters()[i];
+            let [interval, interval_naive] = spread.intervals(&|v| named(v)[i], f64::NEG_INFINITY, f64::INFINITY);
+            Number { name: p.name.into(), value: values[i], unit: p.unit.into(), interval, interval_naive }
+        };
+        (effect, (0..values.len()).map(of).collect())
+    });
+    (joint, effects.collect())
+}
+
+fn free(trial: &Trial) -> Vec<usize> {
+    let parameters = trial.model.parameters();
+    (0..parameters.len()).filter(|&i| !parameters[i].fixed).collect()
+}
+
+struct Spread<'a> {
+    trial: &'a Trial,
+    free: Vec<usize>,
+    x: Vec<f64>,
+    sure: Option<Uncertainty>,
+}
+
+impl Spread<'_> {
+    /// 95 % intervals of a function of the values by the delta method, robust and naive, within bounds; `None` where
+    /// the logs do not determine it.
+    fn intervals(&self, function: &dyn Fn(&[f64]) -> f64, lower: f64, upper: f64) -> [Option<[f64; 2]>; 2] {
+        let Some(sure) = &self.sure else { return [None, None] };
+        let parameters = self.trial.model.parameters();
+        let value = function(&self.trial.found.values);
+        let slopes: Vec<f64> = self
+            .free
+            .iter()
+            .enumerate()
+            .map(|(k, &i)| {
+                let at = |x: f64| {
+                    let mut values = self.trial.found.values.clone();
+                    values[i] = parameters[i].from_coordinate(x);
+                    function(&values)
+                };
+                let step = 1e-5 * self.x[k].abs().max(1e-3);
+                (at(self.x[k] + step) - at(self.x[k] - step)) / (2.0 * step)
+            })
+            .collect();
+        if slopes.iter().all(|s| *s == 0.0) {
+            return [None, None];
+        }
+        let half = |covariance: &DMatrix<f64>, quantile: f64| {
+            let mut variance = 0.0;
+            for (i, a) in slopes.iter().enumerate().filter(|(_, a)| **a != 0.0) {
+                for (k, b) in slopes.iter().enumerate().filter(|(_, b)| **b != 0.0) {
+                    variance += a * b * covariance[(i, k)];
+                }
+            }
+            quantile * variance.max(0.0).sqrt()
+        };
+        [half(&sure.robust, sure.quantile_robust()), half(&sure.naive, sure.quantile_naive())]
+            .map(|half| half.is_finite().then(|| [(value - half).max(lower), (value + half).min(upper)]))
+    }
+}

@@ -1,0 +1,60 @@
+//! How far a study's logs reach, which gives every effect its typical sizes.
+
+use crate::identify::{Experiment, Signal};
+use crate::joint::{DrivenReach, Reach};
+use crate::log::Nominal;
+
+/// The reach of all experiments together.
+pub(super) fn reach_of(experiments: &[Experiment], nominal: &Nominal) -> Reach {
+    let most = |f: &dyn Fn(&Experiment) -> f64| experiments.iter().map(f).fold(0.0, f64::max);
+    let gravity_nm = most(&|e| {
+        let load = e.load.map_or(0.0, |l| l.moment_kg_m);
+        let widest = e.measured_rad.iter().map(|q| q.sin().abs()).fold(0.0, f64::max);
+        (nominal.moment_kg_m + load) * e.gravity_m_s2 * widest.max(0.3)
+    });
+    let speed = |e: &Experiment| largest_speed(&e.t_s, &e.measured_rad);
+    let angle_rad = experiments
+        .iter()
+        .flat_map(|e| &e.measured_rad)
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |r, &q| [r[0].min(q), r[1].max(q)]);
+    let driven = || experiments.iter().filter(|e| e.is_driven());
+    let command_nm = driven().map(largest_command).fold(0.0, f64::max);
+    let speed_rad_s = most(&speed).max(0.1);
+    Reach {
+        torque_nm: if gravity_nm > 0.0 { gravity_nm } else { command_nm.max(1e-6) },
+        coulomb_nm: nominal.coulomb_nm,
+        inertia_kg_m2: nominal.inertia_kg_m2,
+        speed_rad_s,
+        angle_rad,
+        duration_s: most(&|e| e.t_s.last().copied().unwrap_or(0.0)).max(0.1),
+        resolution_rad: most(&|e| e.resolution_rad),
+        driven: (driven().count() > 0 && command_nm > 0.0).then(|| DrivenReach {
+            command_nm,
+            speed_rad_s: driven().map(speed).fold(0.0, f64::max).max(0.1),
+            period_s: driven().map(period).fold(f64::INFINITY, f64::min),
+            by_setpoint: driven().any(|e| matches!(e.signal, Signal::Position { .. })),
+        }),
+    }
+}
+
+fn period(e: &Experiment) -> f64 {
+    (e.t_s[e.t_s.len() - 1] - e.t_s[0]) / (e.t_s.len() - 1) as f64
+}
+
+/// Largest speed over stretches of about 50 ms, which quantisation does not inflate much \[rad/s\].
+fn largest_speed(t_s: &[f64], q_rad: &[f64]) -> f64 {
+    let stride = ((0.05 * t_s.len() as f64 / (t_s[t_s.len() - 1] - t_s[0])) as usize).clamp(1, t_s.len() - 1);
+    (stride..t_s.len()).map(|k| ((q_rad[k] - q_rad[k - stride]) / (t_s[k] - t_s[k - stride])).abs()).fold(0.0, f64::max)
+}
+
+/// Largest torque that a log's drive asks for \[N m\].
+fn largest_command(e: &Experiment) -> f64 {
+    match (&e.signal, &e.motor) {
+        (Signal::Torque { torque_nm, .. }, _) => torque_nm.iter().map(|t| t.abs()).fold(0.0, f64::max),
+        (Signal::Position { setpoint_rad, .. }, Some(motor)) => {
+            let errors = setpoint_rad.iter().zip(&e.measured_rad).map(|(r, q)| (r - q).abs());
+            motor.kp_nm_rad * errors.fold(0.0, f64::max)
+        }
+        _ => 0.0,
+    }
+}

@@ -1,0 +1,25 @@
+//! Gravity torque `g M* sin(q + d)`: the encoder's zero or the direction of the centre of mass is off by `d`.
+//!
+//! In these logs the two are the same thing. The resting angle shifts by `-d`, and the torque that is missing grows with
+//! the mass: it is proportional to `g M* cos q`.
+
+use super::{Effect, EffectParameter, Named, Reach};
+use crate::joint::{Chain, Real};
+
+pub(super) struct Term;
+
+impl Effect for Term {
+    const NAMED: &'static [Named] = &[Named { name: "d", unit: "rad", zero: 0.0 }];
+
+    fn parameters(_reach: &Reach) -> Vec<EffectParameter> {
+        vec![EffectParameter::linear("d", "rad", [-1.0, 1.0], 0.05)]
+    }
+
+    fn starts(_reach: &Reach) -> Vec<Vec<f64>> {
+        vec![vec![-0.15], vec![-0.03], vec![0.03], vec![0.15]]
+    }
+
+    fn apply<T: Real>(values: &[T], _bare_kg_m2: T, chain: &mut Chain<T>) {
+        chain.link = chain.link.turned(values[0]);
+    }
+}

@@ -1,0 +1,28 @@
+//! The setpoint acts `T` late.
+//!
+//! Buses, queues and control cycles. Driven logs only; it shows in proportion to the setpoint's rate of change, and hides
+//! as viscous friction and inertia that are too large.
+
+use super::{Effect, EffectParameter, Named, Reach};
+use crate::joint::{Chain, Real};
+
+pub(super) struct Term;
+
+impl Effect for Term {
+    const NAMED: &'static [Named] = &[Named { name: "T", unit: "s", zero: 0.0 }];
+
+    fn parameters(_reach: &Reach) -> Vec<EffectParameter> {
+        vec![EffectParameter::linear("T", "s", [0.0, 0.4], 0.01)]
+    }
+
+    fn starts(reach: &Reach) -> Vec<Vec<f64>> {
+        if reach.driven.is_none() {
+            return Vec::new();
+        }
+        [0.002, 0.005, 0.01, 0.018, 0.03, 0.05, 0.09].map(|delay| vec![delay]).to_vec()
+    }
+
+    fn apply<T: Real>(values: &[T], _bare_kg_m2: T, chain: &mut Chain<T>) {
+        chain.setpoint.delay_s = Some(values[0]);
+    }
+}

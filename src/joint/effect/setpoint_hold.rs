@@ -1,0 +1,34 @@
+//! The setpoint reaches the controller only every `T_h`, and is held in between.
+//!
+//! The thesis's motion files have a frame every 128 ms. Driven logs only. Which setpoints get through changes by leaps with
+//! `T_h`, so it is scanned finely.
+
+use super::{Effect, EffectParameter, Named, Reach};
+use crate::joint::{Chain, Real};
+
+pub(super) struct Term;
+
+impl Effect for Term {
+    const NAMED: &'static [Named] = &[Named { name: "T_h", unit: "s", zero: 0.0 }];
+
+    fn parameters(reach: &Reach) -> Vec<EffectParameter> {
+        let finest = reach.driven.map_or(0.001, |driven| driven.period_s);
+        vec![EffectParameter::linear("T_h", "s", [finest, 0.5], 0.1 * finest)]
+    }
+
+    fn starts(reach: &Reach) -> Vec<Vec<f64>> {
+        let Some(driven) = reach.driven.filter(|driven| driven.by_setpoint) else { return Vec::new() };
+        let multiples = (2..=24).map(|n| f64::from(n) * driven.period_s);
+        let between =
+            (0..FINE).map(|n| 1.7 * driven.period_s * (FINE_TO / 1.7_f64).powf(f64::from(n) / f64::from(FINE)));
+        multiples.chain(between).map(|hold| vec![hold]).collect()
+    }
+
+    fn apply<T: Real>(values: &[T], _bare_kg_m2: T, chain: &mut Chain<T>) {
+        chain.setpoint.hold_s = Some(values[0]);
+    }
+}
+
+/// Points of the scan between the multiples of the period, up to so many periods.
+const FINE: u32 = 40;
+const FINE_TO: f64 = 30.0;

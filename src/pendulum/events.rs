@@ -1,0 +1,66 @@
+//! Instants inside a step at which something changes sign.
+
+/// The instant inside a step at which a speed that falls and rises again may have dipped below zero.
+///
+/// `speed` holds the speeds at both ends. The slope at the end costs a rate, so it is asked for only where the deepest
+/// dip that the first slope allows would reach zero.
+pub(super) fn dip(speed: [f64; 2], slope_before: f64, slope_after: impl Fn() -> f64, step_s: f64) -> Option<f64> {
+    let [before, after] = speed;
+    let lowest = |dt: f64| before.min(after) + 0.5 * slope_before * dt;
+    if before <= 0.0 || !(slope_before < 0.0 && lowest(step_s) < 0.0) {
+        return None;
+    }
+    let slope_after = slope_after();
+    if !(slope_after > 0.0) {
+        return None;
+    }
+    // Minimum of the parabola with these end slopes; a step is short against the curvature's change.
+    let dt = step_s * slope_before / (slope_before - slope_after);
+    (lowest(dt) < 0.0).then_some(dt)
+}
+
+/// The instant in `(0, bracket]` at which `speed`, positive just after 0, falls through zero (Illinois method).
+pub(super) fn zero_of(speed: impl Fn(f64) -> f64, at_start: f64, bracket: f64) -> Option<f64> {
+    let (mut low, mut f_low) = (0.0, at_start);
+    let (mut high, mut f_high) = (bracket, speed(bracket));
+    if f_low <= 0.0 {
+        // The motion begins at rest: find an instant at which it is under way.
+        low = bracket;
+        for _ in 0..12 {
+            low *= 0.5;
+            f_low = speed(low);
+            if f_low > 0.0 {
+                break;
+            }
+            (high, f_high) = (low, f_low);
+        }
+        if f_low <= 0.0 {
+            return None;
+        }
+    }
+    let mut last_side = 0;
+    for _ in 0..60 {
+        if f_high == 0.0 || high - low <= 1e-15 * bracket.max(1e-9) {
+            break;
+        }
+        let dt = ((low * f_high - high * f_low) / (f_high - f_low)).clamp(low, high);
+        let f = speed(dt);
+        if f.abs() < 1e-13 {
+            return Some(dt);
+        }
+        if f > 0.0 {
+            (low, f_low) = (dt, f);
+            if last_side == 1 {
+                f_high *= 0.5;
+            }
+            last_side = 1;
+        } else {
+            (high, f_high) = (dt, f);
+            if last_side == -1 {
+                f_low *= 0.5;
+            }
+            last_side = -1;
+        }
+    }
+    Some(high)
+}

@@ -1,0 +1,211 @@
+//! The joint as one body, which sticks and slips.
+
+use super::events::{dip, zero_of};
+use super::rollout::{Diverged, Mechanism, Start, State};
+use super::schedule::Command;
+use crate::integrate::rk4;
+use crate::joint::{Chain, Real};
+
+/// What the joint is doing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Mode {
+    /// Held by the experimenter.
+    Clamped,
+    /// At rest; friction decides whether it stays.
+    Stuck,
+    /// Moving, or about to, in a direction.
+    Slip(f64),
+}
+
+pub(super) struct OneBody<'a, T: Real> {
+    chain: &'a Chain<T>,
+    t_s: T,
+    /// Angle, rate, integral of the angle error.
+    y: [T; 3],
+    mode: Mode,
+    steps_left: usize,
+    /// Fastest oscillation with the motor off, and on \[rad/s\]; they bound the step.
+    swinging_rad_s: f64,
+    driven_rad_s: f64,
+    /// Divides the longest step.
+    refinement: f64,
+}
+
+impl<'a, T: Real> OneBody<'a, T> {
+    pub(super) fn new(chain: &'a Chain<T>, t_s: &[f64], start: Start<T>, refinement: f64, steps: usize) -> Self {
+        let mode = match (start.release_s, start.rate_rad_s.re()) {
+            (Some(_), _) => Mode::Clamped,
+            (None, rate) if rate != 0.0 => Mode::Slip(rate.signum()),
+            (None, _) => Mode::Stuck,
+        };
+        Self {
+            chain,
+            t_s: T::constant(t_s.first().copied().unwrap_or(0.0)),
+            y: [start.angle_rad, start.rate_rad_s, T::nought()],
+            mode,
+            steps_left: steps,
+            swinging_rad_s: chain.fastest_rad_s(false),
+            driven_rad_s: chain.fastest_rad_s(true),
+            refinement,
+        }
+    }
+}
+
+impl<T: Real> Mechanism<T> for OneBody<'_, T> {
+    fn chain(&self) -> &Chain<T> {
+        self.chain
+    }
+
+    fn clock_mut(&mut self) -> &mut T {
+        &mut self.t_s
+    }
+
+    fn let_go(&mut self) {
+        self.mode = Mode::Stuck;
+    }
+
+    fn state(&self) -> State<T> {
+        State { angle_rad: self.y[0], rate_rad_s: self.y[1] }
+    }
+
+    fn integral_mut(&mut self) -> &mut T {
+        &mut self.y[2]
+    }
+
+    fn advance(&mut self, until: T, command: Command<T>) -> Result<(), Diverged> {
+        while self.t_s.re() < until.re() {
+            match self.mode {
+                Mode::Clamped => self.t_s = until,
+                Mode::Stuck => self.stick(until, command),
+                Mode::Slip(direction) => self.slip(until, command, direction)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn nudge(&mut self, until: T, command: Command<T>) {
+        if let Mode::Slip(direction) = self.mode {
+            let rate = self.rate(command, direction, self.t_s, &self.y);
+            let step = until - self.t_s;
+            self.y = std::array::from_fn(|i| self.y[i] + rate[i] * step);
+        }
+        self.t_s = until;
+    }
+}
+
+impl<T: Real> OneBody<'_, T> {
+    /// Rate of angle, speed and error integral while slipping.
+    fn rate(&self, command: Command<T>, direction: f64, t_s: T, y: &[T; 3]) -> [T; 3] {
+        let motor_nm = command.motor_nm(self.chain, t_s, y);
+        [
+            y[1],
+            self.chain.slip_rate_rad_s2(t_s, y[0], y[1], direction, motor_nm),
+            command.error_rad(self.chain, t_s, y[0]),
+        ]
+    }
+
+    /// How far the torque on the resting joint is beyond breakaway \[N m\], and its direction.
+    fn beyond_breakaway(&self, command: Command<T>, t_s: T, y: &[T; 3]) -> (T, f64) {
+        let motor_nm = command.motor_nm(self.chain, t_s, y);
+        let net_nm = self.chain.drive_nm(y[0], motor_nm);
+        let direction = if net_nm.re() < 0.0 { -1.0 } else { 1.0 };
+        (net_nm * direction - self.chain.breakaway_nm(t_s, y[0], direction, motor_nm), direction)
+    }
+
+    /// The state of a resting joint after `dt`: only the error integral moves.
+    fn rested(&self, command: Command<T>, dt: T) -> [T; 3] {
+        let error = command.error_rad(self.chain, self.t_s + dt * 0.5, self.y[0]);
+        [self.y[0], T::nought(), self.y[2] + error * dt]
+    }
+
+    /// A resting joint stays, or breaks away at an instant before `until`.
+    fn stick(&mut self, until: T, command: Command<T>) {
+        self.y[1] = T::nought();
+        let (beyond, direction) = self.beyond_breakaway(command, self.t_s, &self.y);
+        if beyond.re() > 0.0 {
+            self.mode = Mode::Slip(direction);
+            return;
+        }
+        let steady = command.is_steady(self.chain) && !self.chain.friction.changes_with_time();
+        let whole = until - self.t_s;
+        let later = |dt: T| {
+            let y = self.rested(command, dt);
+            let (beyond, direction) = self.beyond_breakaway(command, self.t_s + dt, &y);
+            (beyond, direction, y)
+        };
+        let (beyond_end, direction, y_end) = if steady { (beyond, direction, self.y) } else { later(whole) };
+        if beyond_end.re() <= 0.0 {
+            if !steady {
+                self.y = y_end;
+            } else if let Command::Pid { .. } = command {
+                self.y = self.rested(command, whole);
+            }
+            self.t_s = until;
+            return;
+        }
+        let (mut low, mut high) = (0.0, whole.re());
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if later(T::constant(middle)).0.re() > 0.0 { high = middle } else { low = middle }
+        }
+        // One Newton step in T gives the instant its derivatives; its slope is a difference over the bracketing half.
+        let here = later(T::constant(high)).0;
+        let slope = (beyond_end.re() - beyond.re()) / whole.re();
+        let dt = if slope > 0.0 { T::constant(high) - (here - here.re()) / slope } else { T::constant(high) };
+        self.y = self.rested(command, dt);
+        self.t_s += dt;
+        self.mode = Mode::Slip(direction);
+    }
+
+    /// One step of a slipping joint, cut short where its speed passes through zero.
+    fn slip(&mut self, until: T, command: Command<T>, direction: f64) -> Result<(), Diverged> {
+        let motor_on = matches!(command, Command::Pid { .. });
+        let whole = until - self.t_s;
+        let fastest_rad_s = if motor_on { self.driven_rad_s } else { self.swinging_rad_s };
+        let [angle, rate, _] = self.y;
+        let longest_s = self.chain.longest_step_s(fastest_rad_s, angle.re(), rate.re(), motor_on) / self.refinement;
+        let parts = (whole.re() / longest_s).ceil().max(1.0);
+        if !(parts <= self.steps_left as f64) {
+            return Err(Diverged { at_s: self.t_s.re() });
+        }
+        self.steps_left -= 1;
+        let rate = |t_s: T, y: &[T; 3]| self.rate(command, direction, t_s, y);
+        let step = if parts > 1.0 { whole * (1.0 / parts) } else { whole };
+        let first = rate(self.t_s, &self.y);
+        let y1 = rk4(rate, self.t_s, &self.y, &first, step);
+        let speed = |y: &[T; 3]| y[1].re() * direction;
+        let (before, after) = (speed(&self.y), speed(&y1));
+        let bracket = if after <= 0.0 {
+            Some(step.re())
+        } else {
+            let slope_after = || rate(self.t_s + step, &y1)[1].re() * direction;
+            dip([before, after], first[1].re() * direction, slope_after, step.re())
+                .filter(|&dt| speed(&rk4(rate, self.t_s, &self.y, &first, T::constant(dt))) <= 0.0)
+        };
+        let Some(bracket) = bracket else {
+            self.y = y1;
+            self.t_s = if parts > 1.0 { self.t_s + step } else { until };
+            return Ok(());
+        };
+        let stop = |dt: T| rk4(rate, self.t_s, &self.y, &first, dt);
+        let Some(dt) = zero_of(|dt| speed(&stop(T::constant(dt))), before, bracket) else {
+            // It never got going within this step: it rests.
+            self.y[1] = T::nought();
+            self.t_s = if parts > 1.0 { self.t_s + step } else { until };
+            self.mode = Mode::Stuck;
+            return Ok(());
+        };
+        let near = stop(T::constant(dt));
+        let deceleration = rate(self.t_s + dt, &near)[1];
+        let dt = if deceleration.re() * direction < 0.0 {
+            T::constant(dt) - near[1] / deceleration
+        } else {
+            T::constant(dt)
+        };
+        self.y = stop(dt);
+        self.y[1] = T::nought();
+        self.t_s += dt;
+        self.mode = Mode::Stuck;
+        Ok(())
+    }
+}

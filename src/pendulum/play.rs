@@ -1,0 +1,384 @@
+//! The joint as two bodies with free play between them: motor side and link side.
+//!
+//! Stiff inelastic flanks: while a flank is pressed both bodies move as one; they part when the flank would have to
+//! pull, each then obeys its own torques, and when the play is used up they go on together with their common momentum.
+//! The play begins on the flank that gravity loads.
+
+use super::rollout::{Diverged, Mechanism, Start, State};
+use super::schedule::Command;
+use crate::integrate::rk4;
+use crate::joint::{Chain, Play, Real};
+
+/// Share of the friction that acts on the link side, in its bearing; the gears have the rest.
+const LINK_SHARE: f64 = 0.05;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Motion {
+    Rest,
+    Slip(f64),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Mode {
+    /// Held by the experimenter.
+    Clamped,
+    /// Both bodies as one, on the flank on which the link is ahead (+1) or behind (-1).
+    Engaged(f64, Motion),
+    /// Link, then motor side.
+    Apart(Motion, Motion),
+}
+
+/// What may end a step early; each is a function that falls through zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Event {
+    LinkStops,
+    MotorStops,
+    LinkMoves,
+    MotorMoves,
+    /// The play is used up on this flank.
+    Meets(f64),
+    Parts,
+}
+
+pub(super) struct TwoBodies<'a, T: Real> {
+    chain: &'a Chain<T>,
+    play: Play<T>,
+    t_s: T,
+    /// Angle and rate of the link, the same of the motor side, integral of the angle error.
+    y: [T; 5],
+    flank: f64,
+    mode: Mode,
+    steps_left: usize,
+    fastest_rad_s: f64,
+    refinement: f64,
+}
+
+impl<'a, T: Real> TwoBodies<'a, T> {
+    pub(super) fn new(
+        chain: &'a Chain<T>,
+        play: Play<T>,
+        t_s: &[f64],
+        start: Start<T>,
+        refinement: f64,
+        steps: usize,
+    ) -> Self {
+        let (angle, rate) = (start.angle_rad, start.rate_rad_s);
+        let flank = if chain.passive_nm(angle, T::nought()).re() < 0.0 { -1.0 } else { 1.0 };
+        let mode = match (start.release_s, rate.re()) {
+            (Some(_), _) => Mode::Clamped,
+            (None, rate) if rate != 0.0 => Mode::Engaged(flank, Motion::Slip(rate.signum())),
+            (None, _) => Mode::Engaged(flank, Motion::Rest),
+        };
+        Self {
+            chain,
+            play,
+            t_s: T::constant(t_s.first().copied().unwrap_or(0.0)),
+            y: [angle, rate, angle - play.width_rad * (0.5 * flank), rate, T::nought()],
+            flank,
+            mode,
+            steps_left: steps,
+            fastest_rad_s: chain.fastest_rad_s(true),
+            refinement,
+        }
+    }
+}
+
+impl<T: Real> Mechanism<T> for TwoBodies<'_, T> {
+    fn chain(&self) -> &Chain<T> {
+        self.chain
+    }
+
+    fn clock_mut(&mut self) -> &mut T {
+        &mut self.t_s
+    }
+
+    fn let_go(&mut self) {
+        self.mode = Mode::Engaged(self.flank, Motion::Rest);
+    }
+
+    fn state(&self) -> State<T> {
+        State { angle_rad: self.y[0], rate_rad_s: self.y[1] }
+    }
+
+    fn integral_mut(&mut self) -> &mut T {
+        &mut self.y[4]
+    }
+
+    fn advance(&mut self, until: T, command: Command<T>) -> Result<(), Diverged> {
+        while self.t_s.re() < until.re() {
+            if self.steps_left == 0 {
+                return Err(Diverged { at_s: self.t_s.re() });
+            }
+            self.steps_left -= 1;
+            self.settle(command);
+            match self.mode {
+                Mode::Clamped => self.t_s = until,
+                _ => self.step(until, command)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn nudge(&mut self, until: T, command: Command<T>) {
+        let rate = self.rate(command, self.mode, self.t_s, &self.y);
+        let step = until - self.t_s;
+        self.y = std::array::from_fn(|i| self.y[i] + rate[i] * step);
+        self.t_s = until;
+    }
+}
+
+impl<T: Real> TwoBodies<'_, T> {
+    fn link_kg_m2(&self) -> T {
+        self.chain.link.inertia_kg_m2 - self.play.motor_side_kg_m2
+    }
+
+    fn motor_nm(&self, command: Command<T>, t_s: T, y: &[T; 5]) -> T {
+        command.motor_nm(self.chain, t_s, &[y[0], y[1], y[4]])
+    }
+
+    /// Friction of the whole joint at a speed and direction \[N m\].
+    fn resistance_nm(&self, t_s: T, angle_rad: T, speed: T, direction: f64, motor_nm: T) -> T {
+        self.chain.resistance_nm(t_s, angle_rad, speed, direction, motor_nm)
+    }
+
+    /// Torque on a resting body beyond its breakaway \[N m\], and its direction; `share` of the friction holds it.
+    fn beyond(&self, net_nm: T, share: f64, t_s: T, angle_rad: T, motor_nm: T) -> (T, f64) {
+        let direction = if net_nm.re() < 0.0 { -1.0 } else { 1.0 };
+        let held_nm = self.resistance_nm(t_s, angle_rad, T::nought(), direction, motor_nm) * share;
+        (net_nm * direction - held_nm, direction)
+    }
+
+    fn motion_of(&self, (beyond, direction): (T, f64)) -> Motion {
+        if beyond.re() > 0.0 { Motion::Slip(direction) } else { Motion::Rest }
+    }
+
+    /// Decides what resting bodies do, and whether pressed flanks stay pressed, at the present instant.
+    fn settle(&mut self, command: Command<T>) {
+        let (t_s, y) = (self.t_s, self.y);
+        let motor_nm = self.motor_nm(command, t_s, &y);
+        let passive_nm = self.chain.passive_nm(y[0], y[1]);
+        let link_alone = self.beyond(passive_nm, LINK_SHARE, t_s, y[0], motor_nm);
+        let motor_alone = self.beyond(motor_nm, 1.0 - LINK_SHARE, t_s, y[0], motor_nm);
+        if let Mode::Engaged(flank, Motion::Rest) = self.mode {
+            let falls_away = link_alone.0.re() > 0.0 && link_alone.1 != flank;
+            self.mode = if falls_away {
+                Mode::Apart(Motion::Rest, Motion::Rest)
+            } else {
+                Mode::Engaged(flank, self.motion_of(self.beyond(passive_nm + motor_nm, 1.0, t_s, y[0], motor_nm)))
+            };
+        }
+        if let Mode::Engaged(flank, Motion::Slip(direction)) = self.mode
+            && self.pressing_nm(command, flank, direction, t_s, &y).re() < 0.0
+        {
+            let going = |rate: T| if rate.re() == 0.0 { Motion::Rest } else { Motion::Slip(rate.re().signum()) };
+            self.mode = Mode::Apart(going(y[1]), going(y[3]));
+        }
+        if let Mode::Apart(link, motor) = self.mode {
+            let link = if link == Motion::Rest { self.motion_of(link_alone) } else { link };
+            let motor = if motor == Motion::Rest { self.motion_of(motor_alone) } else { motor };
+            self.mode = Mode::Apart(link, motor);
+        }
+    }
+
+    /// Acceleration of both bodies as one.
+    fn together(&self, command: Command<T>, direction: f64, t_s: T, y: &[T; 5]) -> T {
+        let motor_nm = self.motor_nm(command, t_s, y);
+        self.chain.slip_rate_rad_s2(t_s, y[0], y[1], direction, motor_nm)
+    }
+
+    /// Torque with which the flanks press \[N m\]; negative where they would have to pull.
+    fn pressing_nm(&self, command: Command<T>, flank: f64, direction: f64, t_s: T, y: &[T; 5]) -> T {
+        let motor_nm = self.motor_nm(command, t_s, y);
+        let own_nm = self.resistance_nm(t_s, y[0], y[1] * direction, direction, motor_nm) * (LINK_SHARE * direction);
+        let on_link_nm =
+            self.link_kg_m2() * self.together(command, direction, t_s, y) - self.chain.passive_nm(y[0], y[1]) + own_nm;
+        on_link_nm * -flank
+    }
+
+    fn rate(&self, command: Command<T>, mode: Mode, t_s: T, y: &[T; 5]) -> [T; 5] {
+        let nought = T::nought();
+        let error = command.error_rad(self.chain, t_s, y[0]);
+        match mode {
+            Mode::Clamped | Mode::Engaged(_, Motion::Rest) => [nought, nought, nought, nought, error],
+            Mode::Engaged(_, Motion::Slip(direction)) => {
+                let a = self.together(command, direction, t_s, y);
+                [y[1], a, y[1], a, error]
+            }
+            Mode::Apart(link, motor) => {
+                let motor_nm = self.motor_nm(command, t_s, y);
+                let friction = |rate: T, direction: f64, share: f64| {
+                    self.resistance_nm(t_s, y[0], rate * direction, direction, motor_nm) * (share * direction)
+                };
+                let a_link = match link {
+                    Motion::Rest => nought,
+                    Motion::Slip(d) => {
+                        (self.chain.passive_nm(y[0], y[1]) - friction(y[1], d, LINK_SHARE)) / self.link_kg_m2()
+                    }
+                };
+                let a_motor = match motor {
+                    Motion::Rest => nought,
+                    Motion::Slip(d) => (motor_nm - friction(y[3], d, 1.0 - LINK_SHARE)) / self.play.motor_side_kg_m2,
+                };
+                [y[1], a_link, y[3], a_motor, error]
+            }
+        }
+    }
+
+    /// What may happen in a mode.
+    fn possible(&self) -> [Option<Event>; 4] {
+        match self.mode {
+            Mode::Clamped => [None; 4],
+            Mode::Engaged(_, Motion::Rest) => [Some(Event::LinkMoves), None, None, None],
+            Mode::Engaged(_, Motion::Slip(_)) => [Some(Event::LinkStops), Some(Event::Parts), None, None],
+            Mode::Apart(link, motor) => {
+                let link = if link == Motion::Rest { Event::LinkMoves } else { Event::LinkStops };
+                let motor = if motor == Motion::Rest { Event::MotorMoves } else { Event::MotorStops };
+                [link, motor, Event::Meets(1.0), Event::Meets(-1.0)].map(Some)
+            }
+        }
+    }
+
+    /// A function that is positive until the event.
+    fn margin(&self, event: Event, command: Command<T>, t_s: T, y: &[T; 5]) -> T {
+        let motor_nm = || self.motor_nm(command, t_s, y);
+        let direction = |motion: Motion| if let Motion::Slip(d) = motion { d } else { 0.0 };
+        match (event, self.mode) {
+            (Event::LinkStops, Mode::Engaged(_, motion) | Mode::Apart(motion, _)) => y[1] * direction(motion),
+            (Event::MotorStops, Mode::Apart(_, motion)) => y[3] * direction(motion),
+            (Event::LinkMoves, Mode::Engaged(..)) => {
+                let motor_nm = motor_nm();
+                let net_nm = self.chain.passive_nm(y[0], y[1]) + motor_nm;
+                -self.beyond(net_nm, 1.0, t_s, y[0], motor_nm).0
+            }
+            (Event::LinkMoves, _) => {
+                -self.beyond(self.chain.passive_nm(y[0], y[1]), LINK_SHARE, t_s, y[0], motor_nm()).0
+            }
+            (Event::MotorMoves, _) => {
+                let motor_nm = motor_nm();
+                -self.beyond(motor_nm, 1.0 - LINK_SHARE, t_s, y[0], motor_nm).0
+            }
+            (Event::Meets(flank), _) => self.play.width_rad * 0.5 - (y[0] - y[2]) * flank,
+            (Event::Parts, Mode::Engaged(flank, Motion::Slip(d))) => self.pressing_nm(command, flank, d, t_s, y),
+            _ => T::constant(1.0),
+        }
+    }
+
+    /// One step, cut short at the first event in it.
+    fn step(&mut self, until: T, command: Command<T>) -> Result<(), Diverged> {
+        let whole = until - self.t_s;
+        let [angle, rate, _, motor_rate, _] = self.y;
+        let fastest = rate.re().abs().max(motor_rate.re().abs());
+        let motor_on = matches!(command, Command::Pid { .. });
+        let longest_s = self.chain.longest_step_s(self.fastest_rad_s, angle.re(), fastest, motor_on);
+        let parts = (whole.re() * self.refinement / longest_s).ceil().max(1.0);
+        if !(parts <= self.steps_left as f64) {
+            return Err(Diverged { at_s: self.t_s.re() });
+        }
+        let step = if parts > 1.0 { whole * (1.0 / parts) } else { whole };
+        let mode = self.mode;
+        let (t_s, y) = (self.t_s, self.y);
+        let rates = |t: T, y: &[T; 5]| self.rate(command, mode, t, y);
+        let first = rates(t_s, &y);
+        let after = |dt: T| rk4(rates, t_s, &y, &first, dt);
+        let end = after(step);
+        let margin = |event: Event, dt: T, y: &[T; 5]| self.margin(event, command, t_s + dt, y);
+        let happening = self.possible().map(|event| event.filter(|&event| margin(event, step, &end).re() < 0.0));
+        if happening.iter().all(Option::is_none) {
+            self.y = end;
+            self.t_s = if parts > 1.0 { t_s + step } else { until };
+            return Ok(());
+        }
+        // The earliest of them counts.
+        let earliest = happening.iter().flatten().map(|&event| {
+            let at = |dt: f64| margin(event, T::constant(dt), &after(T::constant(dt))).re();
+            (falls_through_zero(at, step.re()), event)
+        });
+        let Some((instant, event)) = earliest.min_by(|a, b| a.0.total_cmp(&b.0)) else { return Ok(()) };
+        let (dt, high) = (T::constant(instant), instant);
+        let there = after(dt);
+        // One Newton step in T gives the instant its derivatives.
+        let here = margin(event, dt, &there);
+        let back = T::constant(high * 0.999);
+        let slope = (here.re() - margin(event, back, &after(back)).re()) / (high * 0.001);
+        let dt = if slope < 0.0 { dt - (here - here.re()) / slope } else { dt };
+        self.y = after(dt);
+        self.t_s = t_s + dt;
+        self.happen(event);
+        Ok(())
+    }
+
+    fn happen(&mut self, event: Event) {
+        match (event, self.mode) {
+            (Event::LinkStops, Mode::Engaged(flank, _)) => {
+                (self.y[1], self.y[3]) = (T::nought(), T::nought());
+                self.mode = Mode::Engaged(flank, Motion::Rest);
+            }
+            (Event::LinkStops, Mode::Apart(_, motor)) => {
+                self.y[1] = T::nought();
+                self.mode = Mode::Apart(Motion::Rest, motor);
+            }
+            (Event::MotorStops, Mode::Apart(link, _)) => {
+                self.y[3] = T::nought();
+                self.mode = Mode::Apart(link, Motion::Rest);
+            }
+            (Event::Parts, Mode::Engaged(_, Motion::Slip(d))) => {
+                self.mode = Mode::Apart(Motion::Slip(d), Motion::Slip(d));
+            }
+            (Event::Meets(flank), _) => {
+                let whole = self.chain.link.inertia_kg_m2;
+                let momentum = self.link_kg_m2() * self.y[1] + self.play.motor_side_kg_m2 * self.y[3];
+                let rate = momentum / whole;
+                (self.y[1], self.y[3]) = (rate, rate);
+                self.y[2] = self.y[0] - self.play.width_rad * (0.5 * flank);
+                let motion = if rate.re() == 0.0 { Motion::Rest } else { Motion::Slip(rate.re().signum()) };
+                self.mode = Mode::Engaged(flank, motion);
+            }
+            // A resting body that moves is settled at the next step.
+            _ => {}
+        }
+    }
+}
+
+/// The last instant before `to`, to within a hundred-millionth of it, at which a margin that is negative at `to` is not
+/// yet so (Illinois method); 0 where it is negative from the beginning.
+fn falls_through_zero(margin: impl Fn(f64) -> f64, to: f64) -> f64 {
+    let (mut low, mut f_low) = (0.0, margin(0.0));
+    let (mut high, mut f_high) = (to, margin(to));
+    if f_low <= 0.0 {
+        // It begins at zero: find an instant at which it is positive.
+        let mut probe = to;
+        for _ in 0..6 {
+            probe *= 0.25;
+            let f = margin(probe);
+            if f > 0.0 {
+                (low, f_low) = (probe, f);
+                break;
+            }
+            (high, f_high) = (probe, f);
+        }
+        if f_low <= 0.0 {
+            return high;
+        }
+    }
+    let mut last = 0;
+    for _ in 0..30 {
+        if high - low <= 1e-8 * to {
+            break;
+        }
+        let middle = ((low * f_high - high * f_low) / (f_high - f_low)).clamp(low, high);
+        let f = margin(middle);
+        if f >= 0.0 {
+            (low, f_low) = (middle, f);
+            f_high *= if last == 1 { 0.5 } else { 1.0 };
+            last = 1;
+        } else {
+            (high, f_high) = (middle, f);
+            f_low *= if last == -1 { 0.5 } else { 1.0 };
+            last = -1;
+        }
+        if f == 0.0 {
+            break;
+        }
+    }
+    high
+}

@@ -1,0 +1,176 @@
+//! What acts on the joint at each instant: setpoints and torques, as late and as rarely as the chain lets them through.
+
+use crate::joint::{Chain, Real, Setpoint, SetpointPath};
+use crate::log::Hold;
+
+/// What acts on the joint along a log; the slices are as long as the log's times.
+#[derive(Clone, Copy, Debug)]
+pub enum Input<'a> {
+    /// Motor off.
+    Off,
+    /// A torque on the joint.
+    Torque {
+        /// Held from its sample to the next \[N m\].
+        torque_nm: &'a [f64],
+        /// Whether the motor is on; `None`: always.
+        on: Option<&'a [bool]>,
+    },
+    /// A setpoint through the chain's motor.
+    Position {
+        /// \[rad\]
+        setpoint_rad: &'a [f64],
+        /// How it is read between its samples.
+        hold: Hold,
+        /// Whether the motor is on; `None`: always.
+        on: Option<&'a [bool]>,
+    },
+}
+
+/// What is asked of the motor between two events.
+#[derive(Clone, Copy)]
+pub(crate) enum Command<T> {
+    /// A torque \[N m\], before the motor's gain and limits.
+    Torque(T),
+    /// A setpoint, `setpoint_rad + slope_rad_s (t - from_s)`, through the control law.
+    Pid { setpoint_rad: T, slope_rad_s: f64, from_s: T },
+}
+
+impl<T: Real> Command<T> {
+    /// The torque that arrives at the joint \[N m\]; `y` is angle, rate, integral of the angle error.
+    #[inline]
+    pub(crate) fn motor_nm(self, chain: &Chain<T>, t_s: T, y: &[T; 3]) -> T {
+        match self {
+            Command::Torque(command_nm) => chain.delivered_nm(command_nm, y[1]),
+            Command::Pid { setpoint_rad, slope_rad_s, from_s } => {
+                let angle_rad = (t_s - from_s) * slope_rad_s + setpoint_rad;
+                chain.motor_nm(Setpoint { angle_rad, rate_rad_s: T::constant(slope_rad_s) }, y[0], y[1], y[2])
+            }
+        }
+    }
+
+    /// Setpoint less reading \[rad\], at a true angle; zero where there is no setpoint.
+    #[inline]
+    pub(crate) fn error_rad(self, chain: &Chain<T>, t_s: T, angle_rad: T) -> T {
+        match self {
+            Command::Torque(_) => T::nought(),
+            Command::Pid { setpoint_rad, slope_rad_s, from_s } => {
+                (t_s - from_s) * slope_rad_s + setpoint_rad - angle_rad * chain.sensor_gain
+            }
+        }
+    }
+
+    /// True where the torque on a resting joint does not change by itself.
+    pub(crate) fn is_steady(self, chain: &Chain<T>) -> bool {
+        match self {
+            Command::Torque(_) => true,
+            Command::Pid { slope_rad_s, .. } => {
+                slope_rad_s == 0.0 && !chain.motor.as_ref().is_some_and(|m| m.winds_up())
+            }
+        }
+    }
+}
+
+/// Steps through an input in time.
+pub(crate) struct Schedule<'a, T> {
+    input: Input<'a>,
+    t_s: &'a [f64],
+    path: SetpointPath<T>,
+    /// Setpoint or torque in force, where the path is not perfect: value, slope, since when.
+    in_force: (T, f64, T),
+    /// Number of the next change.
+    next: usize,
+}
+
+/// A hold shorter than this \[s\] is none.
+const SHORTEST_HOLD_S: f64 = 1e-4;
+/// A reading of the setpoint this shortly before a sample takes that sample \[s\].
+const SAME_INSTANT_S: f64 = 1e-9;
+
+impl<'a, T: Real> Schedule<'a, T> {
+    pub(crate) fn new(input: Input<'a>, t_s: &'a [f64], path: SetpointPath<T>) -> Self {
+        let hold_s = path.hold_s.filter(|hold| hold.re() >= SHORTEST_HOLD_S);
+        let first = match input {
+            Input::Off => 0.0,
+            Input::Torque { torque_nm: values, .. } | Input::Position { setpoint_rad: values, .. } => {
+                values.first().copied().unwrap_or(0.0)
+            }
+        };
+        let start_s = T::constant(t_s.first().copied().unwrap_or(0.0));
+        Self {
+            input,
+            t_s,
+            path: SetpointPath { hold_s, ..path },
+            in_force: (T::constant(first), 0.0, start_s),
+            next: 0,
+        }
+    }
+
+    fn is_perfect(&self) -> bool {
+        self.path.delay_s.is_none() && self.path.hold_s.is_none()
+    }
+
+    /// The next instant between samples at which the input changes, where the path makes any.
+    pub(crate) fn next_change(&self) -> Option<T> {
+        if self.is_perfect() || matches!(self.input, Input::Off) {
+            return None;
+        }
+        let instant = match (self.input, self.path.hold_s) {
+            (Input::Position { .. }, Some(hold)) => hold * self.next as f64 + self.t_s[0],
+            _ => T::constant(*self.t_s.get(self.next)?),
+        };
+        Some(self.path.delay_s.map_or(instant, |delay| instant + delay))
+    }
+
+    /// Takes the next change over.
+    pub(crate) fn change(&mut self) {
+        let Some(at) = self.next_change() else { return };
+        self.in_force = match (self.input, self.path.hold_s) {
+            (Input::Position { setpoint_rad, hold: reading, .. }, Some(hold)) => {
+                let read_s = hold * self.next as f64 + self.t_s[0];
+                let k = self.t_s.partition_point(|t| *t <= read_s.re() + SAME_INSTANT_S).max(1) - 1;
+                let value = T::constant(setpoint_rad[k]);
+                let slope = self.slope(setpoint_rad, reading, k);
+                (value + (read_s - self.t_s[k]) * slope, 0.0, at)
+            }
+            (Input::Position { setpoint_rad, hold: reading, .. }, None) => {
+                let slope = self.slope(setpoint_rad, reading, self.next);
+                (T::constant(setpoint_rad[self.next]), slope, at)
+            }
+            (Input::Torque { torque_nm, .. }, _) => (T::constant(torque_nm[self.next]), 0.0, at),
+            (Input::Off, _) => self.in_force,
+        };
+        self.next += 1;
+    }
+
+    /// Slope of the setpoint from sample `k` on \[rad/s\].
+    fn slope(&self, setpoint_rad: &[f64], reading: Hold, k: usize) -> f64 {
+        match reading {
+            Hold::Linear if k + 1 < self.t_s.len() => {
+                (setpoint_rad[k + 1] - setpoint_rad[k]) / (self.t_s[k + 1] - self.t_s[k])
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// What acts from sample `k - 1` to sample `k`, as far as it is known now.
+    pub(crate) fn command(&self, k: usize) -> Command<T> {
+        let is_on = |on: Option<&[bool]>| on.is_none_or(|on| on[k - 1]);
+        match self.input {
+            Input::Torque { torque_nm, on } if is_on(on) => Command::Torque(match self.is_perfect() {
+                true => T::constant(torque_nm[k - 1]),
+                false => self.in_force.0,
+            }),
+            Input::Position { setpoint_rad, hold, on } if is_on(on) => {
+                let (setpoint_rad, slope_rad_s, from_s) = match self.is_perfect() {
+                    true => {
+                        let slope = self.slope(setpoint_rad, hold, k - 1);
+                        (T::constant(setpoint_rad[k - 1]), slope, T::constant(self.t_s[k - 1]))
+                    }
+                    false => self.in_force,
+                };
+                Command::Pid { setpoint_rad, slope_rad_s, from_s }
+            }
+            _ => Command::Torque(T::nought()),
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! Stated probabilities against what came true.
+
+use plotters::style::Color;
+use plotters::style::text_anchor::HPos;
+
+use crate::blind::Bin;
+use crate::report::ReportError;
+use crate::report::plot::axis::Axis;
+use crate::report::plot::canvas::{
+    EXTENSIVE, LEFT, Look, RIGHT, SHADE, Sign, WIDTH, block, chart, dots, filled, legend, line, notice, sketch, stroke,
+    text,
+};
+
+const HEIGHT: f64 = 460.0;
+const BAR_OPACITY: f64 = 0.25;
+/// Half the width of an interval's bar, as a probability.
+const HALF_BAR: f64 = 0.006;
+
+/// Draws the share of right answers against the stated probability, with 95 % intervals and the number of answers.
+pub(super) fn reliability(title: &str, bins: &[Bin]) -> Result<String, ReportError> {
+    let (stated, right) = (Axis::between(0.0, 1.0), Axis::between(0.0, 1.0));
+    sketch(title, HEIGHT, |root| {
+        let names = [
+            (Sign::Dot, EXTENSIVE.to_rgba(), "answers of one range of stated probability".to_owned()),
+            (Sign::Box, EXTENSIVE.mix(BAR_OPACITY), "95 % interval".to_owned()),
+            (Sign::Line, SHADE.to_rgba(), "as often right as stated".to_owned()),
+        ];
+        let top = legend(root, &names)?;
+        let bottom = HEIGHT - 4.0;
+        let mut chart =
+            chart(root, (top, bottom), (&stated, &right), ("stated probability", "share of right answers"))?;
+        line(&mut chart, &[(0.0, 0.0), (1.0, 1.0)], stroke(SHADE, 1.0))?;
+        let seen = || bins.iter().filter_map(|bin| Some((bin.stated?, bin.right.share?, bin)));
+        for (stated, share, bin) in seen() {
+            let [low, high] = bin.right.interval;
+            let (from, to) = ((stated - HALF_BAR).max(0.0), (stated + HALF_BAR).min(1.0));
+            block(&mut chart, [(from, low), (to, high)], filled(EXTENSIVE, BAR_OPACITY))?;
+            dots(&mut chart, &[(stated, share)], 4.0, filled(EXTENSIVE, 1.0))?;
+        }
+        for (at, (stated, _, bin)) in seen().enumerate() {
+            // the box of the chart: the y labels' room left, the x labels' below
+            let x = LEFT + stated * (WIDTH - LEFT - RIGHT);
+            let y = |share: f64| top + (1.0 - share) * (bottom - 42.0 - top);
+            // neighbours at different heights, so that their words do not meet
+            let off = 10.0 + 14.0 * (at % 2) as f64;
+            let [low, high] = bin.right.interval;
+            let y = if y(low) + off + 8.0 < bottom - 42.0 { y(low) + off } else { y(high) - off };
+            let words = format!("{} of {}", bin.right.hits, bin.right.of);
+            text(root, (x, y), &words, Look { size: 11.0, anchor: HPos::Center, ..Look::default() })?;
+        }
+        if seen().next().is_none() {
+            notice(root, "no answer stated a probability")?;
+        }
+        Ok(())
+    })
+}

@@ -1,0 +1,51 @@
+//! `fit.json` of a diagnosis: the joint with the effects of the answer, for `simulate`.
+
+use super::rows::{joint_rows, number_row, residual_rms_rad};
+use crate::gap::{Diagnosis, LogTraces, Number};
+use crate::joint::EffectId;
+use crate::report::{EffectFit, FitFile, JointFit, LogFit, Provenance, Quantity, SCHEMA};
+use std::collections::BTreeMap;
+
+/// Effects with their parameters by the catalogue's names.
+pub(super) fn effect_fits(effects: &[(EffectId, Vec<Number>)]) -> Vec<EffectFit> {
+    effects.iter().map(|(id, numbers)| EffectFit { id: id.id().to_owned(), parameters: quantities(numbers) }).collect()
+}
+
+/// Parameters by name.
+pub(super) fn quantities(numbers: &[Number]) -> BTreeMap<String, Quantity> {
+    numbers.iter().map(|number| (number.name.clone(), Quantity::of(&number_row(number)))).collect()
+}
+
+impl FitFile {
+    /// The file of a diagnosis: the joint's parameters and those of the effects of the answer, fitted together.
+    pub fn of_diagnosis(diagnosis: &Diagnosis, provenance: &Provenance) -> Self {
+        Self {
+            schema: SCHEMA,
+            name: diagnosis.joint.clone(),
+            joint: JointFit::of(&joint_rows(diagnosis)),
+            effects: effect_fits(&diagnosis.effect_parameters),
+            masses: BTreeMap::new(),
+            ratios: BTreeMap::new(),
+            models: BTreeMap::new(),
+            logs: diagnosis.traces.iter().filter_map(|log| log_fit(diagnosis, log)).collect(),
+            notes: diagnosis.notes.clone(),
+            sentence: diagnosis.answer.sentence.clone(),
+            method: String::new(),
+            stop: String::new(),
+            version: provenance.version.clone(),
+            inputs: provenance.inputs.iter().cloned().collect(),
+        }
+    }
+}
+
+/// What the answer leaves of a log; `None` where it predicts nothing that can be compared.
+fn log_fit(diagnosis: &Diagnosis, log: &LogTraces) -> Option<LogFit> {
+    let rms = residual_rms_rad(log, &log.after_rad);
+    let held_out = diagnosis.gap.per_log.iter().find(|gap| gap.file == log.file).map(|gap| gap.after);
+    rms.is_finite().then(|| LogFit {
+        file: log.file.clone(),
+        role: log.role.clone(),
+        rms,
+        rms_held_out: held_out.filter(|rms| rms.is_finite()),
+    })
+}

@@ -1,0 +1,187 @@
+//! A diagnosis as one page that opens without a network.
+
+use minijinja::{HtmlEscape, Value, context};
+
+use super::GapReport;
+use super::plot::GapFigures;
+use super::rows::{effect_rows, joint_rows};
+use super::words;
+use crate::gap::{Candidate, Detectable, Diagnosis, Gap, LogGap};
+use crate::joint::Stage;
+use crate::report::ReportError;
+use crate::report::html::{figure_views, health_view, open_and_folded, parameter_view, render};
+use crate::report::number::{mrad, percent, significant};
+use crate::report::rows::typeset_unit;
+
+/// Puts a diagnosis into one HTML page: verdict, data health, where, which, how far, logs, parameters, what could have
+/// been seen, next experiment, notes, provenance.
+///
+/// The page holds its figures and its font, runs no scripts and loads nothing. Same report, same bytes.
+///
+/// # Errors
+/// [`ReportError::Draw`] or [`ReportError::Font`] from the figures, [`ReportError::Page`] from the template; none depends
+/// on the data.
+pub fn render_gap_html(report: &GapReport) -> Result<String, ReportError> {
+    let GapReport { diagnosis, options, health, provenance } = report;
+    let Diagnosis { answer, gap, .. } = diagnosis;
+    let GapFigures { place, which, twins, how_far, logs, parameters, next } = GapFigures::of(report)?;
+    let (logs, folded) = open_and_folded(logs);
+    let rows = joint_rows(diagnosis).into_iter().chain(effect_rows(diagnosis));
+    let values = context! {
+        joint => diagnosis.joint.as_str(),
+        sentence => with_code(&answer.sentence),
+        verdict => answer.verdict.name(),
+        probability => percent(answer.probability),
+        source => with_code(answer.probability_source.trim_end_matches('.')),
+        answer => words::answer(diagnosis),
+        has_second => answer.second.is_some(),
+        gap => gap_view(gap),
+        closed => words::closed(gap.closed, gap.closed_interval),
+        held_out => with_code(&gap.held_out),
+        health => health.iter().map(health_view).collect::<Vec<_>>(),
+        chain => chain_view(diagnosis),
+        location => with_code(&words::location(&diagnosis.location)),
+        place => figure_views(place),
+        which => figure_views(which),
+        ranking => diagnosis.ranking.iter().map(|candidate| candidate_view(diagnosis, candidate)).collect::<Vec<_>>(),
+        mark => words::mark(answer),
+        twins => figure_views(twins),
+        twins_command => diagnosis.confusion.as_ref().map(|table| table.command.as_str()),
+        how_far => figure_views(how_far),
+        per_log => gap.per_log.iter().map(log_view).collect::<Vec<_>>(),
+        logs,
+        folded,
+        effects => !diagnosis.effect_parameters.is_empty(),
+        untrusted => (!answer.intervals_trusted).then_some(words::UNTRUSTED),
+        parameter_figures => figure_views(parameters),
+        parameters => rows.map(|row| parameter_view(&row)).collect::<Vec<_>>(),
+        detectable => diagnosis.detectable.iter().map(detectable_view).collect::<Vec<_>>(),
+        detectable_words => words::DETECTABLE,
+        next => diagnosis.next.as_ref().map(|proposal| {
+            context! { what => with_code(&proposal.what), power => percent(proposal.power), figures => figure_views(next) }
+        }),
+        notes => words::notes(report).iter().map(|note| with_code(note)).collect::<Vec<_>>(),
+        version => provenance.version.as_str(),
+        command => provenance.command.as_str(),
+        seed => options.seed,
+        twins_asked => options.twins,
+        inputs => provenance.inputs.clone(),
+    };
+    render("gap.html", include_str!("../templates/gap.html"), values)
+}
+
+/// A text in which what stands between backticks is set as code.
+fn with_code(text: &str) -> Value {
+    let pieces = text.split('`').enumerate().map(|(i, piece)| {
+        let escaped = HtmlEscape(piece).to_string();
+        if i % 2 == 1 { format!("<code>{escaped}</code>") } else { escaped }
+    });
+    Value::from_safe_string(pieces.collect())
+}
+
+/// The chain with the stage of the gap marked.
+fn chain_view(diagnosis: &Diagnosis) -> Vec<Value> {
+    let view = |stage: Stage| context! { name => stage.name(), here => diagnosis.location.stage == Some(stage) };
+    Stage::ALL.into_iter().map(view).collect()
+}
+
+fn gap_view(gap: &Gap) -> Value {
+    context! {
+        before => mrad(gap.before),
+        calibrated => mrad(gap.calibrated),
+        after_first => mrad(gap.after_first),
+        after => mrad(gap.after),
+        floor => mrad(gap.floor),
+    }
+}
+
+fn log_view(log: &LogGap) -> Value {
+    let milli = |rad: f64| significant(1e3 * rad, 3);
+    context! {
+        file => log.file.as_str(),
+        before => milli(log.before),
+        calibrated => milli(log.calibrated),
+        after => milli(log.after),
+        floor => milli(log.floor),
+    }
+}
+
+fn candidate_view(diagnosis: &Diagnosis, candidate: &Candidate) -> Value {
+    let dash = || "–".to_owned();
+    let shown = |value: f64| if candidate.refitted { significant(1e3 * value, 3) } else { dash() };
+    context! {
+        effect => candidate.effect.id(),
+        stage => candidate.effect.stage().name(),
+        named => words::is_named(&diagnosis.answer, candidate.effect),
+        after => shown(candidate.after),
+        closed => candidate.closed.filter(|_| candidate.refitted).map_or_else(dash, percent),
+        behind => significant(candidate.behind_sd, 2),
+        probability => percent(candidate.probability),
+        parameters => candidate.parameters.iter().map(|p| typeset_unit(&words::parameter(p))).collect::<Vec<_>>(),
+    }
+}
+
+fn detectable_view(detectable: &Detectable) -> Value {
+    context! {
+        effect => detectable.effect.id(),
+        stage => detectable.effect.stage().name(),
+        size => typeset_unit(&words::threshold(detectable)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample;
+    use super::*;
+
+    fn page(report: &GapReport) -> String {
+        render_gap_html(report).expect("a page for any diagnosis")
+    }
+
+    #[test]
+    fn page_needs_no_network_and_no_script_and_shows_only_numbers() {
+        for (name, report) in sample::all() {
+            let page = page(&report);
+            assert!(!page.contains("<script") && !page.contains("src=") && !page.contains("href="), "{name}");
+            let addresses = page.matches("http").count();
+            assert_eq!(addresses, page.matches("xmlns=\"http://www.w3.org/2000/svg\"").count(), "{name}");
+            let body = page.split_once("<body>").expect("a body").1;
+            assert!(!body.contains("NaN") && !body.contains(">inf"), "{name}");
+        }
+    }
+
+    #[test]
+    fn sections_stand_in_the_order_in_which_one_reads() {
+        let page = page(&sample::set_of_two());
+        let headings = [
+            "class=\"verdict\"",
+            ">Data health<",
+            ">Where<",
+            ">Which<",
+            ">How far<",
+            ">Logs<",
+            ">Parameters<",
+            ">What these logs could have shown<",
+            ">Next experiment<",
+            ">Notes<",
+            ">Provenance<",
+        ];
+        let places: Vec<_> = headings.iter().map(|heading| page.find(heading)).collect();
+        assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{places:?}");
+        assert!(page.contains("<li class=\"here\">link</li>"));
+    }
+
+    #[test]
+    fn page_says_when_intervals_are_not_to_be_trusted() {
+        assert!(page(&sample::unexplained()).contains("class=\"warning\""));
+        assert!(!page(&sample::two_effects()).contains("class=\"warning\""));
+    }
+
+    #[test]
+    fn texts_are_escaped_and_same_report_gives_same_bytes() {
+        let report = sample::unexplained();
+        let page_of = page(&report);
+        assert!(page_of.contains("&lt;b&gt;name") && !page_of.contains("<b>name"));
+        assert_eq!(page_of, page(&report));
+    }
+}

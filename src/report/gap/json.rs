@@ -1,0 +1,311 @@
+//! `gap --json`: the contract of the specification's section 6, every key always there, and what goes beyond it.
+
+use super::GapReport;
+use super::fit::{effect_fits, quantities};
+use super::rows::joint_rows;
+use crate::gap::{Candidate, Confusion, Detectable, Gap, MapCell, Next, Phase, ProfileBin, Variable, Verdict, Where};
+use crate::joint::{EffectId, Stage};
+use crate::report::{EffectFit, HashedInput, JointFit, LogHealthRow, Quantity, SCHEMA};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// The diagnosis for programs. A number that is not finite becomes null.
+pub fn gap_json(report: &GapReport) -> impl Serialize + '_ {
+    let GapReport { diagnosis, options, health, provenance } = report;
+    let answer = &diagnosis.answer;
+    Document {
+        schema: SCHEMA,
+        name: &diagnosis.joint,
+        verdict: answer.verdict,
+        effect: answer.effect.as_deref(),
+        second: answer.second,
+        equivalent: &answer.equivalent,
+        probability: answer.probability,
+        sentence: &answer.sentence,
+        place: Place::of(&diagnosis.joint, &diagnosis.location),
+        gap: &diagnosis.gap,
+        ranking: diagnosis.ranking.iter().map(Ranked::of).collect(),
+        detectable: diagnosis.detectable.iter().map(|d| (d.effect.id(), Threshold::of(d))).collect(),
+        joint: JointFit::of(&joint_rows(diagnosis)),
+        next: diagnosis.next.as_ref().map(Proposal::of),
+        probability_source: &answer.probability_source,
+        partial: answer.partial,
+        intervals_trusted: answer.intervals_trusted,
+        effects: effect_fits(&diagnosis.effect_parameters),
+        confusion: diagnosis.confusion.as_ref(),
+        notes: &diagnosis.notes,
+        health,
+        withheld: &diagnosis.withheld,
+        only: &options.only,
+        twins: options.twins,
+        seed: options.seed,
+        version: &provenance.version,
+        command: &provenance.command,
+        inputs: provenance.hashed(),
+    }
+}
+
+#[derive(Serialize)]
+struct Document<'a> {
+    schema: u32,
+    name: &'a str,
+    verdict: Verdict,
+    effect: Option<&'a str>,
+    second: Option<EffectId>,
+    equivalent: &'a [EffectId],
+    probability: f64,
+    sentence: &'a str,
+    #[serde(rename = "where")]
+    place: Place<'a>,
+    gap: &'a Gap,
+    ranking: Vec<Ranked>,
+    detectable: BTreeMap<&'static str, Threshold>,
+    joint: JointFit,
+    next: Option<Proposal<'a>>,
+    probability_source: &'a str,
+    partial: Option<EffectId>,
+    intervals_trusted: bool,
+    effects: Vec<EffectFit>,
+    confusion: Option<&'a Confusion>,
+    notes: &'a [String],
+    health: &'a [LogHealthRow],
+    withheld: &'a [EffectId],
+    only: &'a [EffectId],
+    twins: usize,
+    seed: u64,
+    version: &'a str,
+    command: &'a str,
+    inputs: Vec<HashedInput<'a>>,
+}
+
+#[derive(Serialize)]
+struct Place<'a> {
+    joints: [&'a str; 1],
+    stage: Option<Stage>,
+    variable: Option<Variable>,
+    range: Option<[f64; 2]>,
+    phase: Option<Phase>,
+    logs: &'a [String],
+    share: f64,
+    cells: &'a [MapCell],
+    variables: Vec<Explained>,
+    profile: &'a [ProfileBin],
+}
+
+/// What a variable explains of the residual torque's variance.
+#[derive(Serialize)]
+struct Explained {
+    variable: Variable,
+    unit: &'static str,
+    share: f64,
+}
+
+impl<'a> Place<'a> {
+    fn of(joint: &'a str, location: &'a Where) -> Self {
+        Self {
+            joints: [joint],
+            stage: location.stage,
+            variable: location.variable,
+            range: location.range.filter(|ends| ends.iter().all(|end| end.is_finite())),
+            phase: location.phase,
+            logs: &location.logs,
+            share: location.share,
+            cells: &location.cells,
+            variables: location
+                .variables
+                .iter()
+                .map(|&(variable, share)| Explained { variable, unit: variable.unit(), share })
+                .collect(),
+            profile: &location.profile,
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct Ranked {
+    effect: EffectId,
+    probability: f64,
+    after: f64,
+    closed: Option<f64>,
+    parameters: BTreeMap<String, Quantity>,
+    behind_sd: f64,
+    refitted: bool,
+}
+
+impl Ranked {
+    fn of(candidate: &Candidate) -> Self {
+        Self {
+            effect: candidate.effect,
+            probability: candidate.probability,
+            after: candidate.after,
+            closed: candidate.closed,
+            parameters: quantities(&candidate.parameters),
+            behind_sd: candidate.behind_sd,
+            refitted: candidate.refitted,
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct Threshold {
+    value: Option<f64>,
+    unit: &'static str,
+    parameter: &'static str,
+}
+
+impl Threshold {
+    fn of(detectable: &Detectable) -> Self {
+        Self { value: detectable.value, unit: detectable.unit, parameter: detectable.name }
+    }
+}
+
+#[derive(Serialize)]
+struct Proposal<'a> {
+    what: &'a str,
+    power: f64,
+    /// File of the motion, beside the report.
+    motion: Option<&'static str>,
+}
+
+impl<'a> Proposal<'a> {
+    fn of(next: &'a Next) -> Self {
+        Self { what: &next.what, power: next.power, motion: next.motion.as_ref().map(|_| super::NEXT_FILE) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{GapReport, sample};
+    use super::gap_json;
+    use crate::report::FitFile;
+    use serde_json::Value;
+
+    fn written(report: &GapReport) -> Value {
+        serde_json::to_value(gap_json(report)).expect("a diagnosis can be written")
+    }
+
+    /// What a key may hold.
+    fn is(value: &Value, kinds: &str) -> bool {
+        kinds.split('|').any(|kind| match kind {
+            "null" => value.is_null(),
+            "number" => value.is_number(),
+            "text" => value.is_string(),
+            "list" => value.is_array(),
+            "object" => value.is_object(),
+            "pair" => value.as_array().is_some_and(|ends| ends.len() == 2 && ends.iter().all(Value::is_number)),
+            _ => false,
+        })
+    }
+
+    fn check(name: &str, object: &Value, keys: &[(&str, &str)]) {
+        for (key, kinds) in keys {
+            let value = object.get(key).unwrap_or_else(|| panic!("{name}: `{key}` is missing in {object}"));
+            assert!(is(value, kinds), "{name}: `{key}` is {value}, expected {kinds}");
+        }
+    }
+
+    const QUANTITY: [(&str, &str); 4] =
+        [("value", "number|null"), ("unit", "text"), ("interval", "pair|null"), ("interval_naive", "pair|null")];
+
+    #[test]
+    fn every_key_of_the_contract_is_there_with_its_type() {
+        for (name, report) in sample::all() {
+            let json = written(&report);
+            check(
+                name,
+                &json,
+                &[
+                    ("schema", "number"),
+                    ("verdict", "text"),
+                    ("effect", "text|null"),
+                    ("second", "text|null"),
+                    ("equivalent", "list"),
+                    ("probability", "number"),
+                    ("sentence", "text"),
+                    ("where", "object"),
+                    ("gap", "object"),
+                    ("ranking", "list"),
+                    ("detectable", "object"),
+                    ("joint", "object"),
+                    ("next", "object|null"),
+                    ("probability_source", "text"),
+                    ("withheld", "list"),
+                    ("health", "list"),
+                    ("inputs", "list"),
+                    ("seed", "number"),
+                ],
+            );
+            assert_eq!(json["schema"], 1);
+            check(
+                name,
+                &json["where"],
+                &[
+                    ("joints", "list"),
+                    ("stage", "text|null"),
+                    ("variable", "text|null"),
+                    ("range", "pair|null"),
+                    ("phase", "text|null"),
+                    ("logs", "list"),
+                    ("share", "number"),
+                ],
+            );
+            let mut gap = vec![("unit", "text"), ("closed", "number|null"), ("closed_interval", "list|null")];
+            gap.extend(["before", "calibrated", "after_first", "after", "floor"].map(|key| (key, "number")));
+            check(name, &json["gap"], &gap);
+            for log in json["gap"]["per_log"].as_array().expect("a list") {
+                let numbers = ["before", "calibrated", "after", "floor"].map(|key| (key, "number|null"));
+                check(name, log, &[&[("file", "text")], &numbers[..]].concat());
+            }
+            for candidate in json["ranking"].as_array().expect("a list") {
+                let keys = [
+                    ("effect", "text"),
+                    ("probability", "number"),
+                    ("after", "number|null"),
+                    ("closed", "number|null"),
+                    ("parameters", "object"),
+                ];
+                check(name, candidate, &keys);
+                for parameter in candidate["parameters"].as_object().expect("an object").values() {
+                    check(name, parameter, &QUANTITY);
+                }
+            }
+            for size in json["detectable"].as_object().expect("an object").values() {
+                check(name, size, &[("value", "number|null"), ("unit", "text")]);
+            }
+            for key in ["inertia", "moment", "coulomb", "viscous"] {
+                check(name, &json["joint"][key], &QUANTITY);
+            }
+            if !json["next"].is_null() {
+                check(name, &json["next"], &[("what", "text"), ("power", "number")]);
+            }
+        }
+    }
+
+    #[test]
+    fn words_are_those_of_the_contract() {
+        let json = written(&sample::two_effects());
+        assert_eq!((&json["verdict"], &json["effect"]), (&"effect".into(), &"torque_limit".into()));
+        assert_eq!((&json["second"], &json["equivalent"][0]), (&"delay".into(), &"torque_limit".into()));
+        let place = &json["where"];
+        assert_eq!((&place["stage"], &place["variable"]), (&"motor".into(), &"torque".into()));
+        assert_eq!((&place["phase"], &place["joints"][0]), (&"saturation".into(), &"q2".into()));
+        assert_eq!(json["effects"][1]["parameters"]["T"]["value"], 0.0161);
+        let verdicts = sample::all().map(|(_, report)| written(&report)["verdict"].clone());
+        assert_eq!(verdicts, ["effect", "none", "calibration", "unexplained", "effect", "effect", "none"]);
+    }
+
+    #[test]
+    fn fit_of_a_diagnosis_can_be_read_again() {
+        for (name, report) in sample::all() {
+            let file = FitFile::of_diagnosis(&report.diagnosis, &report.provenance);
+            let text = serde_json::to_string(&file).expect("a fit can be written");
+            let read: FitFile = serde_json::from_str(&text).expect(name);
+            assert_eq!((read.effects.len(), read.logs.len()), (file.effects.len(), file.logs.len()), "{name}");
+        }
+        let report = sample::two_effects();
+        let file = FitFile::of_diagnosis(&report.diagnosis, &report.provenance);
+        assert_eq!(file.effects.iter().map(|effect| effect.id.as_str()).collect::<Vec<_>>(), ["torque_limit", "delay"]);
+        assert_eq!(file.joint.coulomb.value, Some(7.1e-3));
+        assert!(file.logs.iter().all(|log| log.rms_held_out.is_some() == (log.role == "validate")));
+    }
+}

@@ -1,0 +1,50 @@
+//! The report of a diagnosis: where model and logs part, which effect is behind it, how far the gap closes.
+//!
+//! A [`GapReport`] is a diagnosis with what the reader has to know beside it. [`gap_json`] is the contract of the
+//! specification's section 6, [`gap_text`] is for a terminal, [`FitFile::of_diagnosis`] for programs that go on from
+//! here.
+
+mod fit;
+mod html;
+mod json;
+mod plot;
+mod rows;
+#[cfg(test)]
+pub(super) mod sample;
+mod text;
+mod words;
+
+pub use html::render_gap_html;
+pub use json::gap_json;
+pub use plot::gap_figures;
+pub use text::gap_text;
+
+#[cfg(doc)]
+use super::FitFile;
+use super::assemble::health_rows;
+use super::{LogHealthRow, Provenance};
+use crate::gap::{Diagnosis, GapOptions};
+use crate::identify::Case;
+
+/// Name of the file that holds the motion of the next experiment.
+pub const NEXT_FILE: &str = "next.csv";
+
+/// A diagnosis with what was asked, the health of its logs and where it comes from.
+#[derive(Clone, Debug)]
+pub struct GapReport {
+    /// What was found.
+    pub diagnosis: Diagnosis,
+    /// What was asked.
+    pub options: GapOptions,
+    /// One row per log.
+    pub health: Vec<LogHealthRow>,
+    /// Where the report comes from.
+    pub provenance: Provenance,
+}
+
+impl GapReport {
+    /// The report of a case's diagnosis.
+    pub fn new(case: &Case, diagnosis: Diagnosis, options: GapOptions, provenance: Provenance) -> Self {
+        Self { diagnosis, options, health: health_rows(case), provenance }
+    }
+}

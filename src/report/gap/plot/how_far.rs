@@ -1,0 +1,74 @@
+//! How far the gap closes, log by log.
+
+use plotters::prelude::{Circle, PathElement};
+use plotters::style::{Color, RGBColor};
+
+use super::ruled::{ROW, RULER, Ruled};
+use crate::gap::{Diagnosis, LogGap};
+use crate::report::ReportError;
+use crate::report::gap::words;
+use crate::report::plot::axis::{Axis, drawable};
+use crate::report::plot::canvas::{
+    AFTER, BAND, BEFORE, CALIBRATED, RIGHT, SHADE, Sign, WIDTH, diamond, filled, legend, legend_end, px, sketch, stroke,
+};
+
+/// Draws each held-out log's RMS as given, recalibrated, with the answer and the sensor's noise, on a logarithmic axis.
+pub(super) fn how_far(diagnosis: &Diagnosis) -> Result<String, ReportError> {
+    let gap = &diagnosis.gap;
+    let all = LogGap {
+        file: "all of them".into(),
+        before: gap.before,
+        calibrated: gap.calibrated,
+        after: gap.after,
+        floor: gap.floor,
+    };
+    let logs: Vec<&LogGap> = gap.per_log.iter().chain([&all]).collect();
+    let axis = Axis::logarithmic(logs.iter().flat_map(|log| values(log)).map(|(rms_rad, _)| 1e3 * rms_rad));
+    let files: Vec<&str> = logs.iter().map(|log| log.file.as_str()).collect();
+    let files = words::names_without_folder(&files);
+    let answer = words::answer(diagnosis);
+    let mut names = vec![
+        (Sign::Dot, BEFORE.to_rgba(), "as given".to_owned()),
+        (Sign::Dot, CALIBRATED.to_rgba(), "recalibrated".to_owned()),
+    ];
+    names.extend(answer.iter().map(|words| (Sign::Dot, AFTER.to_rgba(), words.clone())));
+    names.push((Sign::Diamond, BAND.to_rgba(), "the sensor's own noise".to_owned()));
+    let height = legend_end(&names) + 4.0 + ROW * logs.len() as f64 + RULER;
+
+    sketch(&format!("{}: error of each held-out log", diagnosis.joint), height, |root| {
+        let top = legend(root, &names)?;
+        let label = "RMS of the angle error [mrad], logarithmic";
+        let rows = Ruled { axis: &axis, label, right: WIDTH - RIGHT, top: top + 4.0, rows: logs.len() };
+        rows.draw(root)?;
+        for (row, log) in logs.iter().enumerate() {
+            let is_last = row + 1 == logs.len();
+            rows.name(root, row, &files[row], is_last)?;
+            let places = values(log).map(|(rms_rad, colour)| {
+                let shown = drawable(rms_rad) && rms_rad > 0.0 && (colour != AFTER || answer.is_some());
+                (shown.then(|| rows.x((1e3 * rms_rad).log10())), colour)
+            });
+            let shown = || places.iter().filter_map(|(x, _)| *x);
+            let (low, high) = shown().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+            let y = rows.y(row);
+            if low < high {
+                root.draw(&PathElement::new([(px(low), px(y)), (px(high), px(y))], stroke(SHADE, 1.0)))?;
+            }
+            let [before, calibrated, after, floor] = places;
+            if let (Some(x), colour) = floor {
+                root.draw(&diamond((x, y), filled(colour, 1.0)))?;
+            }
+            // The smaller above the larger, so that none hides another.
+            for ((x, colour), radius) in [before, calibrated, after].into_iter().zip([6.5, 5.0, 3.5]) {
+                if let Some(x) = x {
+                    root.draw(&Circle::new((px(x), px(y)), px(radius), filled(colour, 1.0)))?;
+                }
+            }
+        }
+        Ok(())
+    })
+}
+
+/// RMS \[rad\] and colour: before, calibrated, after, floor.
+fn values(log: &LogGap) -> [(f64, RGBColor); 4] {
+    [(log.before, BEFORE), (log.calibrated, CALIBRATED), (log.after, AFTER), (log.floor, BAND)]
+}

@@ -1,0 +1,139 @@
+//! Figures of a diagnosis as SVG.
+
+mod bars;
+mod cells;
+mod how_far;
+mod log;
+mod motion;
+mod ruled;
+#[cfg(test)]
+mod tests;
+mod torque;
+
+use super::rows::{effect_rows, joint_rows};
+use super::{GapReport, NEXT_FILE};
+use crate::gap::Verdict;
+use crate::report::plot::intervals::interval_bars;
+use crate::report::plot::plain;
+use crate::report::{Figure, ReportError};
+
+/// Figures by their place in the report; what would be empty is left out.
+pub(super) struct GapFigures {
+    pub place: Vec<Figure>,
+    pub which: Vec<Figure>,
+    pub twins: Vec<Figure>,
+    pub how_far: Vec<Figure>,
+    pub logs: Vec<Figure>,
+    pub parameters: Vec<Figure>,
+    pub next: Vec<Figure>,
+}
+
+/// Draws every figure of a diagnosis, in the order in which the page shows them.
+///
+/// # Errors
+/// [`ReportError::Font`] and [`ReportError::Draw`], neither of which depends on the data.
+pub fn gap_figures(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
+    let GapFigures { place, which, twins, how_far, logs, parameters, next } = GapFigures::of(report)?;
+    Ok([place, which, twins, how_far, logs, parameters, next].into_iter().flatten().collect())
+}
+
+fn figure(name: &str, title: &str, caption: &str, svg: String) -> Figure {
+    Figure { file_name: format!("{name}.svg"), title: title.to_owned(), caption: caption.to_owned(), svg }
+}
+
+impl GapFigures {
+    pub fn of(report: &GapReport) -> Result<Self, ReportError> {
+        let diagnosis = &report.diagnosis;
+        let mut which = Vec::new();
+        if !diagnosis.ranking.is_empty() {
+            let caption = "Recalibrated: inertia, moment and friction refitted, nothing added. Each effect is added to \
+                           the joint and everything is refitted; the error is that of logs that the fit has not seen. \
+                           A bar with a tip is longer than the ruler.";
+            which.push(figure("ranking", "Effects that were considered", caption, bars::ranking(diagnosis)?));
+        }
+        let mut twins = Vec::new();
+        if let Some(table) = &diagnosis.confusion {
+            let caption = "Twins are this study with a known cause in it. A row is a true cause, a column an answer; \
+                           what stands beside the diagonal was answered wrongly.";
+            let svg = cells::confusion(&diagnosis.joint, table)?;
+            twins.push(figure("twins", "Answers on twins", caption, svg));
+        }
+        let mut how_far = Vec::new();
+        if !diagnosis.gap.per_log.is_empty() {
+            let caption = "Dots that reach the diamond leave nothing but the sensor's own noise.";
+            how_far.push(figure("how-far", "How far the gap closes", caption, how_far::how_far(diagnosis)?));
+        }
+        let mut next = Vec::new();
+        if let Some((t_s, q_ref_rad)) = diagnosis.next.as_ref().and_then(|next| next.motion.as_ref()) {
+            let caption = format!("The setpoint to follow, in {NEXT_FILE}.");
+            next.push(figure("next", "Next motion", &caption, motion::motion(&diagnosis.joint, t_s, q_ref_rad)?));
+        }
+        Ok(Self {
+            place: place(report)?,
+            which,
+            twins,
+            how_far,
+            logs: logs(report)?,
+            parameters: parameters(report)?,
+            next,
+        })
+    }
+}
+
+/// Where the gap lies.
+fn place(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
+    let diagnosis = &report.diagnosis;
+    let location = &diagnosis.location;
+    let mut figures = Vec::new();
+    if !location.cells.is_empty() {
+        let caption = "Share of the whole gap by log and by what the joint is doing. Framed: more than noise alone \
+                       would give; grey: no more than that.";
+        figures.push(figure("map", "Where the gap lies", caption, cells::map(diagnosis)?));
+    }
+    if !location.variables.is_empty() {
+        let caption = "Variables hang together, so the shares do not add up to 100 %.";
+        figures.push(figure("variables", "What the gap depends on", caption, bars::variables(diagnosis)?));
+    }
+    let best = location.variable.or(location.variables.first().map(|(variable, _)| *variable));
+    if let Some(variable) = best.filter(|_| !location.profile.is_empty()) {
+        let caption = "The torque that the recalibrated model lacks, averaged in bins. A constant or smooth curve away \
+                       from zero is missing physics; a band around zero is none. For variables of friction it counts \
+                       against the motion.";
+        figures.push(figure("profile", "Missing torque", caption, torque::profile(diagnosis, variable)?));
+    }
+    if diagnosis.answer.verdict == Verdict::Unexplained {
+        let caption = "The torque that the recalibrated model lacks at every sample, for you to look at: what depends \
+                       on speed alone is a line on the left, what depends on angle alone a line on the right, a loop \
+                       has memory.";
+        figures.push(figure("shape", "Shape of what is unexplained", caption, torque::shape(diagnosis)?));
+    }
+    Ok(figures)
+}
+
+fn logs(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
+    let diagnosis = &report.diagnosis;
+    let caption = "Above: readings and models. Middle: measured minus model; what explains the log stays in the band. \
+                   Below: the torque that is missing. Mind the scales where a model has a panel of its own.";
+    let draw = |(i, log): (usize, &crate::gap::LogTraces)| {
+        let resolution_rad =
+            report.health.iter().find(|row| row.file == log.file).map_or(0.0, |row| row.resolution_rad);
+        let name = format!("log-{:02}-{}", i + 1, plain(&log.file));
+        let title = format!("Log {} ({})", log.file, log.role);
+        Ok(figure(&name, &title, caption, log::log(diagnosis, log, 0.5 * resolution_rad)?))
+    };
+    diagnosis.traces.iter().enumerate().map(draw).collect()
+}
+
+fn parameters(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
+    let diagnosis = &report.diagnosis;
+    let (joint, effects) = (joint_rows(diagnosis), effect_rows(diagnosis));
+    let groups: Vec<_> =
+        [("joint", &joint[..]), ("effects", &effects[..])].into_iter().filter(|(_, rows)| !rows.is_empty()).collect();
+    if groups.is_empty() {
+        return Ok(Vec::new());
+    }
+    let caption = "Each parameter on its own scale: the robust interval allows for residuals that hang together in time, \
+                   the naive one does not. An arrow is a nominal value beyond the edge.";
+    let svg = interval_bars(&format!("{} parameters with 95 % intervals", diagnosis.joint), &groups)?;
+    Ok(vec![figure("intervals", "Parameters and their intervals", caption, svg)])
+}

@@ -1,0 +1,187 @@
+//! A diagnosis as text for a terminal.
+
+use comfy_table::{Cell, Table};
+
+use super::rows::{effect_rows, joint_rows};
+use super::words;
+use super::{GapReport, NEXT_FILE};
+use crate::gap::{Candidate, Diagnosis, Gap, MapCell, Phase};
+use crate::report::number::{UNKNOWN, percent, significant};
+use crate::report::rows::shorten;
+use crate::report::text::{finish, number, one_line, parameter_table, table, wrap};
+
+/// Columns of the text.
+const WIDTH: usize = 100;
+/// Characters of a file name.
+const NAME: usize = 36;
+
+/// Writes a diagnosis as plain text, as a rule at most 100 columns wide, ending in a newline.
+///
+/// The sentence with its probability, where the gap lies, which effects were considered, how far the gap closes, the
+/// parameters, what the logs could not have shown, what to do next, then the notes.
+pub fn gap_text(report: &GapReport) -> String {
+    let diagnosis = &report.diagnosis;
+    let answer = &diagnosis.answer;
+    let sure =
+        format!("Probability {}: {}.", percent(answer.probability), answer.probability_source.trim_end_matches('.'));
+    let blocks = [
+        Some(format!("{}\n{}", paragraph(&answer.sentence), paragraph(&sure))),
+        Some(location(diagnosis)),
+        (!diagnosis.ranking.is_empty()).then(|| ranking(diagnosis)),
+        Some(how_far(&diagnosis.gap)),
+        parameters(diagnosis),
+        detectable(diagnosis),
+        next(diagnosis),
+        notes(report),
+    ];
+    blocks.into_iter().flatten().collect::<Vec<_>>().join("\n\n") + "\n"
+}
+
+fn paragraph(text: &str) -> String {
+    wrap(WIDTH, text, "", "")
+}
+
+fn file(name: &str) -> Cell {
+    Cell::new(shorten(&one_line(name), NAME))
+}
+
+fn mrad(rad: f64) -> Cell {
+    number(significant(1e3 * rad, 3))
+}
+
+/// Words, then the map of log and phase.
+fn location(diagnosis: &Diagnosis) -> String {
+    let location = &diagnosis.location;
+    let words = paragraph(&words::location(location));
+    if location.cells.is_empty() {
+        return words;
+    }
+    let (files, phases) = words::files_and_phases(&location.cells);
+    let names: Vec<&str> = phases.iter().map(|phase| phase.name()).collect();
+    let mut table = table(WIDTH, &["share of the gap"], &names);
+    for name in files {
+        let share = |phase: &Phase| {
+            let cell = location.cells.iter().find(|cell| cell.file == name && cell.phase == *phase);
+            number(cell.map_or_else(|| "-".to_owned(), share))
+        };
+        table.add_row(std::iter::once(file(name)).chain(phases.iter().map(share)));
+    }
+    format!("{words}\n{}\n* more than noise alone would give", finish(&mut table))
+}
+
+fn share(cell: &MapCell) -> String {
+    let mark = if cell.significant { "*" } else { " " };
+    format!("{}{mark}", percent(cell.share))
+}
+
+/// Every candidate that was refitted, between what was given and the sensor's noise; the others by name.
+fn ranking(diagnosis: &Diagnosis) -> String {
+    let gap = &diagnosis.gap;
+    let words = ["which", "parameters with 95 % intervals"];
+    let mut table = table(WIDTH, &words, &["RMS\n[mrad]", "gap\nclosed", "behind\n[sd]", "probability"]);
+    let plain = |table: &mut Table, name: &str, rms: f64| {
+        table.add_row([Cell::new(name), Cell::new(""), mrad(rms)]);
+    };
+    plain(&mut table, "(as given)", gap.before);
+    plain(&mut table, "(recalibrated)", gap.calibrated);
+    if let (Some(_), Some(both)) = (diagnosis.answer.second, words::answer(diagnosis)) {
+        plain(&mut table, &format!("({both})"), gap.after);
+    }
+    let (refitted, screened): (Vec<&Candidate>, Vec<&Candidate>) = diagnosis.ranking.iter().partition(|c| c.refitted);
+    for candidate in refitted {
+        let mark = if words::is_named(&diagnosis.answer, candidate.effect) { " *" } else { "" };
+        table.add_row([
+            Cell::new(format!("{}{mark}", candidate.effect)),
+            Cell::new(candidate.parameters.iter().map(words::parameter).collect::<Vec<_>>().join("\n")),
+            mrad(candidate.after),
+            number(candidate.closed.map_or_else(|| "-".to_owned(), percent)),
+            number(significant(candidate.behind_sd, 2)),
+            number(percent(candidate.probability)),
+        ]);
+    }
+    plain(&mut table, "(sensor noise)", gap.floor);
+    let mut text = finish(&mut table);
+    if let Some(mark) = words::mark(&diagnosis.answer) {
+        text += &format!("\n* {mark}");
+    }
+    if !screened.is_empty() {
+        let names: Vec<&str> = screened.iter().map(|c| c.effect.id()).collect();
+        text += "\n";
+        text += &wrap(WIDTH, &names.join(", "), "Judged by the screening alone: ", "  ");
+    }
+    text
+}
+
+fn how_far(gap: &Gap) -> String {
+    let header = ["before\n[mrad]", "calibrated\n[mrad]", "after\n[mrad]", "floor\n[mrad]"];
+    let mut table = table(WIDTH, &["RMS of the held-out logs"], &header);
+    for log in &gap.per_log {
+        table.add_row([file(&log.file), mrad(log.before), mrad(log.calibrated), mrad(log.after), mrad(log.floor)]);
+    }
+    table.add_row([Cell::new("all"), mrad(gap.before), mrad(gap.calibrated), mrad(gap.after), mrad(gap.floor)]);
+    let closed = format!("Gap closed: {}. {}", words::closed(gap.closed, gap.closed_interval), gap.held_out);
+    format!("{}\n{}", finish(&mut table), paragraph(&closed))
+}
+
+fn parameters(diagnosis: &Diagnosis) -> Option<String> {
+    let (joint, effects) = (joint_rows(diagnosis), effect_rows(diagnosis));
+    if joint.is_empty() && effects.is_empty() {
+        return None;
+    }
+    let table = parameter_table(WIDTH, joint.iter().chain(&effects));
+    Some(if diagnosis.answer.intervals_trusted { table } else { format!("{table}\n{}", paragraph(words::UNTRUSTED)) })
+}
+
+fn detectable(diagnosis: &Diagnosis) -> Option<String> {
+    let (first, all) = (diagnosis.detectable.first()?, &diagnosis.detectable);
+    let mut text = wrap(WIDTH, words::DETECTABLE, "", "");
+    let room = all.iter().map(|d| d.effect.id().len()).fold(first.effect.id().len(), usize::max) + 2;
+    for detectable in all {
+        text += &format!("\n  {:<room$}{}", detectable.effect.id(), words::threshold(detectable));
+    }
+    Some(text)
+}
+
+fn next(diagnosis: &Diagnosis) -> Option<String> {
+    let next = diagnosis.next.as_ref()?;
+    let power = if next.power.is_finite() { percent(next.power) } else { UNKNOWN.to_owned() };
+    let file = if next.motion.is_some() { format!(" The motion is in {NEXT_FILE}.") } else { String::new() };
+    Some(wrap(WIDTH, &format!("{} It would decide with probability {power}.{file}", next.what), "Next: ", "  "))
+}
+
+fn notes(report: &GapReport) -> Option<String> {
+    let notes: Vec<String> = words::notes(report).iter().map(|note| wrap(WIDTH, note, "- ", "  ")).collect();
+    (!notes.is_empty()).then(|| notes.join("\n"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample;
+    use super::*;
+
+    #[test]
+    fn text_of_an_effect_that_cannot_be_told_from_another() {
+        insta::assert_snapshot!(gap_text(&sample::set_of_two()));
+    }
+
+    #[test]
+    fn no_line_is_wider_than_the_page() {
+        for (name, report) in sample::all() {
+            let text = gap_text(&report);
+            let widest = text.lines().map(|line| line.chars().count()).max().unwrap_or(0);
+            assert!(widest <= WIDTH, "{name}, {widest} columns:\n{text}");
+            assert!(text.ends_with('\n') && !text.contains(" \n") && !text.contains("NaN"), "{name}:\n{text}");
+        }
+    }
+
+    #[test]
+    fn verdict_opens_the_text() {
+        for (name, report) in sample::all() {
+            let text = gap_text(&report);
+            let opening = text.split_once("Probability").expect("a probability").0;
+            let words: Vec<&str> = opening.split_whitespace().collect();
+            let sentence: Vec<&str> = report.diagnosis.answer.sentence.split_whitespace().collect();
+            assert_eq!(words, sentence, "{name}");
+        }
+    }
+}

@@ -1,0 +1,218 @@
+//! What the report says in words, the same on the page and in the terminal.
+
+use super::GapReport;
+use super::rows::{is_side, number_row};
+use crate::gap::{Answer, Detectable, Diagnosis, MapCell, Number, Phase, Variable, Verdict, Where};
+use crate::joint::EffectId;
+use crate::report::number::{percent, significant};
+use crate::report::rows::ParameterCells;
+use crate::report::{WithUncertainty, format_with_uncertainty};
+
+/// What stands beside intervals that cannot be believed.
+pub(super) const UNTRUSTED: &str = "Something is left in these logs that the model does not explain: the intervals allow \
+    for its correlation but not for the bias that comes with it, so do not trust them.";
+
+/// What stands above the sizes that would have been seen.
+pub(super) const DETECTABLE: &str = "Smallest size of each effect that these logs would have shown:";
+
+/// Logs that a sentence names.
+const MOST_NAMED: usize = 4;
+
+/// A variable in a sentence.
+pub(super) fn variable(variable: Variable) -> &'static str {
+    match variable {
+        Variable::Speed => "speed",
+        Variable::Direction => "direction of motion",
+        Variable::Angle => "angle",
+        Variable::Load => "gravity load",
+        Variable::Time => "time in the log",
+        Variable::SetpointRate => "slope of the setpoint",
+        Variable::Torque => "motor torque",
+        Variable::Amplitude => "amplitude of the swing",
+    }
+}
+
+/// A phase in a sentence.
+fn phase(phase: Phase) -> &'static str {
+    match phase {
+        Phase::Hold => "while the joint is held",
+        Phase::Stick => "while the joint sticks",
+        Phase::Reversal => "around reversals",
+        Phase::Run => "while the joint moves",
+        Phase::Saturation => "near the motor's largest torque",
+        Phase::Stop => "at a stop",
+    }
+}
+
+/// The effects that were added for the answer, or the one that comes closest; `None` where nothing was added.
+pub(super) fn answer(diagnosis: &Diagnosis) -> Option<String> {
+    let Answer { verdict, effect, second, partial, .. } = &diagnosis.answer;
+    match (verdict, effect, second, partial) {
+        (Verdict::Effect, Some(effect), Some(second), _) => Some(format!("with {effect} and {second}")),
+        (Verdict::Effect, Some(effect), None, _) => Some(format!("with {effect}")),
+        (Verdict::Unexplained, _, _, Some(partial)) => Some(format!("with {partial}")),
+        _ => None,
+    }
+}
+
+/// Whether an effect is part of the answer, or comes closest where there is none.
+pub(super) fn is_named(answer: &Answer, effect: EffectId) -> bool {
+    let closest = answer.partial.filter(|_| answer.verdict == Verdict::Unexplained);
+    answer.equivalent.contains(&effect) || [answer.second, closest].contains(&Some(effect))
+}
+
+/// What the effects that [`is_named`] marks are; `None` where it marks none.
+pub(super) fn mark(answer: &Answer) -> Option<&'static str> {
+    match (answer.verdict, answer.equivalent.len()) {
+        (Verdict::Unexplained, _) => answer.partial.map(|_| "comes closest"),
+        (Verdict::Effect, 2..) => Some("cannot be told apart by these logs"),
+        (Verdict::Effect, _) => Some("the answer"),
+        _ => None,
+    }
+}
+
+/// Logs and phases of the map, each in the order in which it is shown.
+pub(super) fn files_and_phases(cells: &[MapCell]) -> (Vec<&str>, Vec<Phase>) {
+    let phases = Phase::ALL.into_iter().filter(|phase| cells.iter().any(|cell| cell.phase == *phase)).collect();
+    let mut files: Vec<&str> = Vec::new();
+    for cell in cells {
+        if !files.contains(&cell.file.as_str()) {
+            files.push(&cell.file);
+        }
+    }
+    (files, phases)
+}
+
+/// Names of files without their folders, where these are not needed to tell them apart.
+pub(super) fn names_without_folder(files: &[&str]) -> Vec<String> {
+    let bare = |file: &&str| file.rsplit(['/', '\\']).next().unwrap_or_default().to_owned();
+    let names: Vec<String> = files.iter().map(bare).collect();
+    let is_alone = |name: &String| names.iter().filter(|other| *other == name).count() == 1;
+    if names.iter().all(is_alone) { names } else { files.iter().map(|file| (*file).to_owned()).collect() }
+}
+
+/// Where the gap lies, in a few sentences.
+pub(super) fn location(location: &Where) -> String {
+    let mut sentences = vec![match location.stage {
+        Some(stage) => format!("The gap lies in the stage `{}`.", stage.name()),
+        None => "There is no gap to place.".to_owned(),
+    }];
+    if let Some(variable_of) = location.variable {
+        let range = location.range.map(|ends| format!(", {}", range(variable_of, ends))).unwrap_or_default();
+        sentences.push(format!("The torque that is missing depends most on the {}{range}.", variable(variable_of)));
+    }
+    if location.stage.is_some() {
+        let when = location.phase.map(|p| format!(", most of it {}", phase(p))).unwrap_or_default();
+        sentences.push(format!("{} of the gap is there{when}.", percent(location.share)));
+        if !location.logs.is_empty() {
+            let (named, others) = location.logs.split_at(MOST_NAMED.min(location.logs.len()));
+            let more = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
+            sentences.push(format!("Logs with more than their share: {}{more}.", named.join(", ")));
+        }
+    }
+    sentences.join(" ")
+}
+
+/// `between 0 and 0.40 rad/s`; a direction in words.
+fn range(variable: Variable, [low, high]: [f64; 2]) -> String {
+    match (variable, low, high) {
+        (Variable::Direction, _, high) if high <= 0.0 => "in the negative direction".to_owned(),
+        (Variable::Direction, low, _) if low >= 0.0 => "in the positive direction".to_owned(),
+        (Variable::Direction, ..) => "in both directions".to_owned(),
+        _ => format!("between {} and {} {}", significant(low, 2), significant(high, 2), variable.unit()),
+    }
+}
+
+/// A unit beside a number; a dash or a one stands for none.
+fn spoken(unit: &str) -> &str {
+    if matches!(unit, "-" | "1") { "" } else { unit }
+}
+
+/// `mu_st 0.0120 [0.0110, 0.0130] N m`
+pub(super) fn parameter(number: &Number) -> String {
+    match number.interval {
+        Some(interval) if number.value.is_finite() => {
+            let WithUncertainty { value, low, high } = format_with_uncertainty(number.value, interval);
+            format!("{} {value} [{low}, {high}] {}", number.name, spoken(&number.unit)).trim_end().to_owned()
+        }
+        None if is_side(number) => format!("{} {:+}", number.name, number.value),
+        _ => format!("{} {}", number.name, ParameterCells::from(&number_row(number)).estimate),
+    }
+}
+
+/// `mu_st 0.0031 N m`, or that the logs cannot show it.
+pub(super) fn threshold(detectable: &Detectable) -> String {
+    match detectable.value {
+        Some(value) => {
+            format!("{} {} {}", detectable.name, significant(value, 2), spoken(detectable.unit)).trim_end().to_owned()
+        }
+        None => "not at any size".to_owned(),
+    }
+}
+
+/// `0.93 [0.90, 0.95]` as percentages.
+pub(super) fn closed(closed: Option<f64>, interval: Option<[f64; 2]>) -> String {
+    match (closed, interval) {
+        (Some(closed), Some([low, high])) if low.is_finite() && high.is_finite() => {
+            format!("{} [{}, {}]", percent(closed), percent(low), percent(high))
+        }
+        (Some(closed), _) => percent(closed),
+        (None, _) => "no gap above the noise".to_owned(),
+    }
+}
+
+/// The notes of the diagnosis, then what is odd about a log, then what was left out by demand.
+pub(super) fn notes(report: &GapReport) -> Vec<String> {
+    let mut notes = report.diagnosis.notes.clone();
+    notes.extend(
+        report
+            .health
+            .iter()
+            .filter(|row| !row.remarks.is_empty())
+            .map(|row| format!("{}: {}.", row.file, row.remarks.join("; "))),
+    );
+    if !report.diagnosis.withheld.is_empty() {
+        let ids: Vec<&str> = report.diagnosis.withheld.iter().map(|effect| effect.id()).collect();
+        notes.push(format!("Withheld from the catalogue on demand: {}.", ids.join(", ")));
+    }
+    notes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample;
+    use super::*;
+
+    #[test]
+    fn folders_are_left_out_where_names_differ_without_them() {
+        assert_eq!(names_without_folder(&["a/one.csv", "b/two.csv"]), ["one.csv", "two.csv"]);
+        assert_eq!(names_without_folder(&["a/one.csv", "b/one.csv"]), ["a/one.csv", "b/one.csv"]);
+    }
+
+    #[test]
+    fn place_is_said_in_words() {
+        let mut place = sample::set_of_two().diagnosis.location;
+        assert_eq!(
+            location(&place),
+            "The gap lies in the stage `link`. The torque that is missing depends most on the speed, between 0.0 and 0.42 \
+             rad/s. 71 % of the gap is there, most of it around reversals. Logs with more than their share: \
+             swing-03-220g.csv, swing-02-220g.csv."
+        );
+        place.logs = (0..6).map(|i| format!("{i}.csv")).collect();
+        assert!(location(&place).ends_with("0.csv, 1.csv, 2.csv, 3.csv and 2 more."));
+        assert_eq!(location(&sample::nothing_missing().diagnosis.location), "There is no gap to place.");
+        assert_eq!(range(Variable::Direction, [0.0, 1.0]), "in the positive direction");
+    }
+
+    #[test]
+    fn parameters_and_thresholds_are_written_without_a_dash_for_no_unit() {
+        let ranking = sample::set_of_two().diagnosis.ranking;
+        assert_eq!(parameter(&ranking[1].parameters[0]), "mu_l 0.131 [0.121, 0.143]");
+        let side =
+            Number { name: "side".into(), value: -1.0, unit: String::new(), interval: None, interval_naive: None };
+        assert_eq!(parameter(&side), "side -1");
+        let detectable = sample::set_of_two().diagnosis.detectable;
+        let written: Vec<String> = detectable.iter().map(threshold).collect();
+        assert_eq!(written, ["mu_st 0.0011 N m", "mu_l 0.012", "not at any size"]);
+    }
+}

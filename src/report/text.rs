@@ -1,0 +1,95 @@
+//! Text for a terminal: tables and paragraphs of a given width.
+
+use comfy_table::{Cell, CellAlignment, ContentArrangement, Table, TableComponent, presets};
+
+use super::ParameterRow;
+use super::rows::{ParameterCells, shorten};
+
+/// Parameters with both intervals and the nominal value.
+pub(super) fn parameter_table<'a>(width: usize, rows: impl IntoIterator<Item = &'a ParameterRow>) -> String {
+    let numbers = ["estimate", "95 % interval", "naive interval", "nominal"];
+    let mut table = table(width, &["parameter", "unit"], &numbers);
+    table.add_rows(rows.into_iter().map(parameter));
+    finish(&mut table)
+}
+
+fn parameter(row: &ParameterRow) -> [Cell; 6] {
+    let cells = ParameterCells::from(row);
+    let [label, unit] = [shorten(&one_line(&cells.label), 30), shorten(&one_line(&cells.unit), 14)];
+    [
+        Cell::new(label),
+        Cell::new(unit),
+        number(cells.estimate),
+        number(cells.interval),
+        number(cells.naive),
+        number(cells.nominal),
+    ]
+}
+
+/// A table of columns of words, then of numbers, which stand to the right.
+pub(super) fn table(width: usize, words: &[&str], numbers: &[&str]) -> Table {
+    let mut table = Table::new();
+    let header = words.iter().map(Cell::new).chain(numbers.iter().map(|name| number((*name).to_owned())));
+    table
+        .load_preset(presets::NOTHING)
+        .set_style(TableComponent::HeaderLines, '-')
+        .set_style(TableComponent::MiddleHeaderIntersections, '-')
+        .set_content_arrangement(ContentArrangement::Dynamic)
+        .set_width(u16::try_from(width).unwrap_or(u16::MAX))
+        .set_header(header);
+    for column in table.column_iter_mut() {
+        column.set_padding((0, 1));
+    }
+    table
+}
+
+/// A cell whose text stands to the right.
+pub(super) fn number(text: String) -> Cell {
+    Cell::new(text).set_alignment(CellAlignment::Right)
+}
+
+/// The table without blanks at the ends of its lines.
+pub(super) fn finish(table: &mut Table) -> String {
+    table.lines().map(|line| line.trim_end().to_owned()).collect::<Vec<_>>().join("\n")
+}
+
+/// Control characters would break the table's lines.
+pub(super) fn one_line(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
+}
+
+/// Breaks a text at blanks, but not before a `%`, so that it is `width` columns wide; the first line begins with `first`, the others with `rest`.
+pub(super) fn wrap(width: usize, text: &str, first: &str, rest: &str) -> String {
+    let mut lines = vec![first.to_owned()];
+    let mut length = first.chars().count();
+    let mut is_fresh = true;
+    let glued = text.replace(" %", "\u{a0}%");
+    for word in glued.split_ascii_whitespace() {
+        let count = word.chars().count();
+        if !is_fresh && length + 1 + count > width {
+            lines.push(rest.to_owned());
+            length = rest.chars().count();
+            is_fresh = true;
+        }
+        if let Some(line) = lines.last_mut() {
+            line.push_str(if is_fresh { "" } else { " " });
+            line.push_str(word);
+        }
+        length += count + usize::from(!is_fresh);
+        is_fresh = false;
+    }
+    lines.join("\n").replace('\u{a0}', " ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrapping_breaks_at_blanks_and_indents() {
+        let text = wrap(80, &"word ".repeat(40), "- ", "  ");
+        assert!(text.lines().all(|line| line.len() <= 80) && text.lines().count() == 3);
+        assert!(text.starts_with("- word") && text.contains("\n  word"));
+        assert_eq!(wrap(10, "closed: 93 % of it", "", ""), "closed:\n93 % of it");
+    }
+}
