@@ -4,14 +4,16 @@ use super::diagnosis::ResidualTorque;
 use super::smoother::State;
 use crate::integrate::rk4;
 use crate::joint::{Chain, Setpoint};
-use crate::log::Hold;
-use crate::pendulum::Input;
+use crate::pendulum::{Command, Input, Schedule};
 
-/// A chain with what acts on it along a log.
+/// A chain with what acts on it along a log. Its play is not followed: motor side and link move as one.
 pub(super) struct Along<'a> {
     chain: &'a Chain<f64>,
-    input: Input<'a>,
     t_s: &'a [f64],
+    /// What acts, each from an instant on \[s\].
+    commands: Vec<(f64, Command<f64>)>,
+    /// The first command of each interval between samples, and one past the last.
+    first: Vec<usize>,
     /// Period of a law that is not continuous \[s\].
     sample_period_s: Option<f64>,
     /// Fastest oscillation with the motor off, and on \[rad/s\].
@@ -24,25 +26,6 @@ pub(super) struct Memory {
     integral_rad_s: f64,
     held_nm: f64,
     ticks: u64,
-}
-
-/// What drives the joint between two samples.
-#[derive(Clone, Copy)]
-enum Law {
-    Torque(f64),
-    Setpoint { angle_rad: f64, slope_rad_s: f64, from_s: f64 },
-}
-
-impl Law {
-    /// Setpoint less angle \[rad\]; zero for a torque.
-    fn error_rad(self, t_s: f64, angle_rad: f64) -> f64 {
-        match self {
-            Law::Torque(_) => 0.0,
-            Law::Setpoint { angle_rad: setpoint_rad, slope_rad_s, from_s } => {
-                setpoint_rad + (t_s - from_s) * slope_rad_s - angle_rad
-            }
-        }
-    }
 }
 
 /// A joint that moves from one sample to the next.
@@ -64,47 +47,38 @@ const MOST_STEPS: f64 = 60.0;
 const SAME_INSTANT_S: f64 = 1e-9;
 
 impl<'a> Along<'a> {
-    pub(super) fn new(chain: &'a Chain<f64>, input: Input<'a>, t_s: &'a [f64]) -> Self {
+    pub(super) fn new(chain: &'a Chain<f64>, input: Input<'_>, t_s: &'a [f64]) -> Self {
         let sample_period_s = match input {
             Input::Position { .. } => chain.motor.as_ref().and_then(|m| m.sample_period_s()),
             _ => None,
         };
+        let mut schedule = Schedule::new(input, t_s, chain.setpoint);
+        let mut commands = Vec::with_capacity(t_s.len());
+        let mut first = vec![0];
+        for (k, pair) in t_s.windows(2).enumerate() {
+            while schedule.next_change().is_some_and(|at| at <= pair[0]) {
+                schedule.change();
+            }
+            commands.push((pair[0], schedule.command(k + 1)));
+            while let Some(at) = schedule.next_change().filter(|at| *at < pair[1]) {
+                schedule.change();
+                commands.push((at, schedule.command(k + 1)));
+            }
+            first.push(commands.len());
+        }
         let fastest_rad_s = [chain.fastest_rad_s(false), chain.fastest_rad_s(true)];
-        Self { chain, input, t_s, sample_period_s, fastest_rad_s }
+        Self { chain, t_s, commands, first, sample_period_s, fastest_rad_s }
     }
 
-    /// What acts from sample `k` to the next; at the last sample, what acted up to it.
-    fn law(&self, k: usize) -> Law {
-        let k = k.min(self.t_s.len().saturating_sub(2));
-        let is_on = |on: Option<&[bool]>| on.is_none_or(|on| on[k]);
-        match self.input {
-            Input::Torque { torque_nm, on } if is_on(on) => Law::Torque(torque_nm[k]),
-            Input::Position { setpoint_rad, hold, on } if is_on(on) => {
-                let slope_rad_s = match hold {
-                    Hold::Step => 0.0,
-                    Hold::Linear => (setpoint_rad[k + 1] - setpoint_rad[k]) / (self.t_s[k + 1] - self.t_s[k]),
-                };
-                Law::Setpoint { angle_rad: setpoint_rad[k], slope_rad_s, from_s: self.t_s[k] }
-            }
-            _ => Law::Torque(0.0),
-        }
-    }
-
-    /// Torque by the continuous law \[N m\].
-    fn torque_nm(&self, law: Law, t_s: f64, y: &[f64; 2], integral_rad_s: f64) -> f64 {
-        match (law, &self.chain.motor) {
-            (Law::Torque(torque_nm), _) => torque_nm,
-            (Law::Setpoint { angle_rad, slope_rad_s, from_s }, Some(motor)) => {
-                let angle_rad = angle_rad + (t_s - from_s) * slope_rad_s;
-                motor.torque_nm(Setpoint { angle_rad, rate_rad_s: slope_rad_s }, y[0], y[1], integral_rad_s)
-            }
-            (Law::Setpoint { .. }, None) => 0.0,
-        }
+    /// What acts between sample `k` and the next, at first.
+    fn command(&self, k: usize) -> Command<f64> {
+        let interval = k.min(self.first.len().saturating_sub(2));
+        self.commands.get(self.first[interval]).map_or(Command::Torque(0.0), |c| c.1)
     }
 
     /// Torque of the motor on a joint that rests at an angle, at sample `k`, its controller's memory empty \[N m\].
     pub(super) fn resting_nm(&self, k: usize, angle_rad: f64) -> f64 {
-        self.torque_nm(self.law(k), self.t_s[k], &[angle_rad, 0.0], 0.0)
+        self.command(k).motor_nm(self.chain, self.t_s[k], &[angle_rad, 0.0, 0.0])
     }
 
     /// Torque of the motor along a path of angles and rates at every sample \[N m\].
@@ -112,18 +86,15 @@ impl<'a> Along<'a> {
         let mut memory = Memory::default();
         let mut motor_nm = Vec::with_capacity(angle_rad.len());
         for (k, (&q, &v)) in angle_rad.iter().zip(rate_rad_s).enumerate() {
-            let (law, t_s) = (self.law(k), self.t_s[k]);
-            let torque_nm = match (law, self.sample_period_s) {
-                (Law::Setpoint { .. }, Some(period_s)) => {
-                    self.tick(law, t_s, &[q, v], period_s, &mut memory);
-                    memory.held_nm
-                }
-                _ => self.torque_nm(law, t_s, &[q, v], memory.integral_rad_s),
-            };
-            motor_nm.push(torque_nm);
+            let (mut command, t_s) = (self.command(k), self.t_s[k]);
+            if let Some((_, held)) = self.tick(command, t_s, &[q, v], &mut memory) {
+                command = held;
+            }
+            motor_nm.push(command.motor_nm(self.chain, t_s, &[q, v, memory.integral_rad_s]));
             if let Some(next_s) = self.t_s.get(k + 1) {
                 let middle_s = 0.5 * (t_s + next_s);
-                memory.integral_rad_s += law.error_rad(middle_s, q + v * (middle_s - t_s)) * (next_s - t_s);
+                let error_rad = self.command(k).error_rad(self.chain, middle_s, q + v * (middle_s - t_s));
+                memory.integral_rad_s += error_rad * (next_s - t_s);
             }
         }
         motor_nm
@@ -136,35 +107,34 @@ impl<'a> Along<'a> {
         motor_nm[uncompared.min(motor_nm.len())..].to_vec()
     }
 
-    /// By how much the move of the setpoint at sample `k` changes the motor's torque at once \[N m\].
-    pub(super) fn jolt_nm(&self, k: usize) -> f64 {
-        match (self.input, &self.chain.motor) {
-            (Input::Position { setpoint_rad, hold: Hold::Step, .. }, Some(motor)) if k > 0 => {
-                motor.stiffness_and_damping().0 * (setpoint_rad[k] - setpoint_rad[k - 1])
-            }
-            (Input::Torque { torque_nm, .. }, _) if k > 0 => torque_nm[k] - torque_nm[k - 1],
-            _ => 0.0,
-        }
+    /// By how much the motor's torque on a joint at an angle changes at sample `k`, at once \[N m\].
+    pub(super) fn jolt_nm(&self, k: usize, angle_rad: f64) -> f64 {
+        let Some(before) = self.first[k].checked_sub(1).and_then(|i| self.commands.get(i)) else { return 0.0 };
+        self.resting_nm(k, angle_rad) - before.1.motor_nm(self.chain, self.t_s[k], &[angle_rad, 0.0, 0.0])
     }
 
-    /// A sampled law is evaluated where its instant has come; answers when that is next \[s\].
-    fn tick(&self, law: Law, t_s: f64, y: &[f64; 2], period_s: f64, memory: &mut Memory) -> f64 {
+    /// A law that is sampled is evaluated where its instant has come; answers when that is next \[s\], and what it
+    /// commands until then. `None` where there is no such law.
+    fn tick(&self, command: Command<f64>, t_s: f64, y: &[f64; 2], memory: &mut Memory) -> Option<(f64, Command<f64>)> {
+        let period_s = self.sample_period_s?;
+        let Command::Pid { setpoint_rad, slope_rad_s, from_s } = command else { return None };
         let at = |ticks: u64| self.t_s[0] + ticks as f64 * period_s;
         if at(memory.ticks) <= t_s + SAME_INSTANT_S {
-            memory.held_nm = self.torque_nm(law, t_s, y, memory.integral_rad_s);
+            let setpoint = Setpoint { angle_rad: setpoint_rad + (t_s - from_s) * slope_rad_s, rate_rad_s: slope_rad_s };
+            let gain = self.chain.sensor_gain;
+            let motor = self.chain.motor.as_ref()?;
+            memory.held_nm = motor.command_nm(setpoint, y[0] * gain, y[1] * gain, memory.integral_rad_s);
             memory.ticks = ((t_s + SAME_INSTANT_S - self.t_s[0]) / period_s).floor() as u64 + 1;
         }
-        at(memory.ticks)
+        Some((at(memory.ticks), Command::Torque(memory.held_nm)))
     }
 
     /// A joint that rests from sample `k` to the next: only the controller's memory moves.
     pub(super) fn rest(&self, k: usize, angle_rad: f64, memory: &mut Memory) {
-        let law = self.law(k);
+        let command = self.command(k);
         let (from_s, to_s) = (self.t_s[k], self.t_s[k + 1]);
-        if let (Some(period_s), Law::Setpoint { .. }) = (self.sample_period_s, law) {
-            self.tick(law, from_s, &[angle_rad, 0.0], period_s, memory);
-        }
-        memory.integral_rad_s += law.error_rad(0.5 * (from_s + to_s), angle_rad) * (to_s - from_s);
+        self.tick(command, from_s, &[angle_rad, 0.0], memory);
+        memory.integral_rad_s += command.error_rad(self.chain, 0.5 * (from_s + to_s), angle_rad) * (to_s - from_s);
     }
 
     /// A joint that moves from `from_s`, at sample `k` or later, to sample `k + 1`.
@@ -180,11 +150,10 @@ impl<'a> Along<'a> {
         may_turn: bool,
         memory: &mut Memory,
     ) -> Passage {
-        let law = self.law(k);
-        let sampled_s = self.sample_period_s.filter(|_| matches!(law, Law::Setpoint { .. }));
         let mut moving = Moving {
             along: self,
-            law,
+            law: Command::Torque(0.0),
+            command: Command::Torque(0.0),
             t_s: from_s,
             from_s,
             y: [state[0], state[1]],
@@ -194,17 +163,16 @@ impl<'a> Along<'a> {
             may_turn,
             integral_rad_s: memory.integral_rad_s,
             error_rad: 0.0,
-            held_nm: None,
         };
-        let to_s = self.t_s[k + 1];
-        while moving.t_s < to_s {
-            let mut until_s = to_s;
-            if let Some(period_s) = sampled_s {
+        let commands = &self.commands[self.first[k]..self.first[k + 1]];
+        for (i, &(_, law)) in commands.iter().enumerate() {
+            let to_s = commands.get(i + 1).map_or(self.t_s[k + 1], |next| next.0);
+            while moving.t_s < to_s {
                 memory.integral_rad_s = moving.integral_rad_s;
-                until_s = to_s.min(self.tick(law, moving.t_s, &moving.y, period_s, memory));
-                moving.held_nm = Some(memory.held_nm);
+                let (next_s, command) = self.tick(law, moving.t_s, &moving.y, memory).unwrap_or((to_s, law));
+                (moving.law, moving.command) = (law, command);
+                moving.advance(next_s.min(to_s));
             }
-            moving.advance(until_s);
         }
         memory.integral_rad_s = moving.integral_rad_s;
         Passage { end: moving.y, upper: moving.upper, turned: moving.direction != direction }
@@ -214,7 +182,9 @@ impl<'a> Along<'a> {
 /// A joint under way between two samples.
 struct Moving<'a, 'b> {
     along: &'a Along<'b>,
-    law: Law,
+    /// The motor's law, and what acts: the same, or the torque that a sampled law holds.
+    law: Command<f64>,
+    command: Command<f64>,
     t_s: f64,
     /// Where the passage began \[s\].
     from_s: f64,
@@ -229,8 +199,6 @@ struct Moving<'a, 'b> {
     /// Integral of the error up to now, and the error now.
     integral_rad_s: f64,
     error_rad: f64,
-    /// Torque that a sampled law holds \[N m\].
-    held_nm: Option<f64>,
 }
 
 impl Moving<'_, '_> {
@@ -238,26 +206,20 @@ impl Moving<'_, '_> {
         self.lack[0] + (t_s - self.from_s) * self.lack[1]
     }
 
-    /// Acceleration without the unknown torque, by the continuous law.
-    fn known_rad_s2(&self, t_s: f64, y: &[f64; 2]) -> f64 {
+    /// Acceleration under a command, without the unknown torque.
+    fn known_rad_s2(&self, command: Command<f64>, t_s: f64, y: &[f64; 2]) -> f64 {
         let integral_rad_s = self.integral_rad_s + self.error_rad * (t_s - self.t_s);
-        self.slip_rad_s2(t_s, y, self.along.torque_nm(self.law, t_s, y, integral_rad_s))
-    }
-
-    fn slip_rad_s2(&self, t_s: f64, y: &[f64; 2], motor_nm: f64) -> f64 {
-        self.along.chain.slip_rate_rad_s2(t_s, y[0], y[1], self.direction, motor_nm)
+        let chain = self.along.chain;
+        let motor_nm = command.motor_nm(chain, t_s, &[y[0], y[1], integral_rad_s]);
+        chain.slip_rate_rad_s2(t_s, y[0], y[1], self.direction, motor_nm)
     }
 
     fn rate(&self, t_s: f64, y: &[f64; 2]) -> [f64; 2] {
-        let known = match self.held_nm {
-            Some(motor_nm) => self.slip_rad_s2(t_s, y, motor_nm),
-            None => self.known_rad_s2(t_s, y),
-        };
-        [y[1], known + self.lack_rad_s2(t_s)]
+        [y[1], self.known_rad_s2(self.command, t_s, y) + self.lack_rad_s2(t_s)]
     }
 
     fn advance(&mut self, until_s: f64) {
-        let motor_on = matches!(self.law, Law::Setpoint { .. });
+        let motor_on = matches!(self.law, Command::Pid { .. });
         let fastest_rad_s = self.along.fastest_rad_s[usize::from(motor_on)];
         let longest_s = STRETCH * self.along.chain.longest_step_s(fastest_rad_s, self.y[0], self.y[1], motor_on);
         let from_s = self.t_s;
@@ -272,7 +234,7 @@ impl Moving<'_, '_> {
 
     /// One step, in two parts where the joint turns back within it.
     fn step(&mut self, step_s: f64) {
-        self.error_rad = self.law.error_rad(self.t_s, self.y[0]);
+        self.error_rad = self.law.error_rad(self.along.chain, self.t_s, self.y[0]);
         let first = self.rate(self.t_s, &self.y);
         let end = self.after(&first, step_s);
         if !(self.may_turn && end[1] * self.direction < 0.0 && self.y[1] * self.direction > 0.0) {
@@ -301,10 +263,10 @@ impl Moving<'_, '_> {
     fn arrive(&mut self, first: &[f64; 2], end: [f64; 2], dt_s: f64) {
         self.carry(first, dt_s);
         let middle_rad = 0.5 * (self.y[0] + end[0]);
-        self.integral_rad_s += self.law.error_rad(self.t_s + 0.5 * dt_s, middle_rad) * dt_s;
+        self.integral_rad_s += self.law.error_rad(self.along.chain, self.t_s + 0.5 * dt_s, middle_rad) * dt_s;
         self.t_s += dt_s;
         self.y = end;
-        self.error_rad = self.law.error_rad(self.t_s, end[0]);
+        self.error_rad = self.law.error_rad(self.along.chain, self.t_s, end[0]);
     }
 
     /// Angle and speed after `dt_s`.
@@ -317,9 +279,11 @@ impl Moving<'_, '_> {
         let (t, y, h) = (self.t_s, self.y, dt_s);
         let (dq, dv) = (ANGLE_STEP, SPEED_STEP * self.direction);
         // The derivatives of a sampled law are taken from the continuous one, which it follows.
-        let here = if self.held_nm.is_some() { self.known_rad_s2(t, &y) } else { first[1] - self.lack_rad_s2(t) };
-        let by_angle = (self.known_rad_s2(t, &[y[0] + dq, y[1]]) - here) / dq;
-        let by_speed = (self.known_rad_s2(t, &[y[0], y[1] + dv]) - here) / dv;
+        let known = |y: &[f64; 2]| self.known_rad_s2(self.law, t, y);
+        let sampled = matches!((self.law, self.command), (Command::Pid { .. }, Command::Torque(_)));
+        let here = if sampled { known(&y) } else { first[1] - self.lack_rad_s2(t) };
+        let by_angle = (known(&[y[0] + dq, y[1]]) - here) / dq;
+        let by_speed = (known(&[y[0], y[1] + dv]) - here) / dv;
         // Powers of A = [0 1; by_angle by_speed] on b = [0 1]'.
         let times = |u: [f64; 2]| [u[1], by_angle * u[0] + by_speed * u[1]];
         let u0 = [0.0, 1.0];

@@ -1,14 +1,10 @@
 use super::*;
 use crate::joint::{Friction, Link, Motor};
-use crate::log::MotorSpec;
+use crate::log::{Hold, MotorSpec};
 use crate::pendulum::{Start, rollout};
 
 fn chain(motor: Option<MotorSpec>) -> Chain<f64> {
-    Chain {
-        link: Link::new(0.011, 0.05, 0.1, 9.81),
-        friction: Friction::coulomb_viscous(0.02, 0.004),
-        motor: motor.map(Motor::new),
-    }
+    Chain::new(Link::new(0.011, 0.05, 0.1, 9.81), Friction::coulomb_viscous(0.02, 0.004), motor.map(Motor::new))
 }
 
 /// Motors off, stiff, with an integral, with a sampled law.

@@ -158,11 +158,11 @@ pub(super) fn made(joint: &Joint, swing: &Swing) -> Made {
     let from = experiment.first_sample + experiment.uncompared;
     Made {
         start: Start { angle_rad: swing.angle, rate_rad_s: 0.0, release_s: (!driven).then_some(released) },
-        chain: Chain {
-            link: Link::new(inertia, moment, 0.0, 9.81),
-            friction: Friction::coulomb_viscous(joint.coulomb, joint.viscous),
-            motor: motor.map(Motor::new),
-        },
+        chain: Chain::new(
+            Link::new(inertia, moment, 0.0, 9.81),
+            Friction::coulomb_viscous(joint.coulomb, joint.viscous),
+            motor.map(Motor::new),
+        ),
         noise_rad: (swing.step.powi(2) / 12.0 + 2.0 / 3.0 * swing.noise.powi(2)).sqrt(),
         extra_nm: extra[from..samples].to_vec(),
         rate_rad_s: rate.split_off(from),

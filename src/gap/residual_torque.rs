@@ -20,11 +20,23 @@ use crate::pendulum::Start;
 
 /// Reconstructs the torque that `chain` lacks along `e`, from its start on.
 ///
+/// Angles and rates are those of the joint, not of its encoder where the chain gives that a gain. A chain's play is not
+/// followed: motor side and link move as one.
+///
 /// `chain` is the model as recalibrated for this log, `start` its start there, and `noise_rad` the standard deviation of
 /// a reading, which is never below the encoder's rounding. The torque is NaN while the joint is held, and while it
 /// sticks where the model would stick too: any torque within the breakaway is possible there. Where the joint rests
 /// although the model would move, it is the least torque that holds it.
 pub fn residual_torque(chain: &Chain<f64>, e: &Experiment, start: Start<f64>, noise_rad: f64) -> ResidualTorque {
+    let gain = chain.sensor_gain;
+    let true_angles;
+    let (e, noise_rad) = if gain == 1.0 {
+        (e, noise_rad)
+    } else {
+        let measured_rad = e.measured_rad.iter().map(|q| q / gain).collect();
+        true_angles = Experiment { measured_rad, resolution_rad: e.resolution_rad / gain, ..e.clone() };
+        (&true_angles, noise_rad / gain)
+    };
     let compared = e.t_s[e.uncompared..].to_vec();
     let Some(record) = Record::new(chain, e, start, noise_rad) else {
         let n = compared.len();
@@ -148,7 +160,7 @@ impl<'a> Record<'a> {
         let release_s = self.start.release_s.filter(|r| k == 0 && *r > from_s);
         let p = self.along.pass(from, release_s.unwrap_or(from_s), x, direction, may_turn && !rested, memory);
         let offset = std::array::from_fn(|i| p.end[i] - (0..4).map(|j| p.upper[i][j] * x[j]).sum::<f64>());
-        let jolted_rad_s2 = self.along.jolt_nm(from).abs() / self.chain.link.inertia_kg_m2;
+        let jolted_rad_s2 = self.along.jolt_nm(from, x[0]).abs() / self.chain.link.inertia_kg_m2;
         let jumps = p.turned || jolted_rad_s2 > JOLT * self.scale_rad_s2;
         // A joint that was at rest has left at some instant in between.
         let leaves = rested || (k == 0 && self.start.release_s.is_some());

@@ -169,6 +169,31 @@ fn phases_of_a_swing_of_a_clipped_motor_and_of_a_stop() {
 }
 
 #[test]
+fn a_chain_with_effects_is_followed_and_then_nothing_is_missing() {
+    // A late setpoint, and an encoder that reads too much: the chain that has them lacks nothing.
+    let share_of_zero = |m: &Made| {
+        let r = residual_torque(&m.chain, &m.experiment, m.start, m.noise_rad);
+        let known: Vec<bool> = (0..r.t_s.len())
+            .filter(|k| r.torque_nm[*k].is_finite())
+            .map(|k| r.torque_nm[k].abs() <= 2.0 * r.sigma_nm[k])
+            .collect();
+        known.iter().filter(|inside| **inside).count() as f64 / known.len() as f64
+    };
+    let mut late = made(&Joint { delay: 0.012, ..SERVO }, &Swing::along(|t| 0.6 * (5.0 * t).sin()));
+    assert!(share_of_zero(&late) < 0.5);
+    late.chain.setpoint.delay_s = Some(0.012);
+    assert!(share_of_zero(&late) > 0.9, "{}", share_of_zero(&late));
+
+    let mut scaled = made(&LEG, &Swing { step: 0.0004, period: 0.002, ..Swing::from(1.4) });
+    scaled.experiment.measured_rad.iter_mut().for_each(|q| *q *= 1.06);
+    scaled.experiment.resolution_rad *= 1.06;
+    scaled.noise_rad *= 1.06;
+    assert!(share_of_zero(&scaled) < 0.5);
+    scaled.chain.sensor_gain = 1.06;
+    assert!(share_of_zero(&scaled) > 0.9, "{}", share_of_zero(&scaled));
+}
+
+#[test]
 fn readings_without_a_motion_or_sense_give_no_panic() {
     let m = made(&LEG, &Swing::from(1.2));
     for measured in [vec![0.0; m.experiment.t_s.len()], vec![f64::NAN; m.experiment.t_s.len()]] {

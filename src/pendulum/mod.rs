@@ -20,4 +20,5 @@ pub use ratios::{
 };
 pub use rollout::{Diverged, Start, State, rollout, rollout_refined};
 pub use schedule::Input;
+pub(crate) use schedule::{Command, Schedule};
 pub use simple::SimplePendulum;

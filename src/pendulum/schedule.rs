@@ -28,7 +28,7 @@ pub enum Input<'a> {
 
 /// What is asked of the motor between two events.
 #[derive(Clone, Copy)]
-pub(super) enum Command<T> {
+pub(crate) enum Command<T> {
     /// A torque \[N m\], before the motor's gain and limits.
     Torque(T),
     /// A setpoint, `setpoint_rad + slope_rad_s (t - from_s)`, through the control law.
@@ -38,7 +38,7 @@ pub(super) enum Command<T> {
 impl<T: Real> Command<T> {
     /// The torque that arrives at the joint \[N m\]; `y` is angle, rate, integral of the angle error.
     #[inline]
-    pub(super) fn motor_nm(self, chain: &Chain<T>, t_s: T, y: &[T; 3]) -> T {
+    pub(crate) fn motor_nm(self, chain: &Chain<T>, t_s: T, y: &[T; 3]) -> T {
         match self {
             Command::Torque(command_nm) => chain.delivered_nm(command_nm, y[1]),
             Command::Pid { setpoint_rad, slope_rad_s, from_s } => {
@@ -50,7 +50,7 @@ impl<T: Real> Command<T> {
 
     /// Setpoint less reading \[rad\], at a true angle; zero where there is no setpoint.
     #[inline]
-    pub(super) fn error_rad(self, chain: &Chain<T>, t_s: T, angle_rad: T) -> T {
+    pub(crate) fn error_rad(self, chain: &Chain<T>, t_s: T, angle_rad: T) -> T {
         match self {
             Command::Torque(_) => T::nought(),
             Command::Pid { setpoint_rad, slope_rad_s, from_s } => {
@@ -60,7 +60,7 @@ impl<T: Real> Command<T> {
     }
 
     /// True where the torque on a resting joint does not change by itself.
-    pub(super) fn is_steady(self, chain: &Chain<T>) -> bool {
+    pub(crate) fn is_steady(self, chain: &Chain<T>) -> bool {
         match self {
             Command::Torque(_) => true,
             Command::Pid { slope_rad_s, .. } => {
@@ -71,7 +71,7 @@ impl<T: Real> Command<T> {
 }
 
 /// Steps through an input in time.
-pub(super) struct Schedule<'a, T> {
+pub(crate) struct Schedule<'a, T> {
     input: Input<'a>,
     t_s: &'a [f64],
     path: SetpointPath<T>,
@@ -90,7 +90,7 @@ const SHORTEST_HOLD_S: f64 = 1e-4;
 const SAME_INSTANT: f64 = 0.03;
 
 impl<'a, T: Real> Schedule<'a, T> {
-    pub(super) fn new(input: Input<'a>, t_s: &'a [f64], path: SetpointPath<T>) -> Self {
+    pub(crate) fn new(input: Input<'a>, t_s: &'a [f64], path: SetpointPath<T>) -> Self {
         let hold_s = path.hold_s.filter(|hold| hold.re() >= SHORTEST_HOLD_S);
         let first = match input {
             Input::Off => 0.0,
@@ -114,7 +114,7 @@ impl<'a, T: Real> Schedule<'a, T> {
     }
 
     /// The next instant between samples at which the input changes, where the path makes any.
-    pub(super) fn next_change(&self) -> Option<T> {
+    pub(crate) fn next_change(&self) -> Option<T> {
         if self.is_perfect() || matches!(self.input, Input::Off) {
             return None;
         }
@@ -126,7 +126,7 @@ impl<'a, T: Real> Schedule<'a, T> {
     }
 
     /// Takes the next change over.
-    pub(super) fn change(&mut self) {
+    pub(crate) fn change(&mut self) {
         let Some(at) = self.next_change() else { return };
         self.in_force = match (self.input, self.path.hold_s) {
             (Input::Position { setpoint_rad, hold: reading, .. }, Some(hold)) => {
@@ -158,7 +158,7 @@ impl<'a, T: Real> Schedule<'a, T> {
     }
 
     /// What acts from sample `k - 1` to sample `k`, as far as it is known now.
-    pub(super) fn command(&self, k: usize) -> Command<T> {
+    pub(crate) fn command(&self, k: usize) -> Command<T> {
         let is_on = |on: Option<&[bool]>| on.is_none_or(|on| on[k - 1]);
         match self.input {
             Input::Torque { torque_nm, on } if is_on(on) => Command::Torque(match self.is_perfect() {
