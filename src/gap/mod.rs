@@ -25,3 +25,5 @@ pub use diagnosis::{
     Answer, Candidate, Confusion, Detectable, Diagnosis, Gap, GapOptions, LogGap, LogTraces, MapCell, Next, Number,
     Phase, ProfileBin, ResidualTorque, Variable, Verdict, Where,
 };
+pub(crate) use model::GapModel;
+pub(crate) use reach::reach_of;
