@@ -373,7 +373,8 @@ pub struct Diagnosis {
     pub ranking: Vec<Candidate>,
     /// One for each effect of the catalogue that was considered.
     pub detectable: Vec<Detectable>,
-    /// Inertia, moment, Coulomb and viscous friction with the effects of the answer, fitted to all fit logs.
+    /// Inertia, moment, Coulomb and viscous friction with the effects of the answer, fitted to all fit logs, and the rest
+    /// angle with which they were.
     pub parameters: Vec<Estimate>,
     /// The same of the effects of the answer.
     pub effect_parameters: Vec<(EffectId, Vec<Number>)>,

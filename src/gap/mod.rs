@@ -44,5 +44,7 @@ pub use diagnosis::{
     Phase, ProfileBin, ResidualTorque, Variable, Verdict, Where,
 };
 pub use localise::{LogPart, localise, stage_by_signature};
+pub(crate) use model::GapModel;
 pub use rates::{Rate, Rates};
+pub(crate) use reach::reach_of;
 pub use residual_torque::residual_torque;
