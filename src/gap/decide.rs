@@ -24,8 +24,10 @@ const OVERWHELMING: f64 = 400.0;
 const MATTERS: f64 = 0.008;
 /// Share by which squared residuals may exceed the noise in a joint that is explained: the noise is not known better.
 pub(super) const EXPLAINED: f64 = 0.12;
+/// The same where no effect improves anything: only a clear rest is worth an alarm.
+const NO_ALARM: f64 = 0.3;
 /// Share of the recalibrated gap that an effect must close to be called its cause while something is left.
-const CLOSES: f64 = 0.72;
+const CLOSES: f64 = 0.8;
 /// Share of what the first effect leaves that a second one must close, unless it leaves nothing.
 const SECOND_CLOSES: f64 = 0.6;
 /// Deviance within which hypotheses count as equally good, and standard deviations of their difference.
@@ -63,7 +65,7 @@ pub(super) fn decide<'a>(evidence: &Evidence, held: &HeldOut, a: &'a Attribution
         let held_rms = |t: &Trial| held.rms_rad(&held.residuals(evidence, t));
         let held_closes = closed(held_rms(&a.given), held_rms(simple), a.noise_rad).unwrap_or(1.0);
         let closes = judge.closed(&a.given, simple).unwrap_or(0.0).min(held_closes);
-        let verdict = match (calibrated_pays, excess < EXPLAINED) {
+        let verdict = match (calibrated_pays, excess < NO_ALARM) {
             (false, true) => Verdict::None,
             (true, true) => Verdict::Calibration,
             (true, false) if closes > CALIBRATION_CLOSES => Verdict::Calibration,
