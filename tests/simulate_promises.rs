@@ -240,7 +240,13 @@ fn effects_that_cannot_be_are_refused_by_name() {
 #[test]
 fn values_at_the_edge_of_what_is_possible_end_in_a_prediction_or_in_an_error() {
     let dir = tempfile::tempdir().unwrap();
-    write_made(dir.path(), 3, Cause::One(EffectId::Delay));
+    let free = log_of("t,q", 100, 0.008, |t| format!("{t:.3},{:.5}", decaying(t)));
+    let driven =
+        log_of("t,q,q_ref", 100, 0.008, |t| format!("{t:.3},{:.5},{:.5}", 0.3 * (4.0 * t).sin(), (4.0 * t).sin()));
+    fs::write(dir.path().join("good.csv"), free).unwrap();
+    fs::write(dir.path().join("driven.csv"), driven).unwrap();
+    let motor = "[motor]\nkp = 0.5\nkd = 0.005\n[[log]]\nfile = \"driven.csv\"\nrole = \"fit\"\ndrive = \"position\"\n";
+    fs::write(dir.path().join("study.toml"), format!("{STUDY}{motor}")).unwrap();
     for &effect in EffectId::ALL {
         for end in [0, 1] {
             let known = effect.named_parameters().iter();
