@@ -83,7 +83,7 @@ def ambiguous():
             write(f"{folder}/{file}", swing(4.0, angle, offset=0.03), 0.008, 0.006, seed=100 + k)
             logs.append((file, "validate" if k == 3 else "fit", "off", None))
         if folder == "resolved":
-            mass = (0.213, 0.469, 0.0, 0.0)
+            mass = (0.333, 0.300, 0.0, 0.0)
             write(f"{folder}/next.csv", swing(6.0, 2.2, mass=mass, offset=0.03), 0.008, 0.006, seed=110)
             logs.append(("next.csv", "fit", "off", mass))
         study(folder, logs, 0.006, 0.008)
