@@ -96,6 +96,8 @@ fn setpoint_rates(e: &Experiment) -> Vec<f64> {
 
 /// A gap below this share of the noise's energy is none: noise is not known better than that.
 const NOTICEABLE: f64 = 0.1;
+/// Up to this share it must show in the residual torque too, in one cell of the map at least.
+const OBVIOUS: f64 = 1.0;
 /// A log has more than its share of the gap if it exceeds it by this factor.
 const MORE: f64 = 1.2;
 
@@ -105,8 +107,8 @@ const MORE: f64 = 1.2;
 /// Where the residuals do not exceed their noise, nothing is named and the map's shares are zero.
 pub fn localise(parts: &[LogPart]) -> Where {
     let cells = map(parts);
-    let excess: f64 = parts.iter().flat_map(|p| (0..p.len()).map(|k| p.excess(k))).sum();
-    if !is_noticeable(parts, excess) {
+    let shown = if cells.iter().any(|c| c.significant) { NOTICEABLE } else { OBVIOUS };
+    if !exceeds(parts, shown) {
         let cells = cells.into_iter().map(|cell| MapCell { share: 0.0, ..cell }).collect();
         return Where { cells, ..nowhere() };
     }
@@ -152,10 +154,21 @@ fn nowhere() -> Where {
     }
 }
 
-/// Whether residuals have more energy than their noise explains.
-pub(super) fn is_noticeable(parts: &[LogPart], excess: f64) -> bool {
+/// Whether residuals have more energy than their noise explains, by this share of it.
+fn exceeds(parts: &[LogPart], share: f64) -> bool {
     let noise: f64 = parts.iter().map(|p| p.noise_rad.powi(2) * p.weights_s.iter().sum::<f64>()).sum();
-    excess > NOTICEABLE * noise
+    total_excess(parts) > share * noise
+}
+
+/// The whole gap \[rad^2 s\].
+fn total_excess(parts: &[LogPart]) -> f64 {
+    parts.iter().flat_map(|p| (0..p.len()).map(|k| p.excess(k))).sum()
+}
+
+/// Whether logs have hardly any gap, beside others that have one: none at all, or less than a share of it per second.
+pub(super) fn is_spared(free: &[LogPart], driven: &[LogPart], share: f64) -> bool {
+    let time_s = |parts: &[LogPart]| parts.iter().flat_map(|p| &p.weights_s).sum::<f64>();
+    !exceeds(free, NOTICEABLE) || total_excess(free) / time_s(free) < share * total_excess(driven) / time_s(driven)
 }
 
 /// The phase with the largest share.

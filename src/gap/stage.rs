@@ -2,7 +2,7 @@
 
 use super::blocks::is_moving;
 use super::diagnosis::{Phase, Variable};
-use super::localise::{LogPart, is_noticeable};
+use super::localise::{LogPart, is_spared};
 use super::variables::{Explained, Form};
 use crate::joint::Stage;
 
@@ -18,7 +18,7 @@ const EXPLAINED: f64 = 0.3;
 
 pub(super) fn stage_of(parts: &[LogPart], best: Option<&Explained>) -> Stage {
     let (driven, free): (Vec<LogPart>, Vec<LogPart>) = parts.iter().cloned().partition(|p| p.driven);
-    let motor_alone = !driven.is_empty() && !free.is_empty() && is_spared(&free, &driven);
+    let motor_alone = !driven.is_empty() && !free.is_empty() && is_spared(&free, &driven, HARDLY);
     let of_motor = |e: &Explained| match (e.variable, e.form) {
         (Variable::SetpointRate, _) => Some(Stage::Delay),
         (Variable::Torque, Form::AgainstMotion) => Some(Stage::Gearing),
@@ -42,14 +42,6 @@ pub(super) fn stage_of(parts: &[LogPart], best: Option<&Explained>) -> Stage {
         None if free.is_empty() => Stage::Delay,
         _ => Stage::Link,
     }
-}
-
-/// Whether logs have hardly any gap where others have one.
-fn is_spared(free: &[LogPart], driven: &[LogPart]) -> bool {
-    let excess = |parts: &[LogPart]| parts.iter().flat_map(|p| (0..p.len()).map(|k| p.excess(k))).sum::<f64>();
-    let time_s = |parts: &[LogPart]| parts.iter().flat_map(|p| &p.weights_s).sum::<f64>();
-    let (of_free, of_driven) = (excess(free), excess(driven));
-    !is_noticeable(free, of_free) || of_free / time_s(free) < HARDLY * of_driven / time_s(driven)
 }
 
 /// Share of the residual torque's energy in a phase; zero where it does not dominate.

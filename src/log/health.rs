@@ -1,5 +1,7 @@
 //! What a log is like before anything is fitted: sampling, quantisation, noise, held phase, rest.
 
+use super::health_noise::reading_floor_rad;
+use super::health_stamps::{burst_share, stale_share, stamps_contradicted, still_share};
 use super::plausible::{median, median_step};
 use super::release::{self, Start};
 use super::types::{DriveMode, Log, SensorSpec};
@@ -29,6 +31,16 @@ pub struct Health {
     pub step_rad: Option<f64>,
     /// Standard deviation of the reading where the joint moves least \[rad\]; at least what the step alone causes.
     pub noise_rad: f64,
+    /// Read noise beyond the rounding, by how rough the readings are all along the log \[rad\]; 0: none is seen.
+    pub read_noise_rad: f64,
+    /// Share of the readings of the moving joint that repeat the one before, where they should have moved \[0 to 1\].
+    pub stale_share: f64,
+    /// Share of the time steps that are far shorter than the mean one \[0 to 1\]: stamps that come in bursts.
+    pub burst_share: f64,
+    /// The motion shows that samples were taken evenly although their stamps are uneven.
+    pub stamps_contradicted: bool,
+    /// Share of the time in which the joint does not move: held, or stuck \[0 to 1\].
+    pub still_share: f64,
     /// How the log begins.
     pub start: Start,
     /// Mean reading while held \[rad\].
@@ -62,6 +74,8 @@ pub fn health(log: &Log, sensor: &SensorSpec, mode: DriveMode) -> Health {
     let step_rad = quantisation(q);
     let step = sensor.resolution_rad.or(step_rad).unwrap_or(0.0);
     let noise_rad = noise(q).max(step / 12.0_f64.sqrt());
+    let read_noise_rad = (reading_floor_rad(q, step).powi(2) - step * step / 12.0).max(0.0).sqrt();
+    let floor_rad = read_noise_rad.hypot(step / 12.0_f64.sqrt());
     let start = release::start(log, mode, period_s, noise_rad, step);
     let held = match start {
         Start::Free => &q[..0],
@@ -80,6 +94,11 @@ pub fn health(log: &Log, sensor: &SensorSpec, mode: DriveMode) -> Health {
         lost_samples,
         step_rad,
         noise_rad,
+        read_noise_rad,
+        stale_share: stale_share(t, q, step, floor_rad),
+        burst_share: burst_share(t),
+        stamps_contradicted: stamps_contradicted(t, q, floor_rad),
+        still_share: still_share(t, q, (1.5 * step).max(4.0 * floor_rad) + SAME_LEVEL, REST_S),
         start,
         held_mean_rad: there.then_some(mean),
         held_std_rad: (held.len() > 1).then_some(std),
@@ -88,6 +107,35 @@ pub fn health(log: &Log, sensor: &SensorSpec, mode: DriveMode) -> Health {
         span_rad: q.iter().fold(0.0, |span, value| (value - middle).abs().max(span)),
         longest_run: longest_run(q),
     }
+}
+
+/// Readings that repeat beyond this share, and bursts beyond this share of the steps, are worth a remark.
+const WORTH_A_REMARK: f64 = 0.05;
+
+impl Health {
+    /// What is wrong with the readings or their times, in words; empty for a sound log.
+    pub fn doubts(&self) -> Vec<String> {
+        let mut doubts = Vec::new();
+        if self.stale_share > WORTH_A_REMARK {
+            let percent = 100.0 * self.stale_share;
+            doubts.push(format!("{percent:.0} % of the readings in motion repeat the one before: they come late"));
+        }
+        if self.stamps_contradicted {
+            doubts.push("time stamps are uneven, and the motion shows that the samples are not".to_owned());
+        } else if self.burst_share > WORTH_A_REMARK {
+            let percent = 100.0 * self.burst_share;
+            doubts.push(format!("time stamps come in bursts: {percent:.0} % of the steps are far below the mean"));
+        }
+        doubts
+    }
+}
+
+/// The sensor's own noise: rounding and read noise together, as a standard deviation of a reading \[rad\].
+///
+/// The step is the one that the study states, or else the one that the readings show.
+pub fn noise_floor_rad(health: &Health, sensor: &SensorSpec) -> f64 {
+    let step_rad = sensor.resolution_rad.or(health.step_rad).unwrap_or(0.0);
+    health.read_noise_rad.hypot(step_rad / 12.0_f64.sqrt())
 }
 
 /// Robust spread of the steps, and how many samples are missing.
@@ -185,154 +233,5 @@ fn longest_run(q: &[f64]) -> usize {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::log::{read_log, read_sidecar_for};
-    use approx::assert_relative_eq;
-    use std::path::{Path, PathBuf};
-
-    fn swings(folder: &str) -> Vec<PathBuf> {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data").join(folder);
-        let mut files: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-        files.retain(|file| file.extension().is_some_and(|extension| extension == "csv"));
-        files.sort();
-        files
-    }
-
-    fn look(log: &Log) -> Health {
-        health(log, &SensorSpec::default(), DriveMode::Off)
-    }
-
-    fn made(t_s: Vec<f64>, q_rad: Vec<f64>) -> Log {
-        Log {
-            file: "made.csv".into(),
-            t_s,
-            q_rad,
-            dq_rad_s: None,
-            tau_nm: None,
-            q_ref_rad: None,
-            drive: None,
-            ignored_columns: vec![],
-        }
-    }
-
-    /// Uniform noise in -0.5..0.5, without a crate: a linear congruential generator.
-    fn noise_source() -> impl FnMut() -> f64 {
-        let mut state = 12345_u64;
-        move || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-        }
-    }
-
-    #[test]
-    fn release_is_found_with_the_drive_column() {
-        for file in swings("thesis-robot").iter().chain(&swings("sealed-robot")) {
-            let log = read_log(file).unwrap();
-            let release = read_sidecar_for(file).unwrap().unwrap().release.unwrap();
-            let health = look(&log);
-            let held = health.start.held().unwrap();
-            assert_relative_eq!(held.release_s, release.time_s.unwrap(), epsilon = 1e-9);
-            assert_relative_eq!(health.held_mean_rad.unwrap(), release.angle_rad.unwrap(), epsilon = 1e-3);
-            assert_relative_eq!(health.step_rad.unwrap(), 0.006, epsilon = 1e-6);
-            assert_eq!(health.moved, !file.to_string_lossy().contains("q3-bare"), "{}", file.display());
-            // with the extra mass some still swing after six seconds
-            assert!(health.rest_from_s.is_some() || !file.to_string_lossy().contains("bare"), "{}", file.display());
-        }
-    }
-
-    #[test]
-    fn release_is_found_within_two_samples_without_the_drive_column() {
-        for file in swings("thesis-robot").iter().chain(&swings("sealed-robot")) {
-            let mut log = read_log(file).unwrap();
-            log.drive = None;
-            let truth = read_sidecar_for(file).unwrap().unwrap().release.unwrap().time_s.unwrap();
-            let health = look(&log);
-            let Some(held) = health.start.held() else {
-                assert!(!health.moved, "{}: held phase not seen", file.display());
-                continue;
-            };
-            let off = (held.release_s - truth) / 0.008;
-            assert!(off.abs() <= 2.01, "{}: {off:.2} samples off", file.display());
-            assert!(held.window_s[0] <= truth && truth <= held.window_s[1], "{}: {held:?}", file.display());
-            assert!(held.first_free - held.last_held < 16, "{}: {held:?}", file.display());
-        }
-    }
-
-    #[test]
-    fn release_between_two_samples_is_bracketed_by_a_fine_encoder() {
-        let mut noise = noise_source();
-        for (truth, rate, damping) in [(0.359048, 7.0, 0.4), (0.209817, 4.0, 0.2), (0.520562, 9.0, 3.0)] {
-            let t: Vec<f64> = (0..2000).map(|i| f64::from(i) * 0.002).collect();
-            // released from rest: q' = 0 at s = 0
-            let angle = |t: f64| {
-                let s = (t - truth).max(0.0);
-                0.1 + 0.9 * (-damping * s).exp() * ((rate * s).cos() + damping / rate * (rate * s).sin())
-            };
-            let q = t.iter().map(|t| ((angle(*t) / 0.0004) + noise()).round() * 0.0004).collect();
-            let held = *look(&made(t, q)).start.held().unwrap();
-            assert!(held.window_s[0] <= truth && truth <= held.window_s[1], "{truth}: {held:?}");
-            assert!((held.release_s - truth).abs() < 2.0 * 0.002, "{truth}: {held:?}");
-        }
-    }
-
-    #[test]
-    fn a_log_that_starts_free_is_not_called_held() {
-        for file in swings("thesis-robot").iter().chain(&swings("sealed-robot")) {
-            let whole = read_log(file).unwrap();
-            let release = whole.drive.as_ref().unwrap().iter().position(|held| !held).unwrap();
-            // from the release itself, and from half-way down
-            for cut in [release, release + 12, release + 25] {
-                let log = made(whole.t_s[cut..].to_vec(), whole.q_rad[cut..].to_vec());
-                assert_eq!(look(&log).start, Start::Free, "{} from {cut}", file.display());
-            }
-        }
-    }
-
-    #[test]
-    fn drive_all_ones_is_an_answer_and_driven_logs_are_not_held() {
-        let mut log = made((0..50).map(|i| f64::from(i) * 0.01).collect(), vec![0.3; 50]);
-        log.drive = Some(vec![true; 50]);
-        let held = look(&log);
-        assert_eq!((held.start, held.moved, held.longest_run), (Start::AlwaysHeld, false, 50));
-        assert_eq!(held.rest_from_s, Some(0.0));
-        assert_eq!(health(&log, &SensorSpec::default(), DriveMode::Position).start, Start::Free);
-    }
-
-    #[test]
-    fn lost_samples_and_jitter() {
-        let mut t: Vec<f64> = (0..200).map(|i| f64::from(i) * 0.005).collect();
-        t.drain(50..53);
-        t.remove(100);
-        let health = look(&made(t.clone(), t.iter().map(|t| t.sin()).collect()));
-        assert_eq!((health.samples, health.lost_samples), (196, 4));
-        assert_relative_eq!(health.period_s, 0.005, epsilon = 1e-12);
-        assert!(health.jitter_s < 1e-9);
-    }
-
-    #[test]
-    fn quantisation_is_found_or_denied() {
-        let mut noise = noise_source();
-        let t: Vec<f64> = (0..1500).map(|i| f64::from(i) * 0.005).collect();
-        let swing: Vec<f64> = t.iter().map(|t| 1.2 * (-0.4 * t).exp() * (7.0 * t).cos()).collect();
-        for step in [0.0003815, 0.001534, 0.006, 0.0174533] {
-            // read noise of a step, then rounded, then printed with six decimals
-            let q: Vec<f64> = swing.iter().map(|q| ((q / step + noise()).round() * step * 1e6).round() / 1e6).collect();
-            assert_relative_eq!(look(&made(t.clone(), q)).step_rad.unwrap(), step, max_relative = 1e-3);
-        }
-        let continuous: Vec<f64> = swing.iter().map(|q| q + 0.004 * noise()).collect();
-        assert_eq!(look(&made(t.clone(), continuous.clone())).step_rad, None);
-        let printed: Vec<f64> = continuous.iter().map(|q| (q * 1e6).round() / 1e6).collect();
-        assert_eq!(look(&made(t, printed)).step_rad, None);
-    }
-
-    #[test]
-    fn noise_alone_is_not_motion() {
-        let mut noise = noise_source();
-        let t: Vec<f64> = (0..5000).map(|i| f64::from(i) * 0.002).collect();
-        let health = look(&made(t.clone(), t.iter().map(|_| 0.3 + 0.01 * noise()).collect()));
-        assert!(!health.moved);
-        assert_relative_eq!(health.noise_rad, 0.01 / 12.0_f64.sqrt(), max_relative = 0.2);
-        assert_eq!(health.rest_from_s, Some(0.0));
-    }
-}
+#[path = "health_tests.rs"]
+mod tests;

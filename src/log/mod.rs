@@ -8,6 +8,8 @@ mod document;
 mod error;
 mod header;
 mod health;
+mod health_noise;
+mod health_stamps;
 mod inputs;
 mod place;
 mod plausible;
@@ -21,7 +23,8 @@ mod write;
 
 pub use csv::{read_joint_log, read_log};
 pub use error::{CellFault, FileKind, LogError, UnitFault};
-pub use health::{Health, health};
+pub use health::{Health, health, noise_floor_rad};
+pub use health_noise::log_floor_rad;
 pub use inputs::read_study_logs;
 pub use place::{Place, Subject};
 pub use plausible::check_period;

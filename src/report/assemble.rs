@@ -168,6 +168,7 @@ fn health_row(item: &Item) -> LogHealthRow {
     if h.lost_samples > 0 {
         remarks.push(format!("{} samples lost", h.lost_samples));
     }
+    remarks.extend(h.doubts());
     if h.jitter_s > 0.1 * h.period_s {
         remarks.push("uneven sampling".to_owned());
     }

@@ -1,0 +1,158 @@
+//! Readings and time stamps that cannot be right: stale readings, stamps in bursts, stamps that the motion contradicts.
+
+/// A reading is expected to move if the motion about it covers this many steps, or standard deviations, per sample.
+const SURELY: f64 = 3.0;
+/// Samples either way over which the motion about a reading is taken.
+const ABOUT: usize = 4;
+/// A step shorter than this share of the mean one is within a burst.
+const SHORT: f64 = 0.35;
+/// Stamps are contradicted if even ones explain the motion with less than this share of the squares that they leave.
+const CONTRADICTED: f64 = 0.25;
+/// Uneven stamps are looked at if their steps vary by more than this share of the mean one.
+const UNEVEN: f64 = 0.1;
+/// Fewest moving samples from which anything is said.
+const FEWEST: usize = 20;
+
+/// Share of the readings of a moving joint that repeat the one before them, where they should have moved.
+pub(super) fn stale_share(t_s: &[f64], q_rad: &[f64], step_rad: f64, noise_rad: f64) -> f64 {
+    let surely_rad = SURELY * step_rad.max(noise_rad);
+    let (mut moving, mut stale) = (0, 0);
+    for k in ABOUT + 1..q_rad.len().saturating_sub(ABOUT) {
+        let speed = (q_rad[k + ABOUT] - q_rad[k - 1 - ABOUT]) / (t_s[k + ABOUT] - t_s[k - 1 - ABOUT]);
+        if (speed * (t_s[k] - t_s[k - 1])).abs() > surely_rad {
+            moving += 1;
+            stale += usize::from(q_rad[k] == q_rad[k - 1]);
+        }
+    }
+    if moving < FEWEST { 0.0 } else { stale as f64 / moving as f64 }
+}
+
+/// Share of the time steps that are far shorter than the mean one: stamps that come in bursts.
+pub(super) fn burst_share(t_s: &[f64]) -> f64 {
+    let steps = steps(t_s);
+    let Some(mean_s) = mean_without_gaps(&steps) else { return 0.0 };
+    steps.iter().filter(|step| **step < SHORT * mean_s).count() as f64 / steps.len() as f64
+}
+
+/// Whether the motion shows that samples were taken evenly although their stamps are uneven.
+///
+/// Over a few samples a joint moves by its speed times the time between them: if the readings advance evenly, uneven
+/// stamps are those of the writing, not of the reading.
+pub(super) fn stamps_contradicted(t_s: &[f64], q_rad: &[f64], noise_rad: f64) -> bool {
+    let all = steps(t_s);
+    let Some(mean_s) = mean_without_gaps(&all) else { return false };
+    let (mut by_stamps, mut by_count, mut moving) = (0.0, 0.0, 0);
+    for k in ABOUT + 1..q_rad.len().saturating_sub(ABOUT) {
+        let window = &all[k - 1 - ABOUT..k + ABOUT];
+        let local_s = window.iter().sum::<f64>() / window.len() as f64;
+        // A gap is a loss, not a wrong stamp.
+        let uneven_s = (all[k - 1] - local_s).abs();
+        let gap = window.iter().any(|step| *step > 3.0 * mean_s);
+        let advance = (q_rad[k + ABOUT] - q_rad[k - 1 - ABOUT]) / window.len() as f64;
+        if gap || uneven_s < UNEVEN * local_s || (advance * uneven_s / local_s).abs() < SURELY * noise_rad {
+            continue;
+        }
+        moving += 1;
+        let moved = q_rad[k] - q_rad[k - 1];
+        by_stamps += (moved - advance * all[k - 1] / local_s).powi(2);
+        by_count += (moved - advance).powi(2);
+    }
+    moving >= FEWEST && by_count < CONTRADICTED * by_stamps
+}
+
+fn steps(t_s: &[f64]) -> Vec<f64> {
+    t_s.windows(2).map(|pair| pair[1] - pair[0]).collect()
+}
+
+/// Mean step, without steps far beyond the typical one, where samples were lost.
+fn mean_without_gaps(steps: &[f64]) -> Option<f64> {
+    // Within bursts the median may be short: gaps are measured against the upper quartile.
+    let mut sorted = steps.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let typical_s = *sorted.get(sorted.len() * 3 / 4)?;
+    let usual: Vec<f64> = steps.iter().copied().filter(|step| *step <= 2.5 * typical_s).collect();
+    (!usual.is_empty()).then(|| usual.iter().sum::<f64>() / usual.len() as f64)
+}
+
+/// Share of the time in which readings stay within a band for at least `shortest_s`.
+pub(super) fn still_share(t_s: &[f64], q_rad: &[f64], band_rad: f64, shortest_s: f64) -> f64 {
+    let duration_s = t_s.last().zip(t_s.first()).map_or(0.0, |(last, first)| last - first);
+    let (mut still_s, mut from) = (0.0, 0);
+    while from < q_rad.len() {
+        let (mut low, mut high) = (q_rad[from], q_rad[from]);
+        let inside = |q: &&f64| {
+            (low, high) = (low.min(**q), high.max(**q));
+            high - low <= band_rad
+        };
+        let len = q_rad[from..].iter().take_while(inside).count().max(1);
+        let lasts_s = t_s[from + len - 1] - t_s[from];
+        if lasts_s >= shortest_s {
+            still_s += lasts_s;
+            from += len;
+        } else {
+            from += 1;
+        }
+    }
+    if duration_s > 0.0 { still_s / duration_s } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn swing(t: f64) -> f64 {
+        1.2 * (-0.3 * t).exp() * (6.0 * t).cos()
+    }
+
+    fn rounded(angles: impl Iterator<Item = f64>, step: f64) -> Vec<f64> {
+        angles.map(|q| (q / step).round() * step).collect()
+    }
+
+    fn even(n: usize) -> Vec<f64> {
+        (0..n).map(|k| k as f64 * 0.008).collect()
+    }
+
+    #[test]
+    fn a_sound_log_has_nothing_to_show() {
+        let t = even(700);
+        let q = rounded(t.iter().map(|t| swing(*t)), 0.006);
+        assert_eq!(stale_share(&t, &q, 0.006, 0.0017), 0.0);
+        assert_eq!(burst_share(&t), 0.0);
+        assert!(!stamps_contradicted(&t, &q, 0.0017));
+        // Jitter and losses that the stamps tell truly.
+        let jittered: Vec<f64> =
+            (0..900).filter(|k| k % 37 != 0).map(|k| 0.008 * k as f64 + 0.002 * ((k * 7) % 5) as f64 / 5.0).collect();
+        let q = rounded(jittered.iter().map(|t| swing(*t)), 0.0004);
+        assert_eq!(burst_share(&jittered), 0.0);
+        assert!(!stamps_contradicted(&jittered, &q, 0.0002));
+    }
+
+    #[test]
+    fn readings_that_come_twice_are_stale() {
+        let t = even(700);
+        let q = rounded(t.iter().map(|t| swing((t / 0.016).floor() * 0.016)), 0.0015);
+        let share = stale_share(&t, &q, 0.0015, 0.0005);
+        assert!((0.45..0.55).contains(&share), "{share}");
+    }
+
+    #[test]
+    fn stamps_in_bursts_are_seen_and_contradicted_by_an_even_motion() {
+        // Two samples taken 8 ms apart are written together.
+        let truly = even(700);
+        let written: Vec<f64> = (0..700).map(|k| 0.016 * (k / 2) as f64 + 0.001 * (k % 2) as f64).collect();
+        let q = rounded(truly.iter().map(|t| swing(*t)), 0.0015);
+        assert!((burst_share(&written) - 0.5).abs() < 0.01);
+        assert!(stamps_contradicted(&written, &q, 0.0005));
+        // The same stamps may be right: a logger that takes two quick samples.
+        let q = rounded(written.iter().map(|t| swing(*t)), 0.0015);
+        assert!(!stamps_contradicted(&written, &q, 0.0005));
+    }
+
+    #[test]
+    fn held_and_stuck_time_counts_as_still() {
+        let t = even(1000);
+        let q = rounded(t.iter().map(|t| swing((t - 1.0).clamp(0.0, 4.0))), 0.006);
+        let share = still_share(&t, &q, 0.009, 0.25);
+        assert!((share - 4.0 / 8.0).abs() < 0.03, "{share}");
+    }
+}
