@@ -195,7 +195,8 @@ fn ranking(evidence: &Evidence, held: &HeldOut, a: &Attribution, gap: &Gap) -> V
                 effect,
                 probability: 0.0,
                 after,
-                closed: closed(gap.before, after, gap.floor),
+                // A share of hardly any gap would be a number without meaning.
+                closed: closed(gap.before, after, gap.floor).filter(|_| gap.before > 1.1 * gap.floor),
                 behind_sd: best.map_or(0.0, |best| a.behind(evidence, t, best).max(0.0)),
                 parameters: effects.pop().map(|(_, numbers)| numbers).unwrap_or_default(),
                 refitted: true,

@@ -19,12 +19,12 @@ const BRIEF_POINTS: usize = 2;
 const BRIEF: Budget = Budget { evaluations: 10 };
 /// Effects that are refitted at all, by what they promise; and the same for a second effect.
 const PROMISING: usize = 10;
-const PROMISING_SECONDS: usize = 6;
+const PROMISING_SECONDS: usize = 5;
 /// Evaluations of the searches that are carried to the end.
-const FULL: Budget = Budget { evaluations: 70 };
+const FULL: Budget = Budget { evaluations: 40 };
 /// A brief fit is carried on where its criterion is below the best brief one times this, or it is among the best few.
 const SERIOUS: f64 = 1.6;
-const AT_LEAST: usize = 4;
+const AT_LEAST: usize = 3;
 
 /// What a trial can take up by itself, to first order.
 pub(super) struct Projector {
