@@ -31,6 +31,7 @@ mod rest;
 mod sentence;
 mod smoother;
 mod stage;
+mod strength;
 mod trial;
 mod variables;
 
