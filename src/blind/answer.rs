@@ -96,6 +96,8 @@ pub struct Answered {
     pub equivalent: Vec<EffectId>,
     /// The stated probability that the answer is right.
     pub probability: f64,
+    /// How clearly the answer stands, in the words under which rates are counted.
+    pub standing: String,
     /// The effect that closes most of an unexplained gap.
     pub partial: Option<EffectId>,
     /// Whether the intervals are meant to be trusted.
@@ -133,6 +135,7 @@ impl Answered {
             second: answer.second,
             equivalent: answer.equivalent.clone(),
             probability: answer.probability,
+            standing: answer.standing.clone(),
             partial: answer.partial,
             intervals_trusted: answer.intervals_trusted,
             stage: diagnosis.location.stage,

@@ -63,15 +63,22 @@ fn draw_cause(filter: CauseFilter, dice: &mut Dice) -> Cause {
         CauseFilter::AnyOutside => Cause::Outside(dice.pick(OutsideId::ALL)),
         CauseFilter::AnyPair => {
             let first = dice.pick(EffectId::ALL);
-            let others: Vec<EffectId> =
-                EffectId::ALL.iter().copied().filter(|other| kind(*other) != kind(first)).collect();
+            let others: Vec<EffectId> = EffectId::ALL.iter().copied().filter(|other| can_pair(first, *other)).collect();
             Cause::Two(first, dice.pick(&others))
         }
         CauseFilter::Only(cause) => cause,
     }
 }
 
-/// Effects of one kind do much the same; pairs are of two kinds.
+/// Effects of a pair are of two kinds, and not one effect by another name: a spring with a constant torque is a spring
+/// that is slack elsewhere.
+fn can_pair(first: EffectId, second: EffectId) -> bool {
+    use EffectId::{AsymmetricFriction, JointSpring};
+    let one_spring = [(JointSpring, AsymmetricFriction), (AsymmetricFriction, JointSpring)];
+    kind(first) != kind(second) && !one_spring.contains(&(first, second))
+}
+
+/// Effects of one kind do much the same.
 fn kind(effect: EffectId) -> u8 {
     use EffectId::*;
     match effect {
@@ -274,6 +281,7 @@ mod tests {
             assert_eq!(truth.mechanisms.len(), 2);
             assert!(truth.mechanisms.iter().all(|m| m.ratio >= 2.0), "{truth:?}");
         }
-        assert_ne!(kind(EffectId::Delay), kind(EffectId::Stribeck));
+        assert!(can_pair(EffectId::Delay, EffectId::Stribeck) && !can_pair(EffectId::Delay, EffectId::SetpointHold));
+        assert!(!can_pair(EffectId::JointSpring, EffectId::AsymmetricFriction));
     }
 }

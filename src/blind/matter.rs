@@ -40,7 +40,7 @@ impl Limits {
     fn of(cause: Cause) -> Self {
         match cause {
             Cause::Outside(_) => Self { wanted: [5.0, 60.0], allowed: [4.0, 300.0], left: 2.0 },
-            Cause::Two(..) => Self { wanted: [3.0, 40.0], allowed: [2.0, 300.0], left: 0.7 },
+            Cause::Two(..) => Self { wanted: [3.0, 40.0], allowed: [2.0, 300.0], left: 1.0 },
             _ => Self { wanted: [1.5, 40.0], allowed: [1.3, 300.0], left: 0.4 },
         }
     }

@@ -5,11 +5,12 @@ use super::common::{CommonArgs, json_text, print};
 use super::progress::Progress;
 use super::provenance::provenance;
 use crate::blind::{
-    Answered, CauseFilter, Made, RunRecord, Sealed, TRUTHS_FILE, Trial, TrialRecord, Truth, make_filtered, score,
+    Answered, CauseFilter, Judgement, Made, RunRecord, Sealed, TRUTHS_FILE, Trial, TrialRecord, Truth, make_filtered,
+    score,
 };
-use crate::gap::{Diagnosis, GapOptions, diagnose};
+use crate::gap::{Diagnosis, GapOptions, Rates, Verdict, diagnose};
 use crate::identify::Case;
-use crate::log::Outputs;
+use crate::log::{LogError, Outputs};
 use crate::report::{BlindReport, GapReport, blind_figures, blind_html, blind_text, gap_json};
 use clap::Args;
 use rayon::prelude::*;
@@ -40,9 +41,15 @@ pub(super) struct BlindArgs {
     /// Diagnose nothing; write the studies to DIR/studies and the open answers to DIR/truth
     #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "json"])]
     make_only: Option<PathBuf>,
+    /// Write how often answers of each standing were right, as TOML in the form of data/rates.toml
+    #[arg(long, value_name = "FILE", conflicts_with = "make_only")]
+    rates: Option<PathBuf>,
     #[command(flatten)]
     common: CommonArgs,
 }
+
+/// The hash of the answers, stored before the first diagnosis.
+const SEAL_FILE: &str = "sealed.sha256";
 
 /// Runs the command.
 pub(super) fn run(args: &BlindArgs) -> Result<u8, CliError> {
@@ -57,14 +64,15 @@ pub(super) fn run(args: &BlindArgs) -> Result<u8, CliError> {
     let folder = args.common.folder("blind");
     let truths = args.common.on_threads(|| make_all(args, seed, &folder, &progress))??;
     let sealed = Sealed::new(&truths).map_err(encode)?;
+    forget_earlier(&folder)?;
     let mut seal = Outputs::default();
-    seal.add(folder.join("sealed.sha256"), sealed.line());
+    seal.add(folder.join(SEAL_FILE), sealed.line());
     seal.write()?;
     progress.pause(|| say(args, &format!("{} answers sealed: SHA-256 {}\n", truths.len(), sealed.sha256)));
 
     let trials = diagnose_all(args, &truths, &folder, &progress)?;
     progress.say("opening and scoring");
-    let report = open(args, seed, &sealed, trials)?;
+    let report = open(seed, &folder, trials)?;
     let page = write(args, &folder, &report, &sealed)?;
     drop(progress);
     say(args, &format!("\n{}\nreport: {}\n", blind_text(&report), page.display()));
@@ -167,13 +175,30 @@ fn diagnose_one(study: &Path) -> Result<(Case, Diagnosis), String> {
     Ok((case, diagnosis))
 }
 
-fn open(args: &BlindArgs, seed: u64, sealed: &Sealed, trials: Vec<Trial>) -> Result<BlindReport, CliError> {
+/// Answers of an earlier run in the same folder would be taken for those that are now sealed.
+fn forget_earlier(folder: &Path) -> Result<(), CliError> {
+    for name in [TRUTHS_FILE, "score.json", "report.html"] {
+        let file = folder.join(name);
+        match std::fs::remove_file(&file) {
+            Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
+                return Err(LogError::Write { file, source }.into());
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// Opens the answers, compares them with the seal that was stored before the first diagnosis, and scores.
+fn open(seed: u64, folder: &Path, trials: Vec<Trial>) -> Result<BlindReport, CliError> {
     let truths: Vec<Truth> = trials.iter().map(|trial| trial.truth.clone()).collect();
     let opened = Sealed::new(&truths).map_err(encode)?;
-    let seal_holds = sealed.is_of(&opened.text) && args.trials as usize == truths.len();
+    let file = folder.join(SEAL_FILE);
+    let stored = std::fs::read_to_string(&file).map_err(|source| LogError::Read { file, source })?;
+    let seal_holds = stored == opened.line();
     let score = score(&trials);
     let provenance = provenance([])?;
-    Ok(BlindReport { seed, sha256: sealed.sha256.clone(), seal_holds, score, trials, provenance })
+    Ok(BlindReport { seed, sha256: opened.sha256, seal_holds, score, trials, provenance })
 }
 
 fn write(args: &BlindArgs, folder: &Path, report: &BlindReport, sealed: &Sealed) -> Result<PathBuf, CliError> {
@@ -196,6 +221,14 @@ fn write(args: &BlindArgs, folder: &Path, report: &BlindReport, sealed: &Sealed)
     let page = folder.join("report.html");
     outputs.add(&page, blind_html(report)?);
     args.common.add_json(&mut outputs, &record)?;
+    if let Some(path) = &args.rates {
+        let answered = report.trials.iter().filter_map(|t| Some((t.answer.as_ref().ok()?, Judgement::of(t))));
+        // Wrong numbers are rightly called so, whichever of them is named first.
+        let right = |a: &Answered, j: Judgement| if a.verdict == Verdict::Effect { j.set } else { j.verdict };
+        let counted = answered.map(|(a, j)| (a.standing.as_str(), right(a, j)));
+        let rates = Rates::count(report.provenance.command.clone(), counted);
+        outputs.add(path, toml::to_string(&rates).map_err(|error| CliError::Encode(error.to_string()))?);
+    }
     outputs.write()?;
     Ok(page)
 }

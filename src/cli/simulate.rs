@@ -5,11 +5,14 @@ use super::common::{CommonArgs, log_name, print, study_name, write_outputs};
 use super::progress::Progress;
 use super::provenance::provenance;
 use crate::fit::{Budget, Method};
-use crate::identify::{Case, Experiment, ExtensiveModel, Item, JointModel, Prediction, Scale, conclude, predict};
+use crate::gap::{GapModel, reach_of};
+use crate::identify::{Case, Experiment, Item, JointModel, Prediction, Scale, conclude, predict};
+use crate::joint::{EffectId, UnknownEffect};
 use crate::log::{LogError, Nominal, Outputs, Role};
-use crate::report::{FitFile, Quantity, SCHEMA};
+use crate::report::{EffectFit, FitFile, Quantity, SCHEMA};
 use clap::Args;
 use serde_json::json;
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -24,7 +27,7 @@ pub(super) struct SimulateArgs {
     /// The study whose logs are predicted
     #[arg(value_name = "STUDY")]
     study: PathBuf,
-    /// Parameters found by drop [default: the study's nominal model]
+    /// Parameters and effects found by drop or gap [default: the study's nominal model]
     #[arg(long, value_name = "FIT.json")]
     fit: Option<PathBuf>,
     /// Predict this log instead, by the study's joint and by what the study says of its first log
@@ -38,13 +41,15 @@ pub(super) struct SimulateArgs {
 struct InForce {
     nominal: Nominal,
     rest_rad: Option<f64>,
-    /// Static friction and Stribeck speed.
-    stribeck: Option<(f64, f64)>,
+    /// Effects with their values as they are searched.
+    effects: Vec<(EffectId, Vec<f64>)>,
     source: String,
 }
 
-/// No parameter of a joint is larger, whatever its SI unit.
+/// No number of a joint is larger, whatever its SI unit.
 const LARGEST: f64 = 1e6;
+/// Share by which a static friction that was written down may lie below the Coulomb friction.
+const ROUNDING: f64 = 1e-9;
 
 /// Runs the command.
 pub(super) fn run(args: &SimulateArgs) -> Result<u8, CliError> {
@@ -104,7 +109,7 @@ fn in_force(args: &SimulateArgs, case: &Case) -> Result<InForce, CliError> {
             what: "the study has no nominal model; give parameters with --fit".into(),
         })?;
         let source = format!("{}, as given", args.study.display());
-        return Ok(InForce { nominal, rest_rad: case.joint.rest_rad, stribeck: None, source });
+        return Ok(InForce { nominal, rest_rad: case.joint.rest_rad, effects: Vec::new(), source });
     };
     let file = read_fit(path)?;
     let wrong = |what: String| CliError::FitFile { file: path.clone(), what };
@@ -138,26 +143,52 @@ fn in_force(args: &SimulateArgs, case: &Case) -> Result<InForce, CliError> {
             viscous_nm_s_rad: ratio("viscous_per_inertia")?,
         }
     };
-    let mut stribeck = None;
-    for effect in &file.effects {
-        if effect.id != "stribeck" {
-            return Err(wrong(format!(
-                "effects: `{}` is not an effect that simulate knows; it knows stribeck",
-                effect.id
-            )));
-        }
-        let parameter = |name: &str| {
-            let quantity =
-                effect.parameters.get(name).ok_or_else(|| wrong(format!("effects: stribeck lacks {name}")))?;
-            number(&format!("effects: stribeck {name}"), quantity, name == "mu_st")
-        };
-        stribeck = Some((parameter("mu_st")?, parameter("v_st")?));
-    }
+    let effects = effects(&file.effects, nominal.coulomb_nm).map_err(|what| wrong(format!("effects: {what}")))?;
     let rest_rad = file.joint.rest.as_ref().and_then(|r| r.value).or(case.joint.rest_rad);
     if let Some(rest) = rest_rad.filter(|rest| !(rest.abs() <= std::f64::consts::TAU)) {
         return Err(wrong(format!("joint.rest.value is {rest:?}, expected an angle within 2 pi (6.283) rad")));
     }
-    Ok(InForce { nominal, rest_rad, stribeck, source: path.display().to_string() })
+    Ok(InForce { nominal, rest_rad, effects, source: path.display().to_string() })
+}
+
+/// The effects of a fit file with their values as they are searched, or what is wrong with them.
+fn effects(fits: &[EffectFit], coulomb_nm: f64) -> Result<Vec<(EffectId, Vec<f64>)>, String> {
+    let mut effects: Vec<(EffectId, Vec<f64>)> = Vec::new();
+    for fit in fits {
+        let effect: EffectId = fit.id.parse().map_err(|unknown: UnknownEffect| unknown.to_string())?;
+        if effects.iter().any(|(other, _)| *other == effect) {
+            return Err(format!("{effect} stands there twice"));
+        }
+        let named = named_values(effect, &fit.parameters)?;
+        if effect == EffectId::Stribeck && named[0] < coulomb_nm * (1.0 - ROUNDING) {
+            let below = format!("below the Coulomb friction {coulomb_nm:?}");
+            return Err(format!("{effect} mu_st.value is {:?}, {below}; static friction is not less", named[0]));
+        }
+        effects.push((effect, effect.searched(&named, coulomb_nm)));
+    }
+    Ok(effects)
+}
+
+/// An effect's values in the catalogue's order, or what is wrong with them.
+fn named_values(effect: EffectId, parameters: &BTreeMap<String, Quantity>) -> Result<Vec<f64>, String> {
+    let known = effect.named_parameters();
+    if let Some(other) = parameters.keys().find(|name| known.iter().all(|p| p.name != name.as_str())) {
+        let names: Vec<&str> = known.iter().map(|p| p.name).collect();
+        return Err(format!("{effect} has no parameter `{other}`; it has {}", names.join(", ")));
+    }
+    known
+        .iter()
+        .map(|p| {
+            let quantity = parameters.get(p.name).ok_or_else(|| format!("{effect} lacks {}", p.name))?;
+            let key = format!("{effect} {}.value", p.name);
+            let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
+            match quantity.value {
+                Some(value) if p.bounds.admit(value) => Ok(value),
+                Some(value) => Err(format!("{key} is {value:?}{unit}, expected {}{unit}", p.bounds)),
+                None => Err(format!("{key} is null: this fit does not determine it; write a value there")),
+            }
+        })
+        .collect()
 }
 
 /// `<log>.predicted.csv`, or with a number where another log of that name has it already.
@@ -169,7 +200,7 @@ fn free_name(outputs: &Outputs, folder: &Path, log: &str) -> PathBuf {
 }
 
 fn read_fit(path: &Path) -> Result<FitFile, CliError> {
-    const EXPECTED: &str = "expected a fit.json as `aibo-fit drop` writes it";
+    const EXPECTED: &str = "expected a fit.json as `aibo-fit drop` or `aibo-fit gap` writes it";
     let bytes = fs::read(path).map_err(|source| LogError::Read { file: path.to_path_buf(), source })?;
     let wrong = |what: String| CliError::FitFile { file: path.to_path_buf(), what };
     let text = String::from_utf8(bytes).map_err(|_| wrong(format!("not UTF-8 text; {EXPECTED}")))?;
@@ -192,18 +223,14 @@ type Predicted<'a> = (&'a Item, Option<(Experiment, Prediction)>);
 fn predictions<'a>(case: &'a Case, in_force: &InForce) -> Result<Vec<Predicted<'a>>, CliError> {
     let moving: Vec<Experiment> = case.items.iter().filter_map(|i| i.experiment.clone()).collect();
     let scale = Scale::of(&moving, Some(&in_force.nominal), in_force.rest_rad);
-    let mut model = ExtensiveModel::lumped(&scale, Some(&in_force.nominal), in_force.stribeck.is_some());
-    for p in model.parameters_mut() {
-        if let Some((static_nm, speed_rad_s)) = in_force.stribeck {
-            match p.name.as_str() {
-                "static_excess" => p.start = (static_nm - in_force.nominal.coulomb_nm).max(0.0),
-                "stribeck_speed" => p.start = speed_rad_s,
-                _ => {}
-            }
-        }
-        p.fixed |= p.name != "rest";
+    let reach = reach_of(&moving, &in_force.nominal);
+    let baseline = GapModel::baseline(&in_force.nominal, scale.rest_rad, &reach);
+    let mut values: Vec<f64> = baseline.parameters().iter().map(|p| p.start).collect();
+    values.extend(in_force.effects.iter().flat_map(|(_, searched)| searched));
+    let mut model = in_force.effects.iter().fold(baseline, |model, (effect, _)| model.with(*effect, &reach));
+    for (p, value) in model.parameters_mut().iter_mut().zip(&values) {
+        (p.start, p.fixed) = (*value, p.name != "rest" || in_force.rest_rad.is_some());
     }
-    let mut values: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
     if in_force.rest_rad.is_none() && !moving.is_empty() {
         // Nobody states where the joint hangs: the logs say it.
         let fitted =

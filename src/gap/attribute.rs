@@ -28,13 +28,15 @@ pub(super) struct Attribution {
 }
 
 /// Firsts from which a second effect is sought.
-const FIRSTS: usize = 3;
+const FIRSTS: usize = 2;
+/// Pairs of each first that are kept.
+const PAIRS: usize = 3;
 /// A hypothesis is carried over to all samples where its criterion is below the best one's times this.
 const SERIOUS: f64 = 4.0;
 /// At the most so many single effects are carried over.
 const MOST: usize = 6;
 /// Evaluations of a fit that begins near its end.
-const AGAIN: Budget = Budget { evaluations: 40 };
+const AGAIN: Budget = Budget { evaluations: 24 };
 /// A hypothesis whose squared residuals exceed the noise by this share leaves something to explain.
 pub(super) const LEFT_OVER: f64 = 0.04;
 
@@ -56,7 +58,7 @@ impl Attribution {
         this.firsts = explore(&coarse, &this.calibrated, std::slice::from_ref(&as_given), effects);
         // A baseline that has been in the wrong place shows when an effect that found the right one is dropped.
         let dropped = |t: &Trial, k: usize| t.without(&coarse, &baseline, k, AGAIN);
-        let again: Vec<Trial> = this.firsts.par_iter().take(FIRSTS).map(|t| dropped(t, 0)).collect();
+        let again: Vec<Trial> = this.firsts.par_iter().take(PAIRS).map(|t| dropped(t, 0)).collect();
         for trial in again {
             if trial.criterion() < 0.999 * this.calibrated.criterion() {
                 this.calibrated = trial;
@@ -70,13 +72,13 @@ impl Attribution {
                 let mut also = as_given.clone();
                 also.extend(&first.found.values[first.model.place(0)]);
                 let mut found = explore(&coarse, first, &[also], &others);
-                found.truncate(FIRSTS);
+                found.truncate(PAIRS);
                 found
             });
             this.seconds = one_of_each(seconds.collect());
-            this.seconds.truncate(2 * FIRSTS);
+            this.seconds.truncate(2 * PAIRS);
             let singles: Vec<Trial> =
-                this.seconds.par_iter().take(FIRSTS).flat_map(|t| [dropped(t, 0), dropped(t, 1)]).collect();
+                this.seconds.par_iter().take(PAIRS).flat_map(|t| [dropped(t, 0), dropped(t, 1)]).collect();
             this.firsts.extend(singles);
             this.firsts = one_of_each(std::mem::take(&mut this.firsts));
         }

@@ -18,12 +18,16 @@ const PER_PARAMETER: f64 = 6.0;
 const FOR_THE_CHOICE: f64 = 24.0;
 /// Standard deviations by which it must predict held-out logs better.
 const HELD_OUT_Z: f64 = 1.0;
+/// Deviance whose gain on the fitted logs is enough where the held-out ones are not predicted worse.
+const OVERWHELMING: f64 = 400.0;
 /// Share of the noise's square sum that it must take away.
 const MATTERS: f64 = 0.008;
 /// Share by which squared residuals may exceed the noise in a joint that is explained: the noise is not known better.
 pub(super) const EXPLAINED: f64 = 0.12;
+/// The same where no effect improves anything: only a clear rest is worth an alarm.
+const NO_ALARM: f64 = 0.3;
 /// Share of the recalibrated gap that an effect must close to be called its cause while something is left.
-const CLOSES: f64 = 0.72;
+const CLOSES: f64 = 0.8;
 /// Share of what the first effect leaves that a second one must close, unless it leaves nothing.
 const SECOND_CLOSES: f64 = 0.6;
 /// Deviance within which hypotheses count as equally good, and standard deviations of their difference.
@@ -58,8 +62,10 @@ pub(super) fn decide<'a>(evidence: &Evidence, held: &HeldOut, a: &'a Attribution
     let pair = a.seconds.first().filter(|pair| judge.second_earns(pair, first.unwrap_or(&a.calibrated)));
     let Some(answer) = pair.or(first) else {
         let excess = a.excess(evidence, simple);
-        let closes = judge.closed(&a.given, simple).unwrap_or(0.0);
-        let verdict = match (calibrated_pays, excess < EXPLAINED) {
+        let held_rms = |t: &Trial| held.rms_rad(&held.residuals(evidence, t));
+        let held_closes = closed(held_rms(&a.given), held_rms(simple), a.noise_rad).unwrap_or(1.0);
+        let closes = judge.closed(&a.given, simple).unwrap_or(0.0).min(held_closes);
+        let verdict = match (calibrated_pays, excess < NO_ALARM) {
             (false, true) => Verdict::None,
             (true, true) => Verdict::Calibration,
             (true, false) if closes > CALIBRATION_CLOSES => Verdict::Calibration,
@@ -87,7 +93,17 @@ pub(super) fn decide<'a>(evidence: &Evidence, held: &HeldOut, a: &'a Attribution
     let mut effects = answer.effects().to_vec();
     effects.sort_by_key(rank);
     let (effect, second) = (effects.first().copied(), effects.get(1).copied());
-    let (equivalent, margin) = judge.equivalent(answer, effect, second);
+    let (mut equivalent, margin) = judge.equivalent(answer, effect, second);
+    // Of single effects that stand equally well the one with the fewest parameters is named.
+    let simplest = equivalent.iter().copied().min_by_key(|e| e.searched_count());
+    let (answer, effect) = match (second, simplest) {
+        (None, Some(simplest)) if Some(simplest) != effect => {
+            equivalent.sort_by_key(|e| *e != simplest);
+            let trial = a.firsts.iter().find(|t| t.effects() == [simplest]);
+            (trial.unwrap_or(answer), Some(simplest))
+        }
+        _ => (answer, effect),
+    };
     let simpler = if second.is_some() { first.unwrap_or(&a.calibrated) } else { &a.calibrated };
     Decision {
         verdict: if explained { Verdict::Effect } else { Verdict::Unexplained },
@@ -130,7 +146,8 @@ impl Judge<'_> {
         }
         let of = |t: &Trial| self.held.residuals(self.evidence, t);
         let (sum, sd) = self.held.difference(&of(simple), &of(rich));
-        sum > HELD_OUT_Z * sd
+        // Where the held-out logs do not show it, an overwhelming gain on the others must do.
+        sum > HELD_OUT_Z * sd || (gained > OVERWHELMING && sum > -HELD_OUT_Z * sd)
     }
 
     fn second_earns(&self, pair: &Trial, first: &Trial) -> bool {

@@ -3,16 +3,17 @@
 use super::attribute::Attribution;
 use super::decide::{Decision, decide};
 use super::detect::detectable;
-use super::diagnosis::{
-    Answer, Candidate, Diagnosis, Gap, GapOptions, LogGap, LogTraces, ResidualTorque, Verdict, Where,
-};
+use super::diagnosis::{Answer, Candidate, Diagnosis, Gap, GapOptions, LogGap, LogTraces, ResidualTorque, Verdict};
 use super::evidence::Evidence;
 use super::held_out::{HeldOut, closed, rms};
 use super::model::BASELINE;
 use super::next::next;
 use super::numbers::numbers;
+use super::place::place;
+use super::rates::{probability, share_out, standing};
 use super::sentence::sentence;
 use super::trial::{Trial, loss};
+use super::twins::measure;
 use crate::fit::Budget;
 use crate::identify::{Case, Experiment, JointModel, Signal};
 use crate::joint::EffectId;
@@ -61,12 +62,23 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &(dyn Fn(&str) + Sy
     let parameter = (decision.verdict == Verdict::Calibration).then(|| worst_number(&evidence, &attribution));
     let named = matches!(decision.verdict, Verdict::Effect);
     let sentence = sentence(&case.joint.name, &decision, &gap, parameter.as_deref(), &effect_parameters);
-    let ranking = ranking(&evidence, &held, &attribution, &decision, &gap);
+    let mut ranking = ranking(&evidence, &held, &attribution, &gap);
     progress("what would tell more");
     let rivals = rivals(&attribution, &decision);
     let next = if named { next(&evidence, &attribution, decision.answer, &rivals) } else { None };
-    let (probability, probability_source) = super::rates::probability(&decision);
-    let traces = traces(&evidence, &attribution, &decision);
+    let standing = standing(&decision);
+    let (mut probability, mut probability_source) = probability(&standing);
+    let twins = (options.twins > 0).then(|| {
+        let answer = (decision.verdict, decision.effect.filter(|_| named));
+        measure(&evidence, &attribution, &effects, answer, (options.twins, options.seed), progress)
+    });
+    if let Some((rate, source)) = twins.as_ref().and_then(|t| t.rate.clone()) {
+        (probability, probability_source) = (rate, source);
+    }
+    share_out(&mut ranking, &decision, probability);
+    progress("where the gap lies");
+    let (location, torques) = place(&evidence, &attribution, &decision);
+    let traces = traces(&evidence, &attribution, &decision, torques);
     let intervals_trusted = decision.excess < super::decide::EXPLAINED;
     Ok(Diagnosis {
         joint: case.joint.name.clone(),
@@ -77,18 +89,19 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &(dyn Fn(&str) + Sy
             equivalent: if named { decision.equivalent.clone() } else { Vec::new() },
             probability,
             probability_source,
+            standing,
             sentence,
             partial: decision.effect.filter(|_| decision.verdict == Verdict::Unexplained),
             intervals_trusted,
         },
-        location: Where::default(),
+        location,
         gap,
         ranking,
         detectable,
         parameters,
         effect_parameters,
         next,
-        confusion: None,
+        confusion: twins.map(|t| t.confusion),
         traces,
         notes: notes(&evidence, &decision, intervals_trusted),
         withheld: EffectId::ALL.iter().copied().filter(|e| !effects.contains(e)).collect(),
@@ -170,10 +183,9 @@ fn rivals<'a>(a: &'a Attribution, decision: &Decision<'_>) -> Vec<&'a Trial> {
     others.filter_map(|other| pool.iter().find(|t| with(t, other))).collect()
 }
 
-fn ranking(evidence: &Evidence, held: &HeldOut, a: &Attribution, decision: &Decision<'_>, gap: &Gap) -> Vec<Candidate> {
+fn ranking(evidence: &Evidence, held: &HeldOut, a: &Attribution, gap: &Gap) -> Vec<Candidate> {
     let best = a.firsts.first();
-    let mut candidates: Vec<Candidate> = a
-        .firsts
+    a.firsts
         .iter()
         .map(|t| {
             let effect = t.effects()[0];
@@ -183,20 +195,24 @@ fn ranking(evidence: &Evidence, held: &HeldOut, a: &Attribution, decision: &Deci
                 effect,
                 probability: 0.0,
                 after,
-                closed: closed(gap.before, after, gap.floor),
+                // A share of hardly any gap would be a number without meaning.
+                closed: closed(gap.before, after, gap.floor).filter(|_| gap.before > 1.1 * gap.floor),
                 behind_sd: best.map_or(0.0, |best| a.behind(evidence, t, best).max(0.0)),
                 parameters: effects.pop().map(|(_, numbers)| numbers).unwrap_or_default(),
                 refitted: true,
             }
         })
-        .collect();
-    super::rates::share_out(&mut candidates, decision);
-    candidates
+        .collect()
 }
 
 /// Curves of every log that moves.
-fn traces(evidence: &Evidence, a: &Attribution, decision: &Decision<'_>) -> Vec<LogTraces> {
-    let of = |e: &Experiment, role: Role, k: usize| {
+fn traces(
+    evidence: &Evidence,
+    a: &Attribution,
+    decision: &Decision<'_>,
+    torques: Vec<ResidualTorque>,
+) -> Vec<LogTraces> {
+    let of = |(e, role, k): (&Experiment, Role, usize), residual_torque: ResidualTorque| {
         let readings = &e.measured_rad[e.uncompared..];
         let model = |t: &Trial| -> Vec<f64> {
             let residual = if role == Role::Fit { t.fit.get(k) } else { t.held.get(k) };
@@ -214,11 +230,12 @@ fn traces(evidence: &Evidence, a: &Attribution, decision: &Decision<'_>) -> Vec<
             before_rad: model(&a.given),
             calibrated_rad: model(&a.calibrated),
             after_rad: model(decision.answer),
-            residual_torque: ResidualTorque::default(),
+            residual_torque,
         }
     };
-    let fit = evidence.fit.iter().enumerate().map(|(k, e)| of(e, Role::Fit, k));
-    fit.chain(evidence.held.iter().enumerate().map(|(k, e)| of(e, Role::Validate, k))).collect()
+    let fit = evidence.fit.iter().enumerate().map(|(k, e)| (e, Role::Fit, k));
+    let held = evidence.held.iter().enumerate().map(|(k, e)| (e, Role::Validate, k));
+    fit.chain(held).zip(torques).map(|(log, torque)| of(log, torque)).collect()
 }
 
 fn notes(evidence: &Evidence, decision: &Decision<'_>, trusted: bool) -> Vec<String> {

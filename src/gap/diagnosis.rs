@@ -160,6 +160,8 @@ pub struct Answer {
     pub probability: f64,
     /// Where `probability` was measured: a command, and counts.
     pub probability_source: String,
+    /// The kind of answer and how clearly it stands, in words that are counted.
+    pub standing: String,
     /// One sentence a colleague would say.
     pub sentence: String,
     /// For [`Verdict::Unexplained`]: the effect that closes most of the gap.
@@ -371,7 +373,8 @@ pub struct Diagnosis {
     pub ranking: Vec<Candidate>,
     /// One for each effect of the catalogue that was considered.
     pub detectable: Vec<Detectable>,
-    /// Inertia, moment, Coulomb and viscous friction with the effects of the answer, fitted to all fit logs.
+    /// Inertia, moment, Coulomb and viscous friction with the effects of the answer, fitted to all fit logs, and the rest
+    /// angle with which they were.
     pub parameters: Vec<Estimate>,
     /// The same of the effects of the answer.
     pub effect_parameters: Vec<(EffectId, Vec<Number>)>,

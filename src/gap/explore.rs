@@ -19,12 +19,12 @@ const BRIEF_POINTS: usize = 2;
 const BRIEF: Budget = Budget { evaluations: 10 };
 /// Effects that are refitted at all, by what they promise; and the same for a second effect.
 const PROMISING: usize = 10;
-const PROMISING_SECONDS: usize = 6;
+const PROMISING_SECONDS: usize = 5;
 /// Evaluations of the searches that are carried to the end.
-const FULL: Budget = Budget { evaluations: 70 };
+const FULL: Budget = Budget { evaluations: 40 };
 /// A brief fit is carried on where its criterion is below the best brief one times this, or it is among the best few.
 const SERIOUS: f64 = 1.6;
-const AT_LEAST: usize = 4;
+const AT_LEAST: usize = 3;
 
 /// What a trial can take up by itself, to first order.
 pub(super) struct Projector {
@@ -119,7 +119,7 @@ pub(super) fn explore(evidence: &Evidence, base: &Trial, also: &[Vec<f64>], effe
             Trial::solved(evidence, model, &point.values, base.found.starts.clone(), BRIEF)
         })
         .collect();
-    let best = one_of_each(brief);
+    let best: Vec<Trial> = one_of_each(brief).into_par_iter().map(|trial| scanned_finely(evidence, trial)).collect();
     let line = best.first().map_or(f64::INFINITY, |t| SERIOUS * t.criterion());
     let done: Vec<Trial> = best
         .into_par_iter()
@@ -132,6 +132,36 @@ pub(super) fn explore(evidence: &Evidence, base: &Trial, also: &[Vec<f64>], effe
         .collect();
     one_of_each(done)
 }
+
+/// A trial whose setpoint hold has been scanned finely about where it stands: which setpoints get through changes by
+/// leaps, and no slope leads from one to the next.
+fn scanned_finely(evidence: &Evidence, trial: Trial) -> Trial {
+    let Some(k) = trial.effects().iter().position(|e| *e == EffectId::SetpointHold) else { return trial };
+    let at = trial.model.place(k).start;
+    let problem = Problem::new(&trial.model, &evidence.fit);
+    let values = |share: f64| {
+        let mut values = trial.found.values.clone();
+        values[at] *= share;
+        values
+    };
+    let criterion = |values: &Vec<f64>| {
+        let x = problem.coordinates_from(&Found { values: values.clone(), ..trial.found.clone() });
+        problem.criterion(&x).unwrap_or(f64::INFINITY)
+    };
+    let shares = (-FINE..=FINE).map(|n| 1.0 + f64::from(n) * FINE_SHARE).map(values);
+    let best = shares.map(|v| (criterion(&v), v)).min_by(|a, b| a.0.total_cmp(&b.0));
+    match best {
+        Some((criterion, values)) if criterion < 0.999 * trial.criterion() => {
+            let again = Trial::solved(evidence, trial.model.clone(), &values, trial.found.starts.clone(), BRIEF);
+            if again.criterion() < trial.criterion() { again } else { trial }
+        }
+        _ => trial,
+    }
+}
+
+/// Steps either way of the fine scan, and their size as a share.
+const FINE: i32 = 30;
+const FINE_SHARE: f64 = 0.0025;
 
 /// The best trial for each set of effects; best first.
 pub(super) fn one_of_each(trials: Vec<Trial>) -> Vec<Trial> {

@@ -5,14 +5,17 @@ use super::trial::Trial;
 
 /// Samples over which roughness is averaged to one value.
 const BLOCK: usize = 24;
+/// Steps that the joint moves in a block that counts: where it moves less, successive rounding errors are alike and do
+/// not show in differences.
+const TRAVEL: f64 = 6.0;
 /// One in so many blocks is set aside at either end.
 const TRIMMED: usize = 8;
 
 /// Standard deviation of the noise of the readings, pooled over all logs \[rad\].
 ///
 /// Second differences of white noise have six times its variance, and a smooth misfit has hardly any. Each log is
-/// judged by the model that leaves it the least rough; blocks in which the reading stands still repeat one rounding
-/// error and are passed over; the extreme blocks are set aside. Never below a step's rounding.
+/// judged by the model that leaves it the least rough; blocks in which the joint hardly moves are passed over, and the
+/// extreme ones are set aside. Never below a step's rounding.
 pub(super) fn noise_rad(evidence: &Evidence, trials: &[&Trial]) -> f64 {
     let mut roughness: Vec<f64> = Vec::new();
     for (k, e) in evidence.fit.iter().chain(&evidence.held).enumerate() {
@@ -20,12 +23,19 @@ pub(super) fn noise_rad(evidence: &Evidence, trials: &[&Trial]) -> f64 {
         let of = |t: &&Trial| -> Vec<f64> {
             let r = if k < t.fit.len() { Some(&t.fit[k]) } else { t.held.get(k - t.fit.len()) };
             let Some(r) = r else { return Vec::new() };
-            let second: Vec<f64> = r.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).powi(2) / 6.0).collect();
-            second
-                .chunks_exact(BLOCK)
-                .zip(readings.windows(3).collect::<Vec<_>>().chunks_exact(BLOCK))
-                .filter(|(_, read)| read.iter().filter(|w| w[0] != w[1] || w[1] != w[2]).count() * 2 > BLOCK)
-                .map(|(c, _)| c.iter().sum::<f64>() / BLOCK as f64)
+            let model = |i: usize| r[i] + readings[i];
+            let travel = |from: usize| {
+                let range = (from..from + BLOCK).map(model);
+                let (low, high) = range.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), q| (l.min(q), h.max(q)));
+                high - low
+            };
+            (0..(r.len() / BLOCK) * BLOCK)
+                .step_by(BLOCK)
+                .filter(|&from| travel(from) >= TRAVEL * e.resolution_rad)
+                .map(|from| {
+                    let second = r[from..from + BLOCK].windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).powi(2));
+                    second.sum::<f64>() / (6.0 * (BLOCK - 2) as f64)
+                })
                 .collect()
         };
         let least = trials.iter().map(of).min_by(|a, b| a.iter().sum::<f64>().total_cmp(&b.iter().sum::<f64>()));

@@ -1,7 +1,9 @@
 //! Layer 7: the gap between model and logs. Where it lies, which effect causes it, how far it closes.
 //!
 //! [`diagnose`] fits hypotheses about a study (the joint as given, recalibrated, with each effect of the catalogue, with
-//! two), weighs them on fitted and held-out logs, and says what it found as a [`Diagnosis`].
+//! two), weighs them on fitted and held-out logs, and says what it found as a [`Diagnosis`]. Where the gap lies is asked
+//! of the torque that the recalibrated joint lacks ([`residual_torque`](residual_torque()), [`localise`](localise())),
+//! without looking at any effect.
 
 mod along;
 mod attribute;
@@ -24,6 +26,7 @@ mod model;
 mod next;
 mod numbers;
 mod phases;
+mod place;
 mod rates;
 mod reach;
 mod residual_torque;
@@ -33,6 +36,7 @@ mod smoother;
 mod stage;
 mod strength;
 mod trial;
+mod twins;
 mod variables;
 
 pub use diagnose::{GapError, diagnose};
@@ -41,4 +45,7 @@ pub use diagnosis::{
     Phase, ProfileBin, ResidualTorque, Variable, Verdict, Where,
 };
 pub use localise::{LogPart, localise, stage_by_signature};
+pub(crate) use model::GapModel;
+pub use rates::{Rate, Rates};
+pub(crate) use reach::reach_of;
 pub use residual_torque::residual_torque;

@@ -15,14 +15,14 @@ pub(super) const BASELINE: usize = 5;
 
 /// The baseline joint with effects on its stages.
 #[derive(Clone, Debug)]
-pub(super) struct GapModel {
+pub(crate) struct GapModel {
     parameters: Vec<Parameter>,
     effects: Vec<EffectId>,
 }
 
 impl GapModel {
     /// The joint as given; its four numbers are searched from there, its rest angle (0 where none is given) is not.
-    pub(super) fn baseline(nominal: &Nominal, rest_rad: f64, reach: &Reach) -> Self {
+    pub(crate) fn baseline(nominal: &Nominal, rest_rad: f64, reach: &Reach) -> Self {
         let damping = reach.torque_nm / reach.speed_rad_s;
         let n = nominal;
         let moment_unit = reach.torque_nm / 9.81;
@@ -41,7 +41,7 @@ impl GapModel {
     }
 
     /// The same joint with one effect more.
-    pub(super) fn with(&self, effect: EffectId, reach: &Reach) -> Self {
+    pub(crate) fn with(&self, effect: EffectId, reach: &Reach) -> Self {
         let mut more = self.clone();
         more.effects.push(effect);
         more.parameters.extend(effect.parameters(reach).into_iter().map(|p| {

@@ -112,7 +112,7 @@ fn proposals(evidence: &Evidence) -> Vec<Proposal> {
     let mut all = Vec::new();
     for share in [0.0, 0.5, 1.0, 2.0] {
         let mass_kg = share * n.moment_kg_m / distance_m;
-        let load = (mass_kg > 0.0).then(|| Load {
+        let load = (mass_kg > 0.0).then_some(Load {
             inertia_kg_m2: mass_kg * distance_m * distance_m,
             moment_kg_m: mass_kg * distance_m,
             angle_rad: 0.0,

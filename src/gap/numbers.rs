@@ -9,13 +9,13 @@ use crate::identify::{Estimate, JointModel, Problem, Status};
 use crate::joint::EffectId;
 use nalgebra::DMatrix;
 
-/// Estimates of the four numbers, and of each effect's parameters.
+/// Estimates of the four numbers and of the rest angle, which is held, and of each effect's parameters.
 pub(super) fn numbers(evidence: &Evidence, trial: &Trial) -> (Vec<Estimate>, Vec<(EffectId, Vec<Number>)>) {
     let problem = Problem::new(&trial.model, &evidence.fit);
     let x = problem.coordinates_from(&trial.found);
     let sure = problem.linearise(&x).ok().and_then(|blocks| uncertainty(&problem, &blocks).ok());
     let spread = Spread { trial, free: free(trial), x, sure };
-    let parameters = trial.model.parameters()[..BASELINE - 1].iter().enumerate();
+    let parameters = trial.model.parameters()[..BASELINE].iter().enumerate();
     let joint = parameters
         .map(|(i, p)| {
             let [interval, interval_naive] = spread.intervals(&|values| values[i], p.lower, p.upper);

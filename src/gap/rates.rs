@@ -1,18 +1,133 @@
 //! Probabilities that were measured, not computed from losses.
-use super::decide::Decision;
-use super::diagnosis::{Candidate, Verdict};
+//!
+//! How often was an answer that stands like this one right? `data/rates.toml` has the counts of a sealed trial, by the
+//! kind of answer and by how clearly it stands out; the command that made them is in the file. `--twins` measures on
+//! copies of the user's own study instead.
 
-pub(super) fn probability(decision: &Decision<'_>) -> (f64, String) {
-    let p = match decision.verdict {
-        Verdict::Effect => 0.9,
-        _ => 0.9,
-    };
-    (p, "to be measured".into())
+use super::decide::{Decision, EXPLAINED};
+use super::diagnosis::{Candidate, Verdict};
+use serde::{Deserialize, Serialize};
+
+/// Counts of a sealed trial, in the form of `data/rates.toml`.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Rates {
+    /// The command that made them.
+    pub command: String,
+    /// One for each standing that occurred.
+    #[serde(default)]
+    pub rate: Vec<Rate>,
 }
 
-pub(super) fn share_out(candidates: &mut [Candidate], decision: &Decision<'_>) {
+/// How often answers of one standing were right.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Rate {
+    /// As [`standing`] words it.
+    pub standing: String,
+    /// How many there were.
+    pub answers: u32,
+    /// How many of these were right.
+    pub right: u32,
+}
+
+impl Rates {
+    /// The rates that come with the program.
+    fn shipped() -> Self {
+        toml::from_str(include_str!("../../data/rates.toml")).unwrap_or_default()
+    }
+
+    /// Counts a trial's answers by their standing.
+    pub fn count<'a>(command: String, answers: impl Iterator<Item = (&'a str, bool)>) -> Self {
+        let mut rate: Vec<Rate> = Vec::new();
+        for (standing, right) in answers {
+            let at = rate.iter().position(|r| r.standing == standing).unwrap_or_else(|| {
+                rate.push(Rate { standing: standing.to_owned(), answers: 0, right: 0 });
+                rate.len() - 1
+            });
+            rate[at].answers += 1;
+            rate[at].right += u32::from(right);
+        }
+        rate.sort_by(|a, b| a.standing.cmp(&b.standing));
+        Self { command, rate }
+    }
+
+    /// Answers and right ones among those whose standing begins so.
+    fn of(&self, beginning: &str) -> (u32, u32) {
+        let those = self.rate.iter().filter(|r| r.standing.starts_with(beginning));
+        those.fold((0, 0), |sum, r| (sum.0 + r.answers, sum.1 + r.right))
+    }
+}
+
+/// Deviance by which the next hypothesis must be behind for an answer to stand out.
+const STANDS_OUT: f64 = 60.0;
+/// Deviance that an answer must have gained to be a strong one.
+const STRONG: f64 = 400.0;
+/// Answers of one standing from which on their rate is taken; below, those of the wider kind are.
+const ENOUGH: u32 = 8;
+
+/// The kind of an answer and how clearly it stands, in words that are counted.
+pub(super) fn standing(decision: &Decision<'_>) -> String {
+    let kind = match (decision.verdict, decision.second) {
+        (Verdict::Effect, Some(_)) => "two effects",
+        (Verdict::Effect, None) => "effect",
+        (verdict, _) => verdict.name(),
+    };
+    let rest = if decision.excess < EXPLAINED { "to the noise" } else { "with a rest" };
+    let clear = match decision.verdict {
+        Verdict::Effect if decision.margin > STANDS_OUT && decision.gain > STRONG => "clear",
+        Verdict::Effect if decision.equivalent.len() > 1 => "one of several",
+        Verdict::Effect => "narrow",
+        Verdict::Unexplained if decision.effect.is_some() => "nearest effect named",
+        _ => "plain",
+    };
+    format!("{kind}, {rest}, {clear}")
+}
+
+/// The measured rate for a standing, by the rule of succession, and where it was measured.
+pub(super) fn probability(standing: &str) -> (f64, String) {
+    let rates = Rates::shipped();
+    let kind = standing.split(',').next().unwrap_or(standing);
+    let wider = standing.rsplit_once(',').map_or(kind, |(wider, _)| wider);
+    let counted = [standing, wider, kind].map(|beginning| (beginning, rates.of(beginning)));
+    let &(beginning, (answers, right)) =
+        counted.iter().find(|(_, (answers, _))| *answers >= ENOUGH).unwrap_or(&counted[2]);
+    let probability = (f64::from(right) + 1.0) / (f64::from(answers) + 2.0);
+    let source =
+        format!("{right} of {answers} answers of this standing ({beginning}) were right in `{}`", rates.command);
+    (probability, source)
+}
+
+/// Shares an answer's probability out among the candidates that cannot be told apart.
+pub(super) fn share_out(candidates: &mut [Candidate], decision: &Decision<'_>, probability: f64) {
+    if decision.verdict != Verdict::Effect {
+        return;
+    }
+    let among = decision.equivalent.len().max(1) as f64;
     for c in candidates {
-        c.probability =
-            if decision.equivalent.contains(&c.effect) { 0.9 / decision.equivalent.len() as f64 } else { 0.0 };
+        if decision.equivalent.contains(&c.effect) {
+            c.probability = probability / among;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates_are_counted_by_standing_and_a_rare_one_takes_the_wider_kind() {
+        let answers =
+            [("none, to the noise, plain", true), ("none, to the noise, plain", false), ("effect, x, y", true)];
+        let rates = Rates::count("aibo-fit blind".into(), answers.into_iter());
+        assert_eq!((rates.of("none"), rates.of("effect, x"), rates.of("two effects")), ((2, 1), (1, 1), (0, 0)));
+    }
+
+    #[test]
+    fn the_shipped_rates_can_be_read() {
+        let text = include_str!("../../data/rates.toml");
+        let rates: Rates = toml::from_str(text).expect("data/rates.toml is well-formed");
+        assert!(rates.command.starts_with("aibo-fit blind") && !rates.rate.is_empty());
+        assert!(rates.rate.iter().all(|r| r.right <= r.answers));
     }
 }

@@ -5,7 +5,7 @@ use crate::joint::{DrivenReach, Reach};
 use crate::log::Nominal;
 
 /// The reach of all experiments together.
-pub(super) fn reach_of(experiments: &[Experiment], nominal: &Nominal) -> Reach {
+pub(crate) fn reach_of(experiments: &[Experiment], nominal: &Nominal) -> Reach {
     let most = |f: &dyn Fn(&Experiment) -> f64| experiments.iter().map(f).fold(0.0, f64::max);
     let gravity_nm = most(&|e| {
         let load = e.load.map_or(0.0, |l| l.moment_kg_m);

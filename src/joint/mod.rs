@@ -18,7 +18,7 @@ mod sensor;
 mod setpoint;
 
 pub use chain::Chain;
-pub use effect::{DrivenReach, EffectId, EffectParameter, Named, Reach, Scan, Stage, UnknownEffect};
+pub use effect::{Bounds, DrivenReach, EffectId, EffectParameter, Named, Reach, Scan, Stage, UnknownEffect};
 pub use friction::{Contact, Friction, FrictionTerm, Stribeck};
 pub use link::Link;
 pub use motor::{Motor, Setpoint, SpeedLine};

@@ -10,7 +10,7 @@ use crate::integrate::rk4;
 use crate::joint::{Chain, Play, Real};
 
 /// Share of the friction that acts on the link side, in its bearing; the gears have the rest.
-const LINK_SHARE: f64 = 0.05;
+const LINK_SHARE: f64 = 0.03;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Motion {

@@ -77,14 +77,17 @@ pub(crate) struct Schedule<'a, T> {
     path: SetpointPath<T>,
     /// Setpoint or torque in force, where the path is not perfect: value, slope, since when.
     in_force: (T, f64, T),
+    /// Mean sampling period \[s\].
+    period_s: f64,
     /// Number of the next change.
     next: usize,
 }
 
 /// A hold shorter than this \[s\] is none.
 const SHORTEST_HOLD_S: f64 = 1e-4;
-/// A reading of the setpoint this shortly before a sample takes that sample \[s\].
-const SAME_INSTANT_S: f64 = 1e-9;
+/// A reading of the setpoint this shortly before a sample takes that sample, as a share of the sampling period: nobody's
+/// clocks agree better, and a hold a hair shorter than a whole number of periods would be one that reads late.
+const SAME_INSTANT: f64 = 0.03;
 
 impl<'a, T: Real> Schedule<'a, T> {
     pub(crate) fn new(input: Input<'a>, t_s: &'a [f64], path: SetpointPath<T>) -> Self {
@@ -101,6 +104,7 @@ impl<'a, T: Real> Schedule<'a, T> {
             t_s,
             path: SetpointPath { hold_s, ..path },
             in_force: (T::constant(first), 0.0, start_s),
+            period_s: t_s.last().map_or(0.0, |last| (last - start_s.re()) / (t_s.len() - 1).max(1) as f64),
             next: 0,
         }
     }
@@ -127,7 +131,8 @@ impl<'a, T: Real> Schedule<'a, T> {
         self.in_force = match (self.input, self.path.hold_s) {
             (Input::Position { setpoint_rad, hold: reading, .. }, Some(hold)) => {
                 let read_s = hold * self.next as f64 + self.t_s[0];
-                let k = self.t_s.partition_point(|t| *t <= read_s.re() + SAME_INSTANT_S).max(1) - 1;
+                let late_s = SAME_INSTANT * self.period_s;
+                let k = self.t_s.partition_point(|t| *t <= read_s.re() + late_s).max(1) - 1;
                 let value = T::constant(setpoint_rad[k]);
                 let slope = self.slope(setpoint_rad, reading, k);
                 (value + (read_s - self.t_s[k]) * slope, 0.0, at)

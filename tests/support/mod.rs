@@ -1,6 +1,7 @@
 //! What the tests of the program share: running it in a folder of its own, and looking at what it left.
 #![allow(dead_code, reason = "every test file uses a part")]
 
+use aibo_fit::blind::{Cause, Truth, make_with};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -132,4 +133,23 @@ pub fn long_swing(rows: u32, period_s: f64) -> String {
         }
     }
     text
+}
+
+/// The folder of shared data that is not part of the repository; where it is absent the test says so.
+pub fn shared(what: &str) -> Option<PathBuf> {
+    let folder = std::env::var_os("AIBO_FIT_SHARED").map(|shared| Path::new(&shared).join(what));
+    let found = folder.filter(|folder| folder.is_dir());
+    if found.is_none() {
+        println!("skipped: AIBO_FIT_SHARED names no folder that holds {what}");
+    }
+    found
+}
+
+/// Writes a made study with a given cause into a folder, and answers with what is true of it.
+pub fn write_made(folder: &Path, seed: u64, cause: Cause) -> Truth {
+    let made = make_with(seed, 0, cause);
+    for (name, content) in &made.study {
+        fs::write(folder.join(name), content).unwrap();
+    }
+    made.truth
 }

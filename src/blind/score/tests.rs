@@ -55,6 +55,7 @@ fn answered(verdict: Verdict, effects: &[EffectId], equivalent: &[EffectId], pro
         second: effects.get(1).copied(),
         equivalent: equivalent.to_vec(),
         probability,
+        standing: String::new(),
         partial: None,
         intervals_trusted: true,
         stage: effects.first().map(|effect| effect.stage()),

@@ -3,13 +3,13 @@
 //! In these logs the two are the same thing. The resting angle shifts by `-d`, and the torque that is missing grows with
 //! the mass: it is proportional to `g M* cos q`.
 
-use super::{Effect, EffectParameter, Named, Reach};
+use super::{Bounds, Effect, EffectParameter, Named, Reach};
 use crate::joint::{Chain, Real};
 
 pub(super) struct Term;
 
 impl Effect for Term {
-    const NAMED: &'static [Named] = &[Named { name: "d", unit: "rad", zero: 0.0 }];
+    const NAMED: &'static [Named] = &[Named { name: "d", unit: "rad", zero: 0.0, bounds: Bounds::ANGLE }];
 
     fn parameters(_reach: &Reach) -> Vec<EffectParameter> {
         vec![EffectParameter::linear("d", "rad", [-1.0, 1.0], 0.05)]

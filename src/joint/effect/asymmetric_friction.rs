@@ -3,13 +3,13 @@
 //! Worm gears, cables and preloaded seals resist one direction more. While the joint moves it is a constant torque; the
 //! resting angles shift to one side, whatever mass is hung on.
 
-use super::{Effect, EffectParameter, Named, Reach};
+use super::{Bounds, Effect, EffectParameter, Named, Reach};
 use crate::joint::{Chain, Contact, FrictionTerm, Real};
 
 pub(super) struct Term;
 
 impl Effect for Term {
-    const NAMED: &'static [Named] = &[Named { name: "delta", unit: "N m", zero: 0.0 }];
+    const NAMED: &'static [Named] = &[Named { name: "delta", unit: "N m", zero: 0.0, bounds: Bounds::ANY }];
 
     fn parameters(reach: &Reach) -> Vec<EffectParameter> {
         let most = 0.5 * reach.torque_nm;

@@ -4,14 +4,16 @@
 //! side; the flanks are stiff and inelastic, and the joint starts on the flank that gravity loads. After each reversal the
 //! link moves freely through the play, and at rest it can rock in it.
 
-use super::{Effect, EffectParameter, Named, Reach, pairs};
+use super::{Bounds, Effect, EffectParameter, Named, Reach, pairs};
 use crate::joint::{Chain, Play, Real};
 
 pub(super) struct Term;
 
 impl Effect for Term {
-    const NAMED: &'static [Named] =
-        &[Named { name: "b", unit: "rad", zero: 0.0 }, Named { name: "rotor", unit: "", zero: 0.0 }];
+    const NAMED: &'static [Named] = &[
+        Named { name: "b", unit: "rad", zero: 0.0, bounds: Bounds::POSITIVE },
+        Named { name: "rotor", unit: "", zero: 0.0, bounds: Bounds::Within([0.001, 0.999]) },
+    ];
 
     fn parameters(reach: &Reach) -> Vec<EffectParameter> {
         vec![

@@ -3,13 +3,13 @@
 //! Buses, queues and control cycles. Driven logs only; it shows in proportion to the setpoint's rate of change, and hides
 //! as viscous friction and inertia that are too large.
 
-use super::{Effect, EffectParameter, Named, Reach};
+use super::{Bounds, Effect, EffectParameter, Named, Reach};
 use crate::joint::{Chain, Real};
 
 pub(super) struct Term;
 
 impl Effect for Term {
-    const NAMED: &'static [Named] = &[Named { name: "T", unit: "s", zero: 0.0 }];
+    const NAMED: &'static [Named] = &[Named { name: "T", unit: "s", zero: 0.0, bounds: Bounds::NOT_NEGATIVE }];
 
     fn parameters(_reach: &Reach) -> Vec<EffectParameter> {
         vec![EffectParameter::linear("T", "s", [0.0, 0.4], 0.01)]

@@ -3,17 +3,17 @@
 //! A leg that touches its stop turns back early and loses energy there. Its cost is flat until the stop lies inside the
 //! range, so it is scanned from both ends of it.
 
-use super::{Effect, EffectParameter, Named, Reach, Scan};
+use super::{Bounds, Effect, EffectParameter, Named, Reach, Scan};
 use crate::joint::{Chain, EndStop, Real};
 
 pub(super) struct Term;
 
 impl Effect for Term {
     const NAMED: &'static [Named] = &[
-        Named { name: "q_e", unit: "rad", zero: f64::INFINITY },
-        Named { name: "side", unit: "", zero: 0.0 },
-        Named { name: "stiffness", unit: "N m/rad", zero: 0.0 },
-        Named { name: "damping", unit: "N m s/rad", zero: 0.0 },
+        Named { name: "q_e", unit: "rad", zero: f64::INFINITY, bounds: Bounds::ANGLE },
+        Named { name: "side", unit: "", zero: 0.0, bounds: Bounds::Either([-1.0, 1.0]) },
+        Named { name: "stiffness", unit: "N m/rad", zero: 0.0, bounds: Bounds::POSITIVE },
+        Named { name: "damping", unit: "N m s/rad", zero: 0.0, bounds: Bounds::NOT_NEGATIVE },
     ];
 
     fn parameters(reach: &Reach) -> Vec<EffectParameter> {

@@ -3,13 +3,13 @@
 //! Grease warms up and friction falls, or a seal swells and it rises. It shows as friction that depends on the time and
 //! not on the amplitude.
 
-use super::{Effect, EffectParameter, Named, Reach};
+use super::{Bounds, Effect, EffectParameter, Named, Reach};
 use crate::joint::{Chain, Contact, FrictionTerm, Real};
 
 pub(super) struct Term;
 
 impl Effect for Term {
-    const NAMED: &'static [Named] = &[Named { name: "r", unit: "1/s", zero: 0.0 }];
+    const NAMED: &'static [Named] = &[Named { name: "r", unit: "1/s", zero: 0.0, bounds: Bounds::Within([-1e3, 1e3]) }];
 
     fn parameters(reach: &Reach) -> Vec<EffectParameter> {
         let unit = 1.0 / reach.duration_s;

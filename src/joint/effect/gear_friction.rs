@@ -3,13 +3,13 @@
 //! Teeth that transmit a torque rub in proportion to it. Only a motor that is on shows it: as friction that rises with the
 //! drive, and as a motor that pushes less than it brakes.
 
-use super::{Effect, EffectParameter, Named, Reach};
+use super::{Bounds, Effect, EffectParameter, Named, Reach};
 use crate::joint::{Chain, Contact, FrictionTerm, Real};
 
 pub(super) struct Term;
 
 impl Effect for Term {
-    const NAMED: &'static [Named] = &[Named { name: "mu_g", unit: "", zero: 0.0 }];
+    const NAMED: &'static [Named] = &[Named { name: "mu_g", unit: "", zero: 0.0, bounds: Bounds::NOT_NEGATIVE }];
 
     fn parameters(_reach: &Reach) -> Vec<EffectParameter> {
         vec![EffectParameter::linear("mu_g", "", [0.0, 0.9], 0.1)]

@@ -3,14 +3,16 @@
 //! A cable, a hose or a skin that bends with the joint. It changes the frequency of the swing and the resting angle, and
 //! does so whatever mass is hung on. A far `q_s` with a small `k` would be a constant torque, which is asymmetric friction.
 
-use super::{Effect, EffectParameter, Named, Reach, pairs};
+use super::{Bounds, Effect, EffectParameter, Named, Reach, pairs};
 use crate::joint::{Chain, Real, Spring};
 
 pub(super) struct Term;
 
 impl Effect for Term {
-    const NAMED: &'static [Named] =
-        &[Named { name: "k", unit: "N m/rad", zero: 0.0 }, Named { name: "q_s", unit: "rad", zero: 0.0 }];
+    const NAMED: &'static [Named] = &[
+        Named { name: "k", unit: "N m/rad", zero: 0.0, bounds: Bounds::NOT_NEGATIVE },
+        Named { name: "q_s", unit: "rad", zero: 0.0, bounds: Bounds::ANGLE },
+    ];
 
     fn parameters(reach: &Reach) -> Vec<EffectParameter> {
         vec![

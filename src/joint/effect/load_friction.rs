@@ -3,13 +3,13 @@
 //! A bearing resists in proportion to the force on it, and on a pendulum most of that force goes with the gravity torque.
 //! It shows as friction that rises with the added mass and with the angle.
 
-use super::{Effect, EffectParameter, Named, Reach};
+use super::{Bounds, Effect, EffectParameter, Named, Reach};
 use crate::joint::{Chain, Contact, FrictionTerm, Real};
 
 pub(super) struct Term;
 
 impl Effect for Term {
-    const NAMED: &'static [Named] = &[Named { name: "mu_l", unit: "", zero: 0.0 }];
+    const NAMED: &'static [Named] = &[Named { name: "mu_l", unit: "", zero: 0.0, bounds: Bounds::NOT_NEGATIVE }];
 
     fn parameters(_reach: &Reach) -> Vec<EffectParameter> {
         vec![EffectParameter::linear("mu_l", "", [0.0, 0.9], 0.1)]

@@ -26,6 +26,7 @@ mod tests;
 mod torque_limit;
 
 use super::{Chain, Real};
+use std::fmt;
 
 pub use catalogue::{EffectId, Stage, UnknownEffect};
 
@@ -74,6 +75,47 @@ pub struct Named {
     pub unit: &'static str,
     /// What it is where the effect is absent; a limit is absent at infinity.
     pub zero: f64,
+    /// Values that make sense, whatever the joint.
+    pub bounds: Bounds,
+}
+
+/// Values that a parameter may have on any joint, in SI units; a search keeps to what its logs can show.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bounds {
+    /// From the first to the second.
+    Within([f64; 2]),
+    /// One or the other.
+    Either([f64; 2]),
+}
+
+impl Bounds {
+    /// No parameter of a joint is larger, whatever its SI unit; a stop's stiffness comes nearest.
+    const LARGEST: f64 = 1e9;
+    const ANY: Self = Self::Within([-Self::LARGEST, Self::LARGEST]);
+    const NOT_NEGATIVE: Self = Self::Within([0.0, Self::LARGEST]);
+    /// Zero would divide.
+    const POSITIVE: Self = Self::Within([1e-12, Self::LARGEST]);
+    const ANGLE: Self = Self::Within([-std::f64::consts::TAU, std::f64::consts::TAU]);
+
+    /// Whether a value is one of them; NaN never is.
+    pub fn admit(self, value: f64) -> bool {
+        match self {
+            Bounds::Within([lower, upper]) => lower <= value && value <= upper,
+            Bounds::Either(values) => values.contains(&value),
+        }
+    }
+}
+
+impl fmt::Display for Bounds {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::NOT_NEGATIVE => write!(f, "zero or above, up to {:e}", Self::LARGEST),
+            Self::POSITIVE => write!(f, "above zero, up to {:e}", Self::LARGEST),
+            Bounds::Within([lower, upper]) if upper == Self::LARGEST => write!(f, "{lower:e} to {upper:e}"),
+            Bounds::Within([lower, upper]) => write!(f, "{lower:.3} to {upper:.3}"),
+            Bounds::Either([first, second]) => write!(f, "{first} or {second}"),
+        }
+    }
 }
 
 /// How far a joint and its logs reach: what gives an effect's parameters their typical sizes.

@@ -3,13 +3,13 @@
 //! A torque constant or a supply voltage that is not what the data sheet says. Driven logs only; with driven logs alone it
 //! is a calibration of everything else.
 
-use super::{Effect, EffectParameter, Named, Reach};
+use super::{Bounds, Effect, EffectParameter, Named, Reach};
 use crate::joint::{Chain, Real};
 
 pub(super) struct Term;
 
 impl Effect for Term {
-    const NAMED: &'static [Named] = &[Named { name: "c", unit: "", zero: 1.0 }];
+    const NAMED: &'static [Named] = &[Named { name: "c", unit: "", zero: 1.0, bounds: Bounds::NOT_NEGATIVE }];
 
     fn parameters(_reach: &Reach) -> Vec<EffectParameter> {
         vec![EffectParameter::logarithm("c", "", [0.15, 5.0])]

@@ -3,14 +3,16 @@
 //! An eccentric gear or a cable that is bent more at some angles. Searched as `a cos(phi)` and `a sin(phi)`, in which the
 //! friction is linear and the zero is a point.
 
-use super::{Effect, EffectParameter, Named, Reach, pairs};
+use super::{Bounds, Effect, EffectParameter, Named, Reach, pairs};
 use crate::joint::{Chain, Contact, FrictionTerm, Real};
 
 pub(super) struct Term;
 
 impl Effect for Term {
-    const NAMED: &'static [Named] =
-        &[Named { name: "a", unit: "", zero: 0.0 }, Named { name: "phi", unit: "rad", zero: 0.0 }];
+    const NAMED: &'static [Named] = &[
+        Named { name: "a", unit: "", zero: 0.0, bounds: Bounds::ANY },
+        Named { name: "phi", unit: "rad", zero: 0.0, bounds: Bounds::ANGLE },
+    ];
 
     fn parameters(_reach: &Reach) -> Vec<EffectParameter> {
         vec![

@@ -3,13 +3,14 @@
 //! Air, grease that is churned, and eddies resist with the square of the speed. Large swings lose more than small ones,
 //! and more than viscous friction explains.
 
-use super::{Effect, EffectParameter, Named, Reach};
+use super::{Bounds, Effect, EffectParameter, Named, Reach};
 use crate::joint::{Chain, Contact, FrictionTerm, Real};
 
 pub(super) struct Term;
 
 impl Effect for Term {
-    const NAMED: &'static [Named] = &[Named { name: "c2", unit: "N m s^2/rad^2", zero: 0.0 }];
+    const NAMED: &'static [Named] =
+        &[Named { name: "c2", unit: "N m s^2/rad^2", zero: 0.0, bounds: Bounds::NOT_NEGATIVE }];
 
     fn parameters(reach: &Reach) -> Vec<EffectParameter> {
         let unit = reach.torque_nm / reach.speed_rad_s.powi(2);

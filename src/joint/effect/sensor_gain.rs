@@ -3,13 +3,13 @@
 //! A wrong number of counts per turn, a belt, a bent potentiometer. Small swings show nothing, because only the ratio of
 //! gravity to inertia enters; beyond 1 rad the period depends on the true amplitude. Where the joint hangs is a reading.
 
-use super::{Effect, EffectParameter, Named, Reach};
+use super::{Bounds, Effect, EffectParameter, Named, Reach};
 use crate::joint::{Chain, Real};
 
 pub(super) struct Term;
 
 impl Effect for Term {
-    const NAMED: &'static [Named] = &[Named { name: "e", unit: "", zero: 0.0 }];
+    const NAMED: &'static [Named] = &[Named { name: "e", unit: "", zero: 0.0, bounds: Bounds::Within([-0.99, 100.0]) }];
 
     fn parameters(_reach: &Reach) -> Vec<EffectParameter> {
         vec![EffectParameter::linear("e", "", [-0.5, 1.0], 0.05)]

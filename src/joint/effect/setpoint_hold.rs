@@ -3,13 +3,13 @@
 //! The thesis's motion files have a frame every 128 ms. Driven logs only. Which setpoints get through changes by leaps with
 //! `T_h`, so it is scanned finely.
 
-use super::{Effect, EffectParameter, Named, Reach};
+use super::{Bounds, Effect, EffectParameter, Named, Reach};
 use crate::joint::{Chain, Real};
 
 pub(super) struct Term;
 
 impl Effect for Term {
-    const NAMED: &'static [Named] = &[Named { name: "T_h", unit: "s", zero: 0.0 }];
+    const NAMED: &'static [Named] = &[Named { name: "T_h", unit: "s", zero: 0.0, bounds: Bounds::NOT_NEGATIVE }];
 
     fn parameters(reach: &Reach) -> Vec<EffectParameter> {
         let finest = reach.driven.map_or(0.001, |driven| driven.period_s);

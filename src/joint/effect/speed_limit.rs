@@ -3,15 +3,15 @@
 //! The back voltage of a motor on a fixed supply: a linear torque-speed curve. Driven logs only; the fast parts fall
 //! behind. With `w_max` far above any speed seen it would be a torque limit, so `w_max` is kept near those speeds.
 
-use super::{Effect, EffectParameter, Named, Reach, pairs};
+use super::{Bounds, Effect, EffectParameter, Named, Reach, pairs};
 use crate::joint::{Chain, Real, SpeedLine};
 
 pub(super) struct Term;
 
 impl Effect for Term {
     const NAMED: &'static [Named] = &[
-        Named { name: "w_max", unit: "rad/s", zero: f64::INFINITY },
-        Named { name: "tau_stall", unit: "N m", zero: f64::INFINITY },
+        Named { name: "w_max", unit: "rad/s", zero: f64::INFINITY, bounds: Bounds::POSITIVE },
+        Named { name: "tau_stall", unit: "N m", zero: f64::INFINITY, bounds: Bounds::POSITIVE },
     ];
 
     fn parameters(reach: &Reach) -> Vec<EffectParameter> {

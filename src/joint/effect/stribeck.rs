@@ -4,14 +4,16 @@
 //! this form by Armstrong-Helouvry 1994; equation 3.11). It shows where the joint turns back and where it comes to rest,
 //! and lets a joint that has stopped stay where Coulomb friction alone would let it go.
 
-use super::{Effect, EffectParameter, Named, Reach, pairs};
+use super::{Bounds, Effect, EffectParameter, Named, Reach, pairs};
 use crate::joint::{Chain, Real, Stribeck};
 
 pub(super) struct Term;
 
 impl Effect for Term {
-    const NAMED: &'static [Named] =
-        &[Named { name: "mu_st", unit: "N m", zero: 0.0 }, Named { name: "v_st", unit: "rad/s", zero: 0.0 }];
+    const NAMED: &'static [Named] = &[
+        Named { name: "mu_st", unit: "N m", zero: 0.0, bounds: Bounds::NOT_NEGATIVE },
+        Named { name: "v_st", unit: "rad/s", zero: 0.0, bounds: Bounds::POSITIVE },
+    ];
 
     fn parameters(reach: &Reach) -> Vec<EffectParameter> {
         let scale = reach.coulomb_nm.max(0.02 * reach.torque_nm);

@@ -3,13 +3,14 @@
 //! A current limit, or a supply that gives no more. Driven logs only; peaks of the motion are clipped. Above the largest
 //! torque that the logs ask for it does nothing, so it is scanned downwards from there.
 
-use super::{Effect, EffectParameter, Named, Reach};
+use super::{Bounds, Effect, EffectParameter, Named, Reach};
 use crate::joint::{Chain, Real};
 
 pub(super) struct Term;
 
 impl Effect for Term {
-    const NAMED: &'static [Named] = &[Named { name: "tau_max", unit: "N m", zero: f64::INFINITY }];
+    const NAMED: &'static [Named] =
+        &[Named { name: "tau_max", unit: "N m", zero: f64::INFINITY, bounds: Bounds::POSITIVE }];
 
     fn parameters(reach: &Reach) -> Vec<EffectParameter> {
         let most = reach.driven.map_or(reach.torque_nm, |driven| driven.command_nm);

@@ -24,7 +24,7 @@ pub(super) fn confusion(table: &Table) -> Result<String, ReportError> {
         names_above: false,
         axes: ["there (studies) \u{2193}", "answered \u{2192}, names below"],
         colour: |share| tint(if share < 0.0 { POSITIVE } else { EXTENSIVE }, share.abs()),
-        scale: &[(1.0, "right: 100 %"), (0.0, "0 %"), (-1.0, "wrong: 100 %")],
+        scale: &[(1.0, "right"), (0.0, "0 %"), (-1.0, "wrong")],
         nothing: "nothing was answered",
     };
     heat(&map, |row, column| {

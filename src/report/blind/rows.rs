@@ -50,13 +50,11 @@ pub(super) fn sentence(score: &Score) -> String {
             percent(score.false_alarm_bound)
         ),
     };
-    format!(
-        "{} answers were wholly right ({}); {}; {} of what the catalogue does not have was called unexplained.",
-        counts(&score.top),
-        share(&score.top),
-        alarms,
-        counts(&score.unexplained),
-    )
+    let outside = match score.unexplained {
+        rate if rate.of == 0 => "no study with a cause outside the catalogue".to_owned(),
+        rate => format!("{} of what the catalogue does not have was called unexplained", counts(&rate)),
+    };
+    format!("{} answers were wholly right ({}); {alarms}; {outside}.", counts(&score.top), share(&score.top))
 }
 
 /// The rates, in the order in which one reads.

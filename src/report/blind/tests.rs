@@ -44,6 +44,7 @@ fn answered(verdict: Verdict, effect: Option<EffectId>, probability: f64) -> Ans
         second: None,
         equivalent: effect.into_iter().chain([EffectId::MotorGain]).collect(),
         probability,
+        standing: String::new(),
         partial: None,
         intervals_trusted: true,
         stage: effect.map(EffectId::stage),

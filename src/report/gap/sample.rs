@@ -228,6 +228,7 @@ fn report(sizes: [f64; 4], sentence: &str) -> GapReport {
                 probability_source: "an answer like this one was right in 132 of 150 twins (shipped rates, \
                                      `aibo-fit blind --trials 2000 --seed 11`)"
                     .into(),
+                standing: "effect, to the noise, clear".into(),
                 sentence: sentence.into(),
                 partial: None,
                 intervals_trusted: true,

@@ -1,0 +1,38 @@
+//! Where the gap lies: the torque that the recalibrated joint lacks along every log, and the stage it points to.
+
+use super::attribute::Attribution;
+use super::decide::Decision;
+use super::diagnosis::{ResidualTorque, Verdict, Where};
+use super::evidence::Evidence;
+use super::localise::{LogPart, localise};
+use super::residual_torque::residual_torque;
+use crate::identify::{Experiment, JointModel};
+use crate::joint::Stage;
+use rayon::prelude::*;
+
+/// The place of the gap, and the residual torque of each fitted, then of each held-out log.
+///
+/// An effect that explains the gap names the stage; otherwise the residual torque's signature does.
+pub(super) fn place(evidence: &Evidence, a: &Attribution, decision: &Decision<'_>) -> (Where, Vec<ResidualTorque>) {
+    let t = &a.calibrated;
+    let fit = evidence.fit.iter().zip(&t.found.starts).zip(&t.fit);
+    let held = evidence.held.iter().zip(&t.held_starts).zip(&t.held);
+    let logs: Vec<(&Experiment, [f64; 2], &Vec<f64>)> = fit.chain(held).map(|((e, s), r)| (e, *s, r)).collect();
+    let parts: Vec<LogPart> = logs
+        .into_par_iter()
+        .map(|(e, [first, second], residual)| {
+            let chain = t.model.chain(&t.found.values, e);
+            let torque = residual_torque(&chain, e, e.start_from(first, second), a.noise_rad);
+            LogPart::new(&chain, e, residual.clone(), torque, a.noise_rad)
+        })
+        .collect();
+    let mut place = localise(&parts);
+    match (decision.verdict, decision.effect) {
+        (Verdict::Effect, Some(effect)) => place.stage = Some(effect.stage()),
+        // Inertia, moment and friction are the link's.
+        (Verdict::Calibration, _) => place.stage = Some(Stage::Link),
+        (Verdict::None, _) => place.stage = None,
+        _ => {}
+    }
+    (place, parts.into_iter().map(|p| p.torque).collect())
+}

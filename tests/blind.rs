@@ -1,0 +1,86 @@
+//! What `aibo-fit blind` promises: sealed answers, the same from the same seed, and an honest score.
+
+mod support;
+
+use sha2::{Digest, Sha256};
+use std::fs;
+use std::path::{Path, PathBuf};
+use support::*;
+
+/// Files under a folder, in order, with their contents.
+fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut found = Vec::new();
+    let mut folders = vec![folder.to_path_buf()];
+    while let Some(at) = folders.pop() {
+        for entry in fs::read_dir(at).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                found.push((path.strip_prefix(folder).unwrap().to_path_buf(), fs::read(&path).unwrap()));
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+#[test]
+fn same_seed_makes_the_same_studies_on_one_thread_or_two() {
+    let dir = tempfile::tempdir().unwrap();
+    for (folder, threads) in [("one", "1"), ("two", "2")] {
+        let words = ["blind", "--make-only", folder, "--trials", "5", "--seed", "3", "--threads", threads];
+        let out = expect_code(dir.path(), &words, 0);
+        assert!(out.contains("5 studies, seed 3"), "{out}");
+    }
+    let (one, two) = (files(&dir.path().join("one")), files(&dir.path().join("two")));
+    assert!(one == two && one.len() > 5 * 7);
+    // nothing beside a study tells its cause
+    for (path, _) in one.iter().filter(|(path, _)| path.starts_with("studies")) {
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        assert!(name == "study.toml" || (name.starts_with("log-") && name.ends_with(".csv")), "{name}");
+    }
+}
+
+#[test]
+fn answers_are_sealed_before_and_opened_after_the_diagnosis() {
+    let dir = tempfile::tempdir().unwrap();
+    // answers of an earlier run do not survive
+    fs::create_dir_all(dir.path().join("fits/blind")).unwrap();
+    fs::write(dir.path().join("fits/blind/truths.json"), "old").unwrap();
+    let words = ["blind", "--trials", "2", "--seed", "21", "--cause", "none", "--json", "run.json"];
+    let out = expect_code(dir.path(), &words, 0);
+
+    let folder = dir.path().join("fits/blind");
+    let truths = fs::read(folder.join("truths.json")).unwrap();
+    let hash: String = Sha256::digest(&truths).iter().map(|byte| format!("{byte:02x}")).collect();
+    assert_eq!(fs::read_to_string(folder.join("sealed.sha256")).unwrap(), format!("{hash}  truths.json\n"));
+    let (sealed, opened) = (out.find(&format!("2 answers sealed: SHA-256 {hash}")), out.find("answers opened"));
+    assert!(sealed.is_some() && sealed < opened, "{out}");
+
+    let run = json(&dir.path().join("run.json"));
+    assert_eq!((&run["seed"], &run["sha256"], &run["seal_holds"]), (&21.into(), &hash.into(), &true.into()));
+    let trials = run["trials"].as_array().unwrap();
+    assert_eq!(trials.len(), 2);
+    for trial in trials {
+        for key in ["verdict", "effect", "second", "equivalent", "probability", "stage", "gap"] {
+            assert!(trial["answer"].get(key).is_some(), "answer has no `{key}`: {trial}");
+        }
+        assert_eq!(trial["truth"]["verdict"], "none");
+        assert_eq!(trial["judgement"]["verdict"], trial["answer"]["verdict"] == "none");
+    }
+    assert_eq!(run["score"]["false_alarms"]["of"], 2);
+    let page = fs::read_to_string(folder.join("report.html")).unwrap();
+    assert!(page.contains("</html>") && !page.contains("<script") && !page.contains("src="));
+    // what `gap --json` writes
+    assert_eq!(json(&folder.join("diagnoses/001.json"))["schema"], 1);
+    assert_eq!(json(&folder.join("score.json")), run);
+}
+
+#[test]
+fn unknown_causes_are_refused_with_those_that_are_known() {
+    let output = run_in(Path::new("."), &["blind", "--cause", "gremlins"]);
+    let err = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{err}");
+    assert!(err.contains("`gremlins` is no cause") && err.contains("cogging"), "{err}");
+}

@@ -1,0 +1,245 @@
+//! What `aibo-fit gap` promises, as the whole program: an answer with every key, the same bytes on any number of
+//! threads, and a clear word where there is nothing to diagnose.
+
+mod support;
+
+use aibo_fit::blind::Cause;
+use aibo_fit::joint::EffectId;
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::time::{Duration, Instant};
+use support::*;
+
+/// No study of a few logs may take longer, whatever its numbers.
+const LONGEST: Duration = Duration::from_secs(60);
+
+/// A swing with friction, of a joint with I = 9e-4 kg m^2, M = 5e-3 kg m, by steps of 10 us, read in steps of 1 mrad. `friction` gives Coulomb [N m] and viscous friction [N m s/rad].
+fn swing(from_rad: f64, samples: u32, friction: [f64; 2]) -> String {
+    const STEP_S: f64 = 1e-5;
+    let [coulomb, viscous] = friction.map(|f| f / 9.0e-4);
+    let (mut q, mut w, mut text) = (from_rad, 0.0_f64, String::from("t,q\n"));
+    for k in 0..samples {
+        text += &format!("{:.3},{:.3}\n", f64::from(k) * 0.008, q);
+        for _ in 0..800 {
+            let pull = -9.81 * 5.0e-3 / 9.0e-4 * q.sin() - viscous * w;
+            if w == 0.0 && pull.abs() <= coulomb {
+                continue;
+            }
+            let along = if w == 0.0 { pull.signum() } else { w.signum() };
+            let next = w + STEP_S * (pull - coulomb * along);
+            w = if w * next < 0.0 { 0.0 } else { next };
+            q += STEP_S * w;
+        }
+    }
+    text
+}
+
+/// A study of free swings of that joint, with the nominal model given as inertia, moment, Coulomb, viscous.
+fn swings(logs: &[(&str, String)], nominal: [&str; 4]) -> tempfile::TempDir {
+    let dir = tempfile::tempdir().unwrap();
+    let [inertia, moment, coulomb, viscous] = nominal;
+    let mut study = format!(
+        "schema = 1\n[joint]\nname = \"j\"\ninertia = {inertia}\nmoment = {moment}\ncoulomb = {coulomb}\n\
+         viscous = {viscous}\nrest = 0.0\n[sensor]\nresolution = 0.001\nperiod = 0.008\n"
+    );
+    for (i, (role, text)) in logs.iter().enumerate() {
+        fs::write(dir.path().join(format!("{i}.csv")), text).unwrap();
+        study += &format!("[[log]]\nfile = \"{i}.csv\"\nrole = \"{role}\"\ndrive = \"off\"\n");
+    }
+    fs::write(dir.path().join("study.toml"), study).unwrap();
+    dir
+}
+
+const RIGHT: [&str; 4] = ["9.0e-4", "5.0e-3", "0.001", "0.0004"];
+const FRICTION: [f64; 2] = [0.001, 0.0004];
+
+fn three_swings(nominal: [&str; 4]) -> tempfile::TempDir {
+    let log = |from: f64| swing(from, 400, FRICTION);
+    swings(&[("fit", log(0.9)), ("fit", log(-0.6)), ("validate", log(0.75))], nominal)
+}
+
+fn diagnosed(folder: &Path, words: &[&str]) -> Value {
+    let all: Vec<&str> =
+        ["gap", "study.toml", "--out", "out", "--json", "gap.json"].iter().chain(words).copied().collect();
+    let began = Instant::now();
+    expect_code(folder, &all, 0);
+    assert!(began.elapsed() < LONGEST, "{words:?}: {:?}", began.elapsed());
+    json(&folder.join("gap.json"))
+}
+
+#[test]
+fn an_answer_has_every_key_of_the_contract_and_its_report_is_the_same_on_any_number_of_threads() {
+    let dir = tempfile::tempdir().unwrap();
+    write_made(dir.path(), 5, Cause::One(EffectId::AngleOffset));
+    let with = |threads: &str| {
+        let found = diagnosed(dir.path(), &["--threads", threads, "--quiet"]);
+        let out = dir.path().join("out");
+        let files: Vec<_> =
+            everything_in(&out).into_iter().map(|file| (file.clone(), fs::read(file).unwrap())).collect();
+        fs::remove_dir_all(out).unwrap();
+        (found, files)
+    };
+    let ((mut one, one_files), (mut two, two_files)) = (with("1"), with("2"));
+    for key in [
+        "schema",
+        "verdict",
+        "effect",
+        "second",
+        "equivalent",
+        "probability",
+        "sentence",
+        "where",
+        "gap",
+        "ranking",
+        "detectable",
+        "joint",
+        "next",
+    ] {
+        assert!(one.get(key).is_some(), "`{key}` is missing");
+    }
+    for key in ["joints", "stage", "variable", "range", "phase", "logs", "share"] {
+        assert!(one["where"].get(key).is_some(), "`where.{key}` is missing");
+    }
+    for key in ["unit", "before", "calibrated", "after_first", "after", "floor", "closed", "closed_interval", "per_log"]
+    {
+        assert!(one["gap"].get(key).is_some(), "`gap.{key}` is missing");
+    }
+    for key in ["inertia", "moment", "coulomb", "viscous"] {
+        assert!(one["joint"][key]["value"].is_number(), "`joint.{key}` has no value");
+    }
+    assert_eq!(one["detectable"].as_object().unwrap().len(), EffectId::ALL.len());
+    // The command line, with its number of threads, is part of the provenance.
+    for found in [&mut one, &mut two] {
+        found["command"].take();
+    }
+    assert_eq!(one, two);
+    let names =
+        |files: &[(std::path::PathBuf, Vec<u8>)]| files.iter().map(|(path, _)| path.clone()).collect::<Vec<_>>();
+    assert_eq!(names(&one_files), names(&two_files));
+    for ((path, a), (_, b)) in one_files.iter().zip(&two_files) {
+        let plain = |bytes: &[u8]| String::from_utf8_lossy(bytes).replace("--threads 2", "--threads 1");
+        assert!(plain(a) == plain(b), "{} differs", path.display());
+    }
+    assert!(names(&one_files).iter().any(|path| path.ends_with("fit.json")));
+    assert!(names(&one_files).iter().any(|path| path.ends_with("report.html")));
+}
+
+#[test]
+fn what_is_withheld_is_not_the_answer_and_only_keeps_to_its_list() {
+    let dir = tempfile::tempdir().unwrap();
+    write_made(dir.path(), 5, Cause::One(EffectId::MotorGain));
+    let found = diagnosed(dir.path(), &[]);
+    assert_eq!(
+        (&found["verdict"], &found["effect"]),
+        (&"effect".into(), &"motor_gain".into()),
+        "{}",
+        found["sentence"]
+    );
+    let found = diagnosed(dir.path(), &["--without", "motor_gain"]);
+    assert_ne!(found["effect"], "motor_gain");
+    assert_eq!(found["withheld"], serde_json::json!(["motor_gain"]));
+    assert!(found["ranking"].as_array().unwrap().iter().all(|c| c["effect"] != "motor_gain"));
+    let found = diagnosed(dir.path(), &["--only", "delay, motor_gain"]);
+    let ranked: Vec<&str> = found["ranking"].as_array().unwrap().iter().filter_map(|c| c["effect"].as_str()).collect();
+    assert!(ranked.iter().all(|effect| ["delay", "motor_gain"].contains(effect)), "{ranked:?}");
+    assert_eq!(found["withheld"].as_array().unwrap().len(), EffectId::ALL.len() - 2);
+    assert_eq!(found["only"], serde_json::json!(["delay", "motor_gain"]));
+}
+
+#[test]
+fn right_numbers_are_none_and_wrong_numbers_are_calibration() {
+    let right = three_swings(RIGHT);
+    let found = diagnosed(right.path(), &[]);
+    assert_eq!((&found["verdict"], &found["effect"]), (&"none".into(), &Value::Null), "{}", found["sentence"]);
+    let wrong = three_swings(["9.0e-4", "5.0e-3", "0.0018", "0.0004"]);
+    let found = diagnosed(wrong.path(), &[]);
+    let said = (&found["verdict"], &found["effect"]);
+    assert_eq!(said, (&"calibration".into(), &"coulomb".into()), "{}", found["sentence"]);
+    let coulomb = found["joint"]["coulomb"]["value"].as_f64().unwrap();
+    assert!((coulomb / 0.001 - 1.0).abs() < 0.1, "{coulomb}");
+}
+
+#[test]
+fn one_log_or_no_validate_log_is_held_out_in_parts_and_said_so() {
+    let log = |from: f64| swing(from, 400, FRICTION);
+    for (logs, files, part) in [
+        (vec![("fit", log(0.9))], 1, "part of the only log"),
+        (vec![("fit", log(0.9)), ("fit", log(-0.7))], 2, "each log predicted"),
+    ] {
+        let dir = swings(&logs, RIGHT);
+        let found = diagnosed(dir.path(), &[]);
+        assert_eq!(found["verdict"], "none", "{}", found["sentence"]);
+        assert_eq!(found["gap"]["per_log"].as_array().unwrap().len(), files);
+        assert!(found["gap"]["held_out"].as_str().unwrap().contains(part), "{}", found["gap"]["held_out"]);
+    }
+}
+
+#[test]
+fn a_joint_that_never_moves_is_an_answer() {
+    let still = log_of("t,q", 300, 0.008, |t| format!("{t:.3},0.01"));
+    let dir = swings(&[("fit", still)], RIGHT);
+    let said = expect_code(dir.path(), &["gap", "study.toml", "--out", "out", "--json", "gap.json"], 1);
+    assert!(said.contains("no diagnosis"), "{said}");
+    assert_eq!(json(&dir.path().join("gap.json"))["moved"], false);
+    assert!(!dir.path().join("out").exists());
+}
+
+#[test]
+fn a_log_of_a_few_samples_ends_in_a_word_and_not_in_a_panic() {
+    for samples in 1..10 {
+        let dir = swings(&[("fit", swing(0.9, samples, FRICTION))], RIGHT);
+        ends_in_a_word(dir.path(), &format!("{samples} samples"));
+        let two = [("fit", swing(0.9, 200, FRICTION)), ("validate", swing(0.9, samples, FRICTION))];
+        ends_in_a_word(swings(&two, RIGHT).path(), &format!("a validate log of {samples} samples"));
+    }
+}
+
+/// A clear answer or a clear error, in time.
+fn ends_in_a_word(folder: &Path, what: &str) {
+    let began = Instant::now();
+    let output = run_in(folder, &["gap", "study.toml", "--out", "out", "--json", "gap.json"]);
+    let (code, said) = (output.status.code(), stderr(&output));
+    assert!(!said.contains("panicked") && matches!(code, Some(0 | 1 | 3 | 4)), "{what}: {code:?} {said}");
+    assert!(code == Some(0) || code == Some(1) || said.starts_with("error"), "{what}: {said}");
+    assert!(began.elapsed() < LONGEST, "{what}: {:?}", began.elapsed());
+}
+
+#[test]
+fn zeros_and_absurd_numbers_end_in_a_word() {
+    for nominal in [
+        ["9.0e-4", "5.0e-3", "0", "0"],
+        ["9.0e-4", "0", "0.001", "0.0004"],
+        ["1e6", "5.0e-3", "0.001", "0.0004"],
+        ["1e-12", "5.0e-3", "0.001", "0.0004"],
+        ["9.0e3", "5.0e-3", "0.001", "0.0004"],
+        ["9.0e-4", "50.0", "0.001", "0.0004"],
+        ["9.0e-4", "5.0e-3", "100.0", "0.0004"],
+        ["9.0e-4", "5.0e-3", "0.001", "1.0"],
+    ] {
+        ends_in_a_word(three_swings(nominal).path(), &format!("{nominal:?}"));
+    }
+}
+
+#[test]
+fn careless_command_lines_are_refused_in_words() {
+    let dir = three_swings(RIGHT);
+    for (words, part) in [
+        (&["gap"][..], "<STUDY>"),
+        (&["gap", "study.toml", "--without", "friction"], "`friction` is not an effect"),
+        (&["gap", "study.toml", "--only", ""], "is not an effect"),
+        (&["gap", "study.toml", "--only", "delay", "--without", "delay"], "stands in --without and in --only"),
+        (&["gap", "study.toml", "--twins=-1"], "--twins"),
+        (&["gap", "study.toml", "--seed", "x"], "--seed"),
+        (&["gap", "study.toml", "--threads", "0"], "--threads"),
+        (&["gap", "study.toml", "another.toml"], "unexpected argument"),
+    ] {
+        let output = run_in(dir.path(), words);
+        assert_eq!(output.status.code(), Some(2), "{words:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains(part), "{words:?}: {}", stderr(&output));
+    }
+    let output = run_in(dir.path(), &["gap", "study.toml", "--json", "study.toml", "--out", "out", "--only", "delay"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("written over this input"), "{}", stderr(&output));
+    assert!(!dir.path().join("out").exists());
+}
