@@ -34,6 +34,7 @@ mod rest;
 mod sentence;
 mod smoother;
 mod stage;
+mod strength;
 mod trial;
 mod twins;
 mod variables;

@@ -12,8 +12,9 @@
 use super::along::{Along, Memory};
 use super::diagnosis::{Phase, ResidualTorque};
 use super::phases::{Course, phases};
-use super::rest::{Rest, rests};
+use super::rest::{Rest, rests, together};
 use super::smoother::{Begin, Change, Prior, Reading, Smoothed, State, Step, likelihood, smooth};
+use super::strength::roughest_that_readings_allow;
 use crate::identify::Experiment;
 use crate::joint::Chain;
 use crate::pendulum::Start;
@@ -56,14 +57,11 @@ pub fn residual_torque(chain: &Chain<f64>, e: &Experiment, start: Start<f64>, no
     record.answer(&path, scale)
 }
 
-/// Sizes of the unknown torque that are tried, as shares of the torques that act on the joint.
-const SIZES: [f64; 12] = [0.0025, 0.0063, 0.016, 0.04, 0.1, 0.25, 0.63, 1.6, 4.0, 10.0, 25.0, 63.0];
-/// Where the search among them begins.
-const MIDDLE: usize = 3;
 /// Size of the first pass, whose path the others are linear about.
 const LOOSE: f64 = 0.3;
-/// A rougher torque is taken if its likelihood is worse by no more than a factor exp(3): bands err on the wide side.
-const INDIFFERENT: f64 = 3.0;
+/// What varies faster than this part of a half swing is not resolved: real encoders have errors of that kind, which are
+/// no torque.
+const RESOLVED: f64 = 1.0 / 40.0;
 /// Slowest motion whose half swing sets the time over which the torque varies \[rad/s\].
 const SLOWEST_RAD_S: f64 = 6.0;
 /// The unknown may do no less than this share of what it may do where the joint is liveliest.
@@ -106,10 +104,11 @@ impl<'a> Record<'a> {
         let along = Along::new(chain, e.input(), &e.t_s);
         let rests = rests(chain, &along, e, first + 1, noise_rad);
         let variance = noise_rad * noise_rad;
-        // The readings of one rest share one rounding error: together they count as one.
-        let count = |k: usize| rests[k].map_or(1.0, |r| r.readings as f64);
+        let frequency_rad_s = chain.fastest_rad_s(false).max(SLOWEST_RAD_S);
+        let span_s = std::f64::consts::PI / frequency_rad_s;
+        let counts = together(e, &rests, RESOLVED * span_s);
         let readings = (first..e.t_s.len())
-            .map(|k| Reading { value_rad: e.measured_rad[k], variance_rad2: variance * count(k) })
+            .map(|k| Reading { value_rad: e.measured_rad[k], variance_rad2: variance * counts[k] })
             .collect();
         let begin = match start.release_s {
             Some(_) => Begin { mean: [start.angle_rad, 0.0], variance: [4.0 * variance, AT_REST] },
@@ -118,10 +117,9 @@ impl<'a> Record<'a> {
                 variance: [25.0 * variance, 0.1 * (1.0 + start.rate_rad_s.powi(2))],
             },
         };
-        let frequency_rad_s = chain.fastest_rad_s(false).max(SLOWEST_RAD_S);
         let record = Self {
             scale_rad_s2: scale_rad_s2(chain, &along, e, frequency_rad_s),
-            span_s: std::f64::consts::PI / frequency_rad_s,
+            span_s,
             along,
             chain,
             e,
@@ -249,25 +247,17 @@ impl<'a> Record<'a> {
     }
 
     /// The strength that the readings ask for, and by how much they scatter more than they should (a variance ratio).
+    ///
+    /// It is no larger than what still averages over [`RESOLVED`]: a spline in time with this penalty on its fourth
+    /// derivative has a kernel of width `(noise^2 dt / drive)^(1/8)`.
     fn strength(&self, steps: &[Step]) -> (Prior, f64) {
-        let mut known = [None; SIZES.len()];
-        let mut ask = |i: usize| {
-            *known[i].get_or_insert_with(|| likelihood(&self.begin, steps, &self.readings, self.prior(SIZES[i])))
-        };
-        let mut best = MIDDLE;
-        for direction in [-1, 1] {
-            while let Some(next) = best.checked_add_signed(direction).filter(|i| *i < SIZES.len()) {
-                if ask(next).log <= ask(best).log {
-                    break;
-                }
-                best = next;
-            }
-        }
-        let least = ask(best).log - INDIFFERENT;
-        while best + 1 < SIZES.len() && ask(best + 1).log >= least {
-            best += 1;
-        }
-        (self.prior(SIZES[best]), ask(best).scale)
+        let n = self.readings.len() as f64;
+        let dt_s = (self.e.t_s[self.e.t_s.len() - 1] - self.e.t_s[self.first]) / n;
+        let drive = self.noise_rad.powi(2) * dt_s / (RESOLVED * self.span_s).powi(8);
+        let largest = (drive * self.span_s.powi(3) / 3.0).sqrt() / self.scale_rad_s2;
+        let ask = |size: f64| likelihood(&self.begin, steps, &self.readings, self.prior(size));
+        let (size, found) = roughest_that_readings_allow(ask, largest);
+        (self.prior(size), found.scale)
     }
 
     fn answer(&self, path: &[Smoothed], scale: f64) -> ResidualTorque {

@@ -61,6 +61,18 @@ pub(super) fn rests(
     rests
 }
 
+/// How many readings share each reading's error: all of a rest, and as many identical ones as come within `width_s`.
+pub(super) fn together(e: &Experiment, rests: &[Option<Rest>], width_s: f64) -> Vec<f64> {
+    let mut counts = Vec::with_capacity(rests.len());
+    for run in e.measured_rad.chunk_by(|a, b| a == b) {
+        let from = counts.len();
+        let lasts_s = e.t_s[from + run.len() - 1] - e.t_s[from];
+        let shared = if lasts_s > width_s { run.len() as f64 * width_s / lasts_s } else { 1.0 };
+        counts.extend((from..from + run.len()).map(|k| rests[k].map_or(shared.max(1.0), |r| r.readings as f64)));
+    }
+    counts
+}
+
 /// How many readings, from the first on, lie within `band_rad` of each other.
 fn within(readings: &[f64], band_rad: f64) -> usize {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
