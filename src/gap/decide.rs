@@ -58,8 +58,14 @@ pub(super) fn decide<'a>(evidence: &Evidence, held: &HeldOut, a: &'a Attribution
     let calibrated_pays = judge.earns(&a.calibrated, &a.given, 4.0);
     let simple = if calibrated_pays { &a.calibrated } else { &a.given };
     let first = a.firsts.first().filter(|t| judge.earns(t, &a.calibrated, added(t, &a.calibrated)));
-    // A pair may earn what neither of its effects does alone.
-    let pair = a.seconds.first().filter(|pair| judge.second_earns(pair, first.unwrap_or(&a.calibrated)));
+    // A pair may earn what neither of its effects does alone, but only by far: it is one of hundreds.
+    let pair = a.seconds.first().filter(|pair| match first {
+        Some(first) => judge.second_earns(pair, first),
+        None => {
+            let gained = judge.deviance(&a.calibrated) - judge.deviance(pair);
+            gained > OVERWHELMING && judge.second_earns(pair, &a.calibrated)
+        }
+    });
     let Some(answer) = pair.or(first) else {
         let excess = a.excess(evidence, simple);
         let held_rms = |t: &Trial| held.rms_rad(&held.residuals(evidence, t));

@@ -9,6 +9,8 @@ use super::schedule::Command;
 use crate::integrate::rk4;
 use crate::joint::{Chain, Play, Real};
 
+/// Halvings that separate the events of a step.
+const HALVINGS: usize = 16;
 /// Share of the friction that acts on the link side, in its bearing; the gears have the rest.
 const LINK_SHARE: f64 = 0.03;
 
@@ -269,7 +271,12 @@ impl<T: Real> TwoBodies<'_, T> {
         let [angle, rate, _, motor_rate, _] = self.y;
         let fastest = rate.re().abs().max(motor_rate.re().abs());
         let motor_on = matches!(command, Command::Pid { .. });
-        let longest_s = self.chain.longest_step_s(self.fastest_rad_s, angle.re(), fastest, motor_on);
+        let mut longest_s = self.chain.longest_step_s(self.fastest_rad_s, angle.re(), fastest, motor_on);
+        if let Mode::Apart(..) = self.mode {
+            // The motor side alone is the lighter of the two.
+            let share = self.play.motor_side_kg_m2.re() / self.chain.link.inertia_kg_m2.re();
+            longest_s *= share.clamp(1e-3, 1.0).sqrt();
+        }
         let parts = (whole.re() * self.refinement / longest_s).ceil().max(1.0);
         if !(parts <= self.steps_left as f64) {
             return Err(Diverged { at_s: self.t_s.re() });
@@ -288,12 +295,18 @@ impl<T: Real> TwoBodies<'_, T> {
             self.t_s = if parts > 1.0 { t_s + step } else { until };
             return Ok(());
         }
-        // The earliest of them counts.
-        let earliest = happening.iter().flatten().map(|&event| {
-            let at = |dt: f64| margin(event, T::constant(dt), &after(T::constant(dt))).re();
-            (falls_through_zero(at, step.re()), event)
-        });
-        let Some((instant, event)) = earliest.min_by(|a, b| a.0.total_cmp(&b.0)) else { return Ok(()) };
+        // Halving finds the earliest of them, and which it is; the rest is left to a faster method.
+        let (mut low, mut high) = (0.0, step.re());
+        for _ in 0..HALVINGS {
+            let middle = T::constant(0.5 * (low + high));
+            let there = after(middle);
+            let happened = happening.iter().flatten().any(|&event| margin(event, middle, &there).re() < 0.0);
+            if happened { high = middle.re() } else { low = middle.re() }
+        }
+        let at = |event: Event, dt: f64| margin(event, T::constant(dt), &after(T::constant(dt))).re();
+        let lowest = |a: &&Event, b: &&Event| at(**a, high).total_cmp(&at(**b, high));
+        let Some(&event) = happening.iter().flatten().min_by(lowest) else { return Ok(()) };
+        let instant = falls_through_zero(|dt| at(event, dt), low, high);
         let (dt, high) = (T::constant(instant), instant);
         let there = after(dt);
         // One Newton step in T gives the instant its derivatives.
@@ -339,35 +352,25 @@ impl<T: Real> TwoBodies<'_, T> {
     }
 }
 
-/// The last instant before `to`, to within a hundred-millionth of it, at which a margin that is negative at `to` is not
-/// yet so (Illinois method); 0 where it is negative from the beginning.
-fn falls_through_zero(margin: impl Fn(f64) -> f64, to: f64) -> f64 {
-    let (mut low, mut f_low) = (0.0, margin(0.0));
-    let (mut high, mut f_high) = (to, margin(to));
+/// The instant between `low` and `high`, to within a millionth of their distance, at which a margin that is negative at
+/// `high` falls through zero (Illinois method); `high` where it is negative at `low` too.
+fn falls_through_zero(margin: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+    let precise = 1e-6 * (high - low);
+    let (mut f_low, mut f_high) = (margin(low), margin(high));
     if f_low <= 0.0 {
-        // It begins at zero: find an instant at which it is positive.
-        let mut probe = to;
-        for _ in 0..6 {
-            probe *= 0.25;
-            let f = margin(probe);
-            if f > 0.0 {
-                (low, f_low) = (probe, f);
-                break;
-            }
-            (high, f_high) = (probe, f);
-        }
-        if f_low <= 0.0 {
-            return high;
-        }
+        return high;
     }
     let mut last = 0;
     for _ in 0..30 {
-        if high - low <= 1e-8 * to {
+        if high - low <= precise {
             break;
         }
         let middle = ((low * f_high - high * f_low) / (f_high - f_low)).clamp(low, high);
         let f = margin(middle);
-        if f >= 0.0 {
+        if f == 0.0 {
+            return middle;
+        }
+        if f > 0.0 {
             (low, f_low) = (middle, f);
             f_high *= if last == 1 { 0.5 } else { 1.0 };
             last = 1;
@@ -375,9 +378,6 @@ fn falls_through_zero(margin: impl Fn(f64) -> f64, to: f64) -> f64 {
             (high, f_high) = (middle, f);
             f_low *= if last == -1 { 0.5 } else { 1.0 };
             last = -1;
-        }
-        if f == 0.0 {
-            break;
         }
     }
     high

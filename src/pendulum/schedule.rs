@@ -77,21 +77,21 @@ pub(crate) struct Schedule<'a, T> {
     path: SetpointPath<T>,
     /// Setpoint or torque in force, where the path is not perfect: value, slope, since when.
     in_force: (T, f64, T),
-    /// Mean sampling period \[s\].
-    period_s: f64,
     /// Number of the next change.
     next: usize,
 }
 
 /// A hold shorter than this \[s\] is none.
 const SHORTEST_HOLD_S: f64 = 1e-4;
-/// A reading of the setpoint this shortly before a sample takes that sample, as a share of the sampling period: nobody's
-/// clocks agree better, and a hold a hair shorter than a whole number of periods would be one that reads late.
-const SAME_INSTANT: f64 = 0.03;
+/// A reading of the setpoint this shortly before a sample takes that sample \[s\].
+const SAME_INSTANT_S: f64 = 1e-9;
+/// A hold this near to a whole number of sampling periods, as a share, is that number: a hair less would be a hold that
+/// reads the sample before, which is a delay.
+const WHOLE: f64 = 0.005;
 
 impl<'a, T: Real> Schedule<'a, T> {
     pub(crate) fn new(input: Input<'a>, t_s: &'a [f64], path: SetpointPath<T>) -> Self {
-        let hold_s = path.hold_s.filter(|hold| hold.re() >= SHORTEST_HOLD_S);
+        let hold_s = path.hold_s.filter(|hold| hold.re() >= SHORTEST_HOLD_S).map(|hold| whole_periods(hold, t_s));
         let first = match input {
             Input::Off => 0.0,
             Input::Torque { torque_nm: values, .. } | Input::Position { setpoint_rad: values, .. } => {
@@ -104,7 +104,6 @@ impl<'a, T: Real> Schedule<'a, T> {
             t_s,
             path: SetpointPath { hold_s, ..path },
             in_force: (T::constant(first), 0.0, start_s),
-            period_s: t_s.last().map_or(0.0, |last| (last - start_s.re()) / (t_s.len() - 1).max(1) as f64),
             next: 0,
         }
     }
@@ -131,8 +130,7 @@ impl<'a, T: Real> Schedule<'a, T> {
         self.in_force = match (self.input, self.path.hold_s) {
             (Input::Position { setpoint_rad, hold: reading, .. }, Some(hold)) => {
                 let read_s = hold * self.next as f64 + self.t_s[0];
-                let late_s = SAME_INSTANT * self.period_s;
-                let k = self.t_s.partition_point(|t| *t <= read_s.re() + late_s).max(1) - 1;
+                let k = self.t_s.partition_point(|t| *t <= read_s.re() + SAME_INSTANT_S).max(1) - 1;
                 let value = T::constant(setpoint_rad[k]);
                 let slope = self.slope(setpoint_rad, reading, k);
                 (value + (read_s - self.t_s[k]) * slope, 0.0, at)
@@ -178,4 +176,13 @@ impl<'a, T: Real> Schedule<'a, T> {
             _ => Command::Torque(T::nought()),
         }
     }
+}
+
+/// A hold, made a whole number of sampling periods where it hardly differs from one.
+fn whole_periods<T: Real>(hold_s: T, t_s: &[f64]) -> T {
+    let [Some(first), Some(last)] = [t_s.first(), t_s.last()] else { return hold_s };
+    let period_s = (last - first) / (t_s.len() - 1).max(1) as f64;
+    let periods = (hold_s.re() / period_s).round();
+    let near = (hold_s.re() / (periods * period_s) - 1.0).abs() < WHOLE;
+    if near { T::constant(periods * period_s) } else { hold_s }
 }
