@@ -208,7 +208,7 @@ pub struct MapCell {
     pub torque_rms_nm: f64,
     /// 95 % band of that RMS by blocks \[N m\].
     pub band_nm: [f64; 2],
-    /// The band lies above what noise alone gives.
+    /// The band lies above what noise alone gives, also when all cells are looked at (Benjamini-Hochberg, 5 %).
     pub significant: bool,
 }
 

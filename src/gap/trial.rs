@@ -1,7 +1,7 @@
 //! One hypothesis about the joint, fitted: its values, what it leaves of the fitted logs and of the held-out ones.
 
 use super::evidence::{Evidence, counts};
-use super::model::{GapModel, MOMENT};
+use super::model::{GapModel, INERTIA, MOMENT};
 use crate::fit::{Budget, Method, Solution, solve};
 use crate::identify::{Experiment, Found, JointModel, Problem};
 use crate::joint::EffectId;
@@ -32,7 +32,9 @@ impl Trial {
 
     /// A model fitted from values and starts.
     pub fn solved(evidence: &Evidence, model: GapModel, values: &[f64], starts: Vec<[f64; 2]>, budget: Budget) -> Self {
-        let model = if evidence.scale_known { model } else { model.holding(&[MOMENT], values) };
+        // Ratios alone: the moment sets the scale, or the inertia of a joint that is said to have no moment.
+        let scale = if values[MOMENT] > 0.0 { MOMENT } else { INERTIA };
+        let model = if evidence.scale_known { model } else { model.holding(&[scale], values) };
         let problem = Problem::new(&model, &evidence.fit);
         let nothing = Solution {
             x: Vec::new(),
