@@ -4,7 +4,7 @@
 //! from its files alone, and only then opens the answer.
 //!
 //! The maker shares nothing with the code that diagnoses but the names of the effects: it has its own joints, its own
-//! integrator ([`sim`], time stepping with set-valued friction at 25 microseconds), its own formulas (half of the studies
+//! integrator (time stepping with set-valued friction at 25 microseconds), its own formulas (half of the studies
 //! use variants of the catalogue's, such as presliding instead of rigid Coulomb friction) and mechanisms that the
 //! catalogue does not have ([`OutsideId`]).
 

@@ -23,7 +23,7 @@ pub struct Rates {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rate {
-    /// As [`standing`] words it.
+    /// The kind of answer and how clearly it stands, in words.
     pub standing: String,
     /// How many there were.
     pub answers: u32,
