@@ -20,6 +20,8 @@ const FOR_THE_CHOICE: f64 = 24.0;
 const HELD_OUT_Z: f64 = 1.0;
 /// Deviance whose gain on the fitted logs is enough where the held-out ones are not predicted worse.
 const OVERWHELMING: f64 = 400.0;
+/// A held-out error below the noise times this is hardly a gap: only an overwhelming gain makes something of it.
+const HARDLY_A_GAP: f64 = 1.1;
 /// Share of the noise's square sum that it must take away.
 const MATTERS: f64 = 0.008;
 /// Share by which squared residuals may exceed the noise in a joint that is explained: the noise is not known better.
@@ -151,6 +153,10 @@ impl Judge<'_> {
             return false;
         }
         let of = |t: &Trial| self.held.residuals(self.evidence, t);
+        let before_rad = self.held.rms_rad(&of(&self.a.given));
+        if before_rad < HARDLY_A_GAP * self.a.noise_rad && gained < OVERWHELMING {
+            return false;
+        }
         let (sum, sd) = self.held.difference(&of(simple), &of(rich));
         // Where the held-out logs do not show it, an overwhelming gain on the others must do.
         sum > HELD_OUT_Z * sd || (gained > OVERWHELMING && sum > -HELD_OUT_Z * sd)
