@@ -1,52 +1,9 @@
-//! What can be wrong with a robot file or a question about a leg.
+//! What can be wrong with a question about a leg.
 
 /// Errors of the geometry layer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GeometryError {
-    /// The robot file is not TOML, lacks a key or has an unknown one; the source names line and column.
-    #[error("robot file: {source}")]
-    Toml {
-        /// The parser's own message, with the line and a caret.
-        #[from]
-        source: toml::de::Error,
-    },
-    /// A robot file of a later format.
-    #[error("robot file: schema {found}, this program reads schema {supported}")]
-    Schema {
-        /// `schema` in the file.
-        found: u32,
-        /// The schema this code reads.
-        supported: u32,
-    },
-    /// A number in the robot file that no robot can have.
-    #[error("robot file: {item}: {key} = {value}, allowed: {allowed}")]
-    Value {
-        /// The part, joint or table, by name.
-        item: String,
-        /// The key.
-        key: &'static str,
-        /// What the file has.
-        value: f64,
-        /// What it may have.
-        allowed: &'static str,
-    },
-    /// Two parts or two joints bear the same name, or a part hangs on two joints.
-    #[error("robot file: {name} appears twice as {what}")]
-    Twice {
-        /// The repeated name.
-        name: String,
-        /// `part`, `joint` or `child`.
-        what: &'static str,
-    },
-    /// A joint whose parent is neither the root nor the child of an earlier joint.
-    #[error("robot file: joint {joint}: parent {parent} does not hang on an earlier joint")]
-    Tree {
-        /// The joint.
-        joint: String,
-        /// Its parent.
-        parent: String,
-    },
     /// A part that the tables do not have.
     #[error("no part {name} in the robot's tables")]
     UnknownPart {

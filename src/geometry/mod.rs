@@ -1,7 +1,8 @@
 //! Layer 2: geometry. What are the moment of inertia and the gravity torque of a leg that swings about one of its
 //! joints?
 //!
-//! - [`tables`]: the ERS-7 as data (Tables A.1, A.2, 3.3, 3.4), embedded from `data/ers7.toml`.
+//! - [`robot_file`]: reads a robot of any kind from a file in the format of `data/ers7.toml`.
+//! - [`tables`]: the ERS-7 as data (Tables A.1 to A.3, 3.3, 3.4), embedded from `data/ers7.toml`.
 //! - [`inertia`]: ellipsoids (3.1), hollow cylinders (3.8), parallel axes (3.9), rotation of tensors.
 //! - [`lump`](mod@lump): shoulder, upper leg, lower leg and extra mass as one pendulum about q1, q2 or q3 (3.10),
 //!   exactly, at any pose of the other joints and any direction of gravity.
@@ -14,6 +15,7 @@ pub mod error;
 pub mod inertia;
 pub mod leg;
 pub mod lump;
+pub mod robot_file;
 pub mod straight;
 pub mod tables;
 
@@ -23,5 +25,6 @@ mod lump_tests;
 pub use error::GeometryError;
 pub use leg::{Leg, LegJoint, LegPose, joint_name, level_gravity};
 pub use lump::{BodyLump, LinkBody, LumpedLink, Mounted, lump};
+pub use robot_file::RobotTables;
 pub use straight::straight_leg;
-pub use tables::{Axis, Ers7Tables, FrictionTables, Joint, LegFriction, Part};
+pub use tables::{Ers7Tables, FrictionTables, Joint, JointSpring, LegFriction, Part};

@@ -1,45 +1,20 @@
-//! The ERS-7 as data: parts (Table A.2), joints (Table A.1), leg friction (Tables 3.3 and 3.4).
+//! The ERS-7 as data: parts (Table A.2), joints (Tables A.1, A.3), leg friction (Tables 3.3 and 3.4).
 //!
-//! The numbers live in `data/ers7.toml`, as printed, with a comment beside every misprint that had to be decided; this
-//! module reads them once, checks them and turns mm and degrees into m and rad. Frames: x right, y up, z to the rear,
-//! at each part's centre. Joint order and names are those of the logs: `lf1..3`, `rf1..3`, `lr1..3`, `rr1..3`,
-//! `neck_tilt1`, ...
+//! The numbers live in `data/ers7.toml`, as printed, with a comment beside every misprint that had to be decided;
+//! [`robot_file`](super::robot_file) reads them once, checks them and turns mm and degrees into m and rad. Frames: x
+//! right, y up, z to the rear, at each part's centre. Joint order and names are those of the logs: `lf1..3`, `rf1..3`,
+//! `lr1..3`, `rr1..3`, `neck_tilt1`, ...
 
-use std::collections::BTreeSet;
+use std::path::Path;
 use std::sync::OnceLock;
 
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
-use serde::Deserialize;
 
 use super::error::GeometryError;
 use super::inertia::ellipsoid_inertia_from_diameters;
 use super::leg::LegJoint;
-
-/// The `schema` this code reads.
-const SCHEMA: u32 = 1;
-
-/// A coordinate axis of a part's frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Axis {
-    /// To the right.
-    X,
-    /// Upwards.
-    Y,
-    /// To the rear.
-    Z,
-}
-
-impl Axis {
-    /// The unit vector.
-    pub fn unit(self) -> Unit<Vector3<f64>> {
-        match self {
-            Axis::X => Vector3::x_axis(),
-            Axis::Y => Vector3::y_axis(),
-            Axis::Z => Vector3::z_axis(),
-        }
-    }
-}
+use super::robot_file::{FrictionSet, RobotTables};
+use crate::log::LogError;
 
 /// One body part: an ellipsoid with its centre of mass at its centre (Table A.2).
 #[derive(Clone, Debug, PartialEq)]
@@ -50,9 +25,10 @@ pub struct Part {
     pub diameters_m: Vector3<f64>,
     /// \[kg\]; 0 for the ghosts that make two-axis joints.
     pub mass_kg: f64,
-    /// Principal inertias as printed, three digits \[kg m^2\].
-    pub printed_inertia_kg_m2: Vector3<f64>,
-    /// The printed floor-contact point in the part's frame \[m\]; lower legs only.
+    /// Moments of inertia about the centre, along x, y, z \[kg m^2\]: as the file states them (for the ERS-7 the
+    /// printed three digits), or (3.1) where it does not.
+    pub stated_inertia_kg_m2: Vector3<f64>,
+    /// The printed floor-contact point in the part's frame \[m\]; only parts that touch the floor have one.
     pub contact_m: Option<Vector3<f64>>,
 }
 
@@ -76,12 +52,14 @@ impl Part {
 pub struct Joint {
     /// `rf1` for instance.
     pub name: String,
+    /// What joints that share friction and gains have in common, `q1` for instance; the name where nothing is shared.
+    pub kind: String,
     /// Name of the part nearer to the trunk.
     pub parent: String,
     /// Name of the part it moves.
     pub child: String,
     /// Axis of rotation, the same in the turned parent's and in the child's frame.
-    pub axis: Axis,
+    pub axis: Unit<Vector3<f64>>,
     /// +1 or -1: a positive angle turns about `sign * axis` (OPEN-R sense).
     pub sign: f64,
     /// The joint in the parent's frame \[m\].
@@ -90,6 +68,25 @@ pub struct Joint {
     pub in_child_m: Vector3<f64>,
     /// Orientation of the child at angle 0, the phi columns \[rad\] about x, y, z.
     pub phi_rad: Vector3<f64>,
+    /// Mechanical limits, least and greatest \[rad\] (Table A.3).
+    pub hardware_rad: Option<[f64; 2]>,
+    /// Limits of the robot's own software, within the hardware's \[rad\] (Table A.3).
+    pub software_rad: Option<[f64; 2]>,
+    /// Speed limit \[rad/s\] (Table A.3).
+    pub speed_rad_s: Option<f64>,
+    /// A spring that holds a joint without a controller.
+    pub spring: Option<JointSpring>,
+}
+
+/// A spring and a damper about a joint: `tau = -k (q - q_s) - d q'`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointSpring {
+    /// Stiffness \[N m/rad\].
+    pub stiffness_nm_rad: f64,
+    /// Damping \[N m s/rad\].
+    pub damping_nm_s_rad: f64,
+    /// Angle at which it is slack \[rad\].
+    pub rest_rad: f64,
 }
 
 impl Joint {
@@ -101,7 +98,7 @@ impl Joint {
 
     /// Axis with the OPEN-R sign, in the child's frame (and in the parent's after [`Joint::zero_rotation`]).
     pub fn signed_axis(&self) -> Unit<Vector3<f64>> {
-        Unit::new_unchecked(self.axis.unit().into_inner() * self.sign)
+        Unit::new_unchecked(self.axis.into_inner() * self.sign)
     }
 
     /// The child's orientation in the parent's frame at angle `q_rad`: `R(phi) Rot(sign * axis, q)`.
@@ -112,25 +109,35 @@ impl Joint {
 
 /// Friction of the three leg joints (eqs 3.11, 3.14), indexed by joint 1, 2, 3. The text's "m" means N m, because
 /// `F_n = 1`.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LegFriction {
     /// Coulomb friction `mu_c` \[N m\].
     pub coulomb_nm: [f64; 3],
     /// Viscous friction `mu_v` \[N m s/rad\].
     pub viscous_nm_s_rad: [f64; 3],
     /// Static friction `mu_st` \[N m\]; 0: term absent.
-    #[serde(default)]
     pub static_nm: [f64; 3],
     /// Stribeck speed `v_st` \[rad/s\]; 0: term absent.
-    #[serde(default)]
     pub stribeck_rad_s: [f64; 3],
     /// Steepness `s` of the regularised sign \[s/rad\]; 0: term absent.
-    #[serde(default)]
     pub steepness_s_rad: [f64; 3],
 }
 
 impl LegFriction {
+    /// Friction of the kinds q1, q2 and q3; `None` where the set lacks one.
+    fn of_set(set: &FrictionSet) -> Option<Self> {
+        let row = |kind: &LegJoint| set.by_joint.iter().find(|(name, _)| *name == kind.to_string()).map(|(_, row)| row);
+        let [Some(q1), Some(q2), Some(q3)] = LegJoint::ALL.each_ref().map(row) else { return None };
+        let rows = [q1, q2, q3];
+        Some(Self {
+            coulomb_nm: rows.map(|row| row.coulomb_nm),
+            viscous_nm_s_rad: rows.map(|row| row.viscous_nm_s_rad),
+            static_nm: rows.map(|row| row.static_nm),
+            stribeck_rad_s: rows.map(|row| row.stribeck_rad_s),
+            steepness_s_rad: rows.map(|row| row.steepness_s_rad),
+        })
+    }
+
     /// Coulomb \[N m\] and viscous \[N m s/rad\] friction of one joint.
     pub fn of(&self, joint: LegJoint) -> (f64, f64) {
         (self.coulomb_nm[joint.index()], self.viscous_nm_s_rad[joint.index()])
@@ -138,8 +145,7 @@ impl LegFriction {
 }
 
 /// The two friction tables, which disagree about q3 (0.020 and 0.010 N m).
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct FrictionTables {
     /// Table 3.3: estimated from swings; the reference swings were made with it.
     pub estimated: LegFriction,
@@ -172,31 +178,28 @@ impl Ers7Tables {
     pub fn embedded() -> &'static Ers7Tables {
         static TABLES: OnceLock<Ers7Tables> = OnceLock::new();
         TABLES.get_or_init(|| {
-            Self::from_toml(include_str!("../../data/ers7.toml")).expect("data/ers7.toml is compiled in and tested")
+            let text = include_str!("../../data/ers7.toml");
+            Self::from_toml(text).expect("data/ers7.toml is compiled in and tested")
         })
     }
 
-    /// Reads a robot file in the format of `data/ers7.toml`.
+    /// Reads a robot file in the format of `data/ers7.toml` that has friction sets `estimated` and `chosen`.
     ///
     /// # Errors
-    /// [`GeometryError::Toml`] with line and column, [`GeometryError::Schema`], [`GeometryError::Value`],
-    /// [`GeometryError::Twice`], [`GeometryError::UnknownPart`], [`GeometryError::Tree`].
-    pub fn from_toml(text: &str) -> Result<Self, GeometryError> {
-        let raw: RawRobot = toml::from_str(text)?;
-        if raw.schema != SCHEMA {
-            return Err(GeometryError::Schema { found: raw.schema, supported: SCHEMA });
-        }
-        let robot = Ers7Tables {
-            name: raw.name,
-            root: raw.root,
-            parts: raw.part.into_iter().map(RawPart::check).collect::<Result<_, _>>()?,
-            joints: raw.joint.into_iter().map(RawJoint::check).collect::<Result<_, _>>()?,
-            friction: raw.friction,
+    /// [`LogError`] with line and key.
+    pub fn from_toml(text: &str) -> Result<Self, LogError> {
+        let file = Path::new("data/ers7.toml");
+        let tables = RobotTables::from_toml(file, text)?;
+        let legs = |name: &str| {
+            let set = tables.friction_set(name);
+            set.and_then(LegFriction::of_set).ok_or_else(|| LogError::MissingKey {
+                file: file.to_path_buf(),
+                key: format!("[friction.{name}]"),
+                expected: "friction of q1, q2 and q3".to_owned(),
+            })
         };
-        robot.check_tree()?;
-        check_friction("friction.estimated", &robot.friction.estimated)?;
-        check_friction("friction.chosen", &robot.friction.chosen)?;
-        Ok(robot)
+        let friction = FrictionTables { estimated: legs("estimated")?, chosen: legs("chosen")? };
+        Ok(Ers7Tables { name: tables.name, root: tables.root, parts: tables.parts, joints: tables.joints, friction })
     }
 
     /// A part by name.
@@ -221,147 +224,12 @@ impl Ers7Tables {
     pub fn total_mass_kg(&self) -> f64 {
         self.parts.iter().map(|p| p.mass_kg).sum()
     }
-
-    fn check_tree(&self) -> Result<(), GeometryError> {
-        let mut parts = BTreeSet::new();
-        for part in &self.parts {
-            if !parts.insert(part.name.as_str()) {
-                return Err(GeometryError::Twice { name: part.name.clone(), what: "part" });
-            }
-        }
-        self.part(&self.root)?;
-        let mut names = BTreeSet::new();
-        let mut hung = BTreeSet::from([self.root.as_str()]);
-        for joint in &self.joints {
-            self.part(&joint.parent)?;
-            self.part(&joint.child)?;
-            if !names.insert(joint.name.as_str()) {
-                return Err(GeometryError::Twice { name: joint.name.clone(), what: "joint" });
-            }
-            if !hung.contains(joint.parent.as_str()) {
-                return Err(GeometryError::Tree { joint: joint.name.clone(), parent: joint.parent.clone() });
-            }
-            if !hung.insert(joint.child.as_str()) {
-                return Err(GeometryError::Twice { name: joint.child.clone(), what: "child" });
-            }
-        }
-        Ok(())
-    }
-}
-
-/// The file as written, before units are converted.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawRobot {
-    schema: u32,
-    name: String,
-    root: String,
-    part: Vec<RawPart>,
-    joint: Vec<RawJoint>,
-    friction: FrictionTables,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawPart {
-    name: String,
-    diameter_m: [f64; 3],
-    mass_kg: f64,
-    printed_inertia_kg_m2: [f64; 3],
-    contact_mm: Option<[f64; 3]>,
-}
-
-impl RawPart {
-    fn check(self) -> Result<Part, GeometryError> {
-        for d in self.diameter_m {
-            require(d.is_finite() && d > 0.0, &self.name, "diameter_m", d, "above 0 m")?;
-        }
-        let m = self.mass_kg;
-        require(m.is_finite() && m >= 0.0, &self.name, "mass_kg", m, "0 kg or above")?;
-        for i in self.printed_inertia_kg_m2 {
-            require(i.is_finite() && i >= 0.0, &self.name, "printed_inertia_kg_m2", i, "0 kg m^2 or above")?;
-        }
-        let contact_m = match self.contact_mm {
-            Some(c) => Some(metres(&self.name, "contact_mm", c)?),
-            None => None,
-        };
-        Ok(Part {
-            diameters_m: Vector3::from(self.diameter_m),
-            mass_kg: m,
-            printed_inertia_kg_m2: Vector3::from(self.printed_inertia_kg_m2),
-            contact_m,
-            name: self.name,
-        })
-    }
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawJoint {
-    name: String,
-    parent: String,
-    child: String,
-    axis: Axis,
-    sign: i8,
-    parent_mm: [f64; 3],
-    child_mm: [f64; 3],
-    phi_deg: [f64; 3],
-}
-
-impl RawJoint {
-    fn check(self) -> Result<Joint, GeometryError> {
-        let sign = f64::from(self.sign);
-        require(sign.abs() == 1.0, &self.name, "sign", sign, "1 or -1")?;
-        for p in self.phi_deg {
-            require(p.is_finite() && p.abs() <= 360.0, &self.name, "phi_deg", p, "-360 to 360 degrees")?;
-        }
-        Ok(Joint {
-            axis: self.axis,
-            sign,
-            in_parent_m: metres(&self.name, "parent_mm", self.parent_mm)?,
-            in_child_m: metres(&self.name, "child_mm", self.child_mm)?,
-            phi_rad: Vector3::from(self.phi_deg).map(f64::to_radians),
-            name: self.name,
-            parent: self.parent,
-            child: self.child,
-        })
-    }
-}
-
-fn metres(item: &str, key: &'static str, mm: [f64; 3]) -> Result<Vector3<f64>, GeometryError> {
-    for v in mm {
-        require(v.is_finite(), item, key, v, "a finite number of mm")?;
-    }
-    // Division, not multiplication by 1e-3: 12.5 mm becomes the double nearest to 0.0125.
-    Ok(Vector3::from(mm).map(|v| v / 1000.0))
-}
-
-fn check_friction(item: &str, f: &LegFriction) -> Result<(), GeometryError> {
-    let columns = [
-        ("coulomb_nm", f.coulomb_nm),
-        ("viscous_nm_s_rad", f.viscous_nm_s_rad),
-        ("static_nm", f.static_nm),
-        ("stribeck_rad_s", f.stribeck_rad_s),
-        ("steepness_s_rad", f.steepness_s_rad),
-    ];
-    for (key, values) in columns {
-        for v in values {
-            require(v.is_finite() && v >= 0.0, item, key, v, "0 or above")?;
-        }
-    }
-    Ok(())
-}
-
-fn require(ok: bool, item: &str, key: &'static str, value: f64, allowed: &'static str) -> Result<(), GeometryError> {
-    if ok { Ok(()) } else { Err(GeometryError::Value { item: item.to_owned(), key, value, allowed }) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use approx::assert_relative_eq;
-
-    const TEXT: &str = include_str!("../../data/ers7.toml");
 
     #[test]
     fn table_a_1_joint_order_and_tree() {
@@ -391,7 +259,7 @@ mod tests {
     fn table_a_2_printed_inertias_follow_3_1_within_printed_digits() {
         for part in &Ers7Tables::embedded().parts {
             for k in 0..3 {
-                let (ours, printed) = (part.inertia_kg_m2()[(k, k)], part.printed_inertia_kg_m2[k]);
+                let (ours, printed) = (part.inertia_kg_m2()[(k, k)], part.stated_inertia_kg_m2[k]);
                 let half_digit = if printed == 0.0 { 0.0 } else { 0.5 * 10f64.powf(printed.log10().floor() - 2.0) };
                 assert!(
                     (ours - printed).abs() <= half_digit * 1.000_001,
@@ -430,22 +298,5 @@ mod tests {
         assert_relative_eq!(torque, 0.0159, epsilon = 0.5e-4);
         assert!(torque < robot.friction.estimated.of(LegJoint::Q3).0);
         assert!(torque > robot.friction.chosen.of(LegJoint::Q3).0);
-    }
-
-    #[test]
-    fn bad_robot_files_name_the_item_and_the_key() {
-        let err = |from: &str, to: &str| {
-            assert!(TEXT.contains(from));
-            Ers7Tables::from_toml(&TEXT.replacen(from, to, 1)).unwrap_err()
-        };
-        assert_eq!(err("schema = 1", "schema = 2"), GeometryError::Schema { found: 2, supported: 1 });
-        let e = err("mass_kg = 0.9132", "mass_kg = -1.0").to_string();
-        assert_eq!(e, "robot file: trunk: mass_kg = -1, allowed: 0 kg or above");
-        assert!(err("axis = \"x\"", "axis = \"w\"").to_string().contains("line"));
-        assert!(err("mass_kg = 0.9132", "mass_kg = 0.9132\ncolour = 1").to_string().contains("colour"));
-        assert!(matches!(err("sign = 1", "sign = 0"), GeometryError::Value { key: "sign", .. }));
-        assert!(matches!(err("name = \"lf2\"", "name = \"lf1\""), GeometryError::Twice { what: "joint", .. }));
-        assert!(matches!(err("parent = \"lf_shoulder\"", "parent = \"head\""), GeometryError::Tree { .. }));
-        assert!(matches!(err("parent = \"head\"", "parent = \"hat\""), GeometryError::UnknownPart { .. }));
     }
 }

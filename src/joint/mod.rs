@@ -10,6 +10,7 @@
 mod chain;
 mod effect;
 mod friction;
+mod gain;
 mod link;
 mod motor;
 mod passive;
@@ -20,6 +21,7 @@ mod setpoint;
 pub use chain::Chain;
 pub use effect::{Bounds, DrivenReach, EffectId, EffectParameter, Named, Reach, Scan, Stage, UnknownEffect};
 pub use friction::{Contact, Friction, FrictionTerm, Stribeck};
+pub use gain::{Unrepresentable, gain, gain_word};
 pub use link::Link;
 pub use motor::{Motor, Setpoint, SpeedLine};
 pub use passive::{EndStop, Spring};

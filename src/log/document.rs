@@ -12,35 +12,46 @@ use super::error::LogError;
 use super::place::{Place, Subject};
 use super::schema::{Number, Text};
 
-pub(super) struct Document<'a> {
-    pub(super) file: &'a Path,
+pub(crate) struct Document<'a> {
+    pub(crate) file: &'a Path,
     text: String,
 }
 
 /// What a number has to be.
 #[derive(Clone, Copy)]
-pub(super) struct Range64 {
+pub(crate) struct Range64 {
     ok: fn(f64) -> bool,
+    largest: f64,
     expected: &'static str,
 }
 
 /// Zero or above; the key's unit is in the format.
-pub(super) const NOT_NEGATIVE: Range64 = range(|x| x >= 0.0, "a number not below 0");
-pub(super) const POSITIVE: Range64 = range(|x| x > 0.0, "a number above 0");
+pub(crate) const NOT_NEGATIVE: Range64 = range(|x| x >= 0.0, "a number not below 0");
+pub(crate) const POSITIVE: Range64 = range(|x| x > 0.0, "a number above 0");
 /// A sampling period \[s\].
-pub(super) const PERIOD: Range64 =
+pub(crate) const PERIOD: Range64 =
     range(|x| x > 0.0 && x < 0.5, "a period above 0 and below 0.5 s; a larger one looks like milliseconds");
 /// An angle \[rad\].
-pub(super) const ANGLE: Range64 =
+pub(crate) const ANGLE: Range64 =
     range(|x| x.abs() <= TAU, "an angle within 2 pi (6.283) rad; a larger one looks like degrees");
-pub(super) const FINITE: Range64 = range(|_| true, "a finite number");
+pub(crate) const FINITE: Range64 = range(|_| true, "a finite number");
 
-pub(super) const fn range(ok: fn(f64) -> bool, expected: &'static str) -> Range64 {
-    Range64 { ok, expected }
+pub(crate) const fn range(ok: fn(f64) -> bool, expected: &'static str) -> Range64 {
+    Range64 { ok, largest: f64::MAX, expected }
+}
+
+/// A finite number of at most this magnitude.
+pub(crate) const fn finite_within(largest: f64, expected: &'static str) -> Range64 {
+    Range64 { ok: |_| true, largest, expected }
 }
 
 impl<'a> Document<'a> {
-    pub(super) fn open(file: &'a Path) -> Result<Self, LogError> {
+    /// A text that is at hand.
+    pub(crate) fn of_text(file: &'a Path, text: &str) -> Self {
+        Self { file, text: text.strip_prefix('\u{feff}').unwrap_or(text).to_owned() }
+    }
+
+    pub(crate) fn open(file: &'a Path) -> Result<Self, LogError> {
         let bytes = fs::read(file).map_err(|source| LogError::Read { file: file.to_path_buf(), source })?;
         if let Some(found) = not_text(&bytes) {
             return Err(LogError::NotText { file: file.to_path_buf(), found });
@@ -58,7 +69,7 @@ impl<'a> Document<'a> {
     }
 
     /// Refuses robot studies and reads the rest.
-    pub(super) fn parse<T: DeserializeOwned>(&self) -> Result<T, LogError> {
+    pub(crate) fn parse<T: DeserializeOwned>(&self) -> Result<T, LogError> {
         let whole: Result<toml::Table, _> = toml::from_str(&self.text);
         if whole.is_ok_and(|table| table.contains_key("robot")) {
             let from = self.text.find("[robot").or_else(|| self.text.find("robot")).unwrap_or(0);
@@ -82,36 +93,40 @@ impl<'a> Document<'a> {
         })
     }
 
-    pub(super) fn missing(&self, key: impl Into<String>, expected: impl Into<String>) -> LogError {
+    pub(crate) fn missing(&self, key: impl Into<String>, expected: impl Into<String>) -> LogError {
         LogError::MissingKey { file: self.file.to_path_buf(), key: key.into(), expected: expected.into() }
     }
 
-    pub(super) fn place(&self, key: &str, span: Range<usize>) -> Box<Place> {
+    pub(crate) fn place(&self, key: &str, span: Range<usize>) -> Box<Place> {
         Box::new(Place::in_text(self.file, &self.text, span, Subject::Key(key.to_owned())))
     }
 
-    pub(super) fn wrong(&self, key: &str, span: Range<usize>, found: impl Into<String>, expected: &str) -> LogError {
+    pub(crate) fn wrong(&self, key: &str, span: Range<usize>, found: impl Into<String>, expected: &str) -> LogError {
         LogError::Value { at: self.place(key, span), found: found.into(), expected: expected.to_owned() }
     }
 
     /// A number that may be absent.
-    pub(super) fn number(&self, key: &str, value: &Number, range: Range64) -> Result<Option<f64>, LogError> {
+    pub(crate) fn number(&self, key: &str, value: &Number, range: Range64) -> Result<Option<f64>, LogError> {
         let Some(spanned) = value else { return Ok(None) };
-        let number = *spanned.get_ref();
-        if number.is_finite() && (range.ok)(number) {
-            Ok(Some(number))
+        self.within(key, spanned.span(), *spanned.get_ref(), range).map(Some)
+    }
+
+    /// A number that is there.
+    pub(crate) fn within(&self, key: &str, span: Range<usize>, number: f64, range: Range64) -> Result<f64, LogError> {
+        if number.is_finite() && number.abs() <= range.largest && (range.ok)(number) {
+            Ok(number)
         } else {
-            Err(self.wrong(key, spanned.span(), number.to_string(), range.expected))
+            Err(self.wrong(key, span, number.to_string(), range.expected))
         }
     }
 
     /// A number that has to be there.
-    pub(super) fn needed(&self, key: &str, value: &Number, range: Range64) -> Result<f64, LogError> {
+    pub(crate) fn needed(&self, key: &str, value: &Number, range: Range64) -> Result<f64, LogError> {
         self.number(key, value, range)?.ok_or_else(|| self.missing(key, range.expected))
     }
 
     /// One of several words; `None` where the key is absent.
-    pub(super) fn word<T: Copy>(&self, key: &str, value: &Text, words: &[(&str, T)]) -> Result<Option<T>, LogError> {
+    pub(crate) fn word<T: Copy>(&self, key: &str, value: &Text, words: &[(&str, T)]) -> Result<Option<T>, LogError> {
         let Some(spanned) = value else { return Ok(None) };
         match words.iter().find(|(word, _)| word == spanned.get_ref()) {
             Some((_, meaning)) => Ok(Some(*meaning)),
@@ -120,7 +135,7 @@ impl<'a> Document<'a> {
     }
 
     /// One of several words that has to be there.
-    pub(super) fn needed_word<T: Copy>(&self, key: &str, value: &Text, words: &[(&str, T)]) -> Result<T, LogError> {
+    pub(crate) fn needed_word<T: Copy>(&self, key: &str, value: &Text, words: &[(&str, T)]) -> Result<T, LogError> {
         self.word(key, value, words)?.ok_or_else(|| self.missing(key, one_of(words)))
     }
 }

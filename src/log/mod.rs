@@ -21,6 +21,8 @@ mod thin;
 mod types;
 mod write;
 
+pub(crate) use document::{Document, NOT_NEGATIVE, POSITIVE, Range64, finite_within};
+
 pub use csv::{read_joint_log, read_log};
 pub use error::{CellFault, FileKind, LogError, UnitFault};
 pub use health::{Health, health, noise_floor_rad};
