@@ -48,6 +48,7 @@ pub mod joint;
 pub mod log;
 pub mod pendulum;
 pub mod report;
+pub mod robot;
 
 pub use fit::{Budget, Method, Stop};
 pub use geometry::{Ers7Tables, Leg, LegJoint, LegPose, lump};

@@ -1,0 +1,55 @@
+//! What can be wrong with a robot.
+
+use crate::log::LogError;
+
+/// Errors of the robot layer.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RobotError {
+    /// The robot's file cannot be read, or is wrong.
+    #[error(transparent)]
+    File(#[from] LogError),
+    /// A body that the robot does not have.
+    #[error("{robot} has no body {name}; it has {}", bodies.join(", "))]
+    NoBody {
+        /// The robot.
+        robot: String,
+        /// The name that was looked for.
+        name: String,
+        /// The names that there are.
+        bodies: Vec<String>,
+    },
+    /// A joint that the robot does not have.
+    #[error("{robot} has no joint {name}; it has {}", joints.join(", "))]
+    NoJoint {
+        /// The robot.
+        robot: String,
+        /// The name that was looked for.
+        name: String,
+        /// The names that there are.
+        joints: Vec<String>,
+    },
+    /// A mass, place or inertia that no body has.
+    #[error("body {body}: {what} = {value}, allowed: {allowed}")]
+    Value {
+        /// The body.
+        body: String,
+        /// What is wrong.
+        what: &'static str,
+        /// What was given.
+        value: f64,
+        /// What may be given.
+        allowed: &'static str,
+    },
+    /// Nothing resists a joint: its axis goes through all the mass it moves.
+    #[error(
+        "joint {joint}: what it moves has no inertia about its axis ({inertia_kg_m2:e} kg m^2), expected above 0; give \
+         the bodies beyond it mass and size"
+    )]
+    NoInertia {
+        /// The joint.
+        joint: String,
+        /// The inertia about its axis with all joints at 0.
+        inertia_kg_m2: f64,
+    },
+}

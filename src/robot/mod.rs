@@ -1,0 +1,29 @@
+//! Layer 6: the whole robot as a tree of rigid bodies on revolute joints. Which accelerations do torques and forces
+//! give, and which torques does a motion need?
+//!
+//! - [`Model`]: the robot, immutable: bodies, joints, limits, gains, friction, springs. Read from a file in the format
+//!   of `data/ers7.toml`; nothing here knows the ERS-7.
+//! - [`State`]: where it is and how it moves.
+//! - [`Dynamics`]: the working memory of one evaluation at a time. Forward dynamics by the articulated-body algorithm
+//!   (Featherstone 2008, chapter 7), inverse dynamics by recursive Newton-Euler (chapter 5), the mass matrix by
+//!   composite rigid bodies (chapter 6), energies, momentum, places and velocities.
+//!
+//! Twists and wrenches (2.1, 2.2) are the inside of [`Dynamics`]; what it takes and gives is in world axes, or in
+//! generalised coordinates:
+//!
+//! `v = [base linear velocity, world axes (3); base angular velocity, body axes (3); joint rates (n)]`, and
+//! `M(q) dv/dt + bias(q, v) = [base wrench; tau] + J^T f`, gravity being in `bias`. A clamped base does not accelerate,
+//! and the base wrench is what holds it; the coordinates stay the same.
+//!
+//! Left out here: contact, friction, control, integration.
+
+mod dynamics;
+mod error;
+mod model;
+mod spatial;
+mod state;
+
+pub use dynamics::{BodyMotion, Dynamics, Energy, Force, Input, Momentum};
+pub use error::RobotError;
+pub use model::{Attached, Body, BodyId, JointId, Model, PidGains};
+pub use state::State;

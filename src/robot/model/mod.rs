@@ -1,0 +1,322 @@
+//! The robot as an immutable problem.
+
+mod body;
+mod frame;
+mod plan;
+mod schedule;
+#[cfg(test)]
+mod tests;
+
+pub use body::{Attached, Body};
+pub(super) use frame::Turning;
+pub(super) use plan::{BasePlan, Group, Parent, Plan, Shape};
+
+use super::{Dynamics, RobotError, State};
+use crate::geometry::Joint;
+use crate::geometry::robot_file::{Base, EncoderData, JointFriction, RobotTables, SensorRange, row_of};
+use crate::joint::gain;
+use nalgebra::Vector3;
+use std::path::Path;
+use std::sync::OnceLock;
+
+/// A joint of a [`Model`], by its place in the joint order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct JointId(usize);
+
+impl JointId {
+    pub(super) fn of(index: usize) -> Self {
+        Self(index)
+    }
+
+    /// Place in the joint order, in `angle_rad` and the like.
+    pub fn index(self) -> usize {
+        self.0
+    }
+
+    /// Place in the generalised velocity, behind the base.
+    pub fn velocity_index(self) -> usize {
+        BASE_FREEDOMS + self.0
+    }
+
+    /// The body that it moves.
+    pub fn child(self) -> BodyId {
+        BodyId(self.0 + 1)
+    }
+}
+
+/// A body of a [`Model`]: 0 is the base, then the joints' children in joint order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct BodyId(usize);
+
+impl BodyId {
+    /// The base.
+    pub const BASE: BodyId = BodyId(0);
+
+    /// Place in the body order.
+    pub fn index(self) -> usize {
+        self.0
+    }
+
+    /// The joint that moves it; `None` for the base.
+    pub fn joint(self) -> Option<JointId> {
+        self.0.checked_sub(1).map(JointId)
+    }
+}
+
+/// Entries of the generalised velocity that belong to the base.
+pub(super) const BASE_FREEDOMS: usize = 6;
+
+/// Gains of a controller, P, I and D \[N m/rad, N m/(rad s), N m s/rad\], from (2.7).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PidGains {
+    /// \[N m/rad\]
+    pub kp_nm_rad: f64,
+    /// \[N m/(rad s)\]
+    pub ki_nm_rad_s: f64,
+    /// \[N m s/rad\]
+    pub kd_nm_s_rad: f64,
+}
+
+/// A robot: a tree of rigid bodies on revolute joints, with what its makers or its measurements say of it.
+///
+/// ```
+/// use aibo_fit::robot::Model;
+/// let robot = Model::ers7();
+/// assert_eq!((robot.bodies().len(), robot.joints().len()), (23, 22)); // 19 parts and 4 massless ghosts
+/// ```
+#[derive(Clone, Debug)]
+pub struct Model {
+    tables: RobotTables,
+    bodies: Vec<Body>,
+    /// Body that carries each joint.
+    carrier: Vec<BodyId>,
+    turning: Vec<Turning>,
+    plan: Plan,
+}
+
+impl Model {
+    /// The ERS-7 of the thesis's tables, embedded from `data/ers7.toml`.
+    pub fn ers7() -> &'static Model {
+        static MODEL: OnceLock<Model> = OnceLock::new();
+        MODEL.get_or_init(|| {
+            Model::from_toml(Path::new("data/ers7.toml"), include_str!("../../../data/ers7.toml"))
+                .expect("data/ers7.toml is compiled in and tested")
+        })
+    }
+
+    /// Reads a robot file in the format of `data/ers7.toml`.
+    ///
+    /// # Errors
+    /// [`RobotError::File`] with file, line and key; [`RobotError::NoInertia`].
+    pub fn read(file: &Path) -> Result<Self, RobotError> {
+        Self::new(RobotTables::read(file)?)
+    }
+
+    /// Reads a robot file that is at hand; `file` is its name in errors.
+    ///
+    /// # Errors
+    /// As [`Model::read`].
+    pub fn from_toml(file: &Path, text: &str) -> Result<Self, RobotError> {
+        Self::new(RobotTables::from_toml(file, text)?)
+    }
+
+    /// The model of checked tables.
+    ///
+    /// # Errors
+    /// [`RobotError::NoInertia`]; [`RobotError::NoBody`] where tables that no file was read for are no tree.
+    pub fn new(tables: RobotTables) -> Result<Self, RobotError> {
+        let names: Vec<&String> = std::iter::once(&tables.root).chain(tables.joints.iter().map(|j| &j.child)).collect();
+        let place = |name: &String| {
+            names.iter().position(|other| *other == name).ok_or_else(|| RobotError::NoBody {
+                robot: tables.name.clone(),
+                name: name.clone(),
+                bodies: names.iter().map(|&name| name.clone()).collect(),
+            })
+        };
+        let carrier = tables.joints.iter().map(|j| place(&j.parent).map(BodyId)).collect::<Result<_, _>>()?;
+        let mut bodies = Vec::with_capacity(names.len());
+        for &name in &names {
+            let part = tables.parts.iter().find(|part| part.name == *name);
+            let part = part.ok_or_else(|| RobotError::NoBody {
+                robot: tables.name.clone(),
+                name: name.clone(),
+                bodies: tables.parts.iter().map(|part| part.name.clone()).collect(),
+            })?;
+            bodies.push(Body::of_part(part));
+        }
+        Self::assemble(tables, bodies, carrier)
+    }
+
+    fn assemble(tables: RobotTables, bodies: Vec<Body>, carrier: Vec<BodyId>) -> Result<Self, RobotError> {
+        let turning = tables.joints.iter().map(Turning::of).collect();
+        let plan = Plan::of(&tables.joints, &carrier, &bodies);
+        let model = Self { tables, bodies, carrier, turning, plan };
+        model.check_inertia()?;
+        Ok(model)
+    }
+
+    /// Every joint has to move something.
+    fn check_inertia(&self) -> Result<(), RobotError> {
+        let n = BASE_FREEDOMS + self.joints().len();
+        let mut matrix = nalgebra::DMatrix::zeros(n, n);
+        Dynamics::new(self).mass_matrix(&State::at_rest(self), &mut matrix);
+        for (k, joint) in self.joints().iter().enumerate() {
+            let inertia_kg_m2 = matrix[(BASE_FREEDOMS + k, BASE_FREEDOMS + k)];
+            if !(inertia_kg_m2 > f64::MIN_POSITIVE) {
+                return Err(RobotError::NoInertia { joint: joint.name.clone(), inertia_kg_m2 });
+            }
+        }
+        Ok(())
+    }
+
+    /// The same robot with another mass of one part; its inertia grows with its mass.
+    ///
+    /// What is fixed to the body stays as it is.
+    ///
+    /// # Errors
+    /// [`RobotError::Value`] for a mass below 0, [`RobotError::NoInertia`].
+    pub fn with_mass(&self, body: BodyId, mass_kg: f64) -> Result<Self, RobotError> {
+        let mut bodies = self.bodies.clone();
+        bodies[body.0].set_mass(mass_kg)?;
+        Self::assemble(self.tables.clone(), bodies, self.carrier.clone())
+    }
+
+    /// The same robot with something fixed to a body.
+    ///
+    /// # Errors
+    /// [`RobotError::Value`] for a mass below 0 or an inertia that nothing has.
+    pub fn with_attached(&self, body: BodyId, extra: Attached) -> Result<Self, RobotError> {
+        let mut bodies = self.bodies.clone();
+        bodies[body.0].attach(extra)?;
+        Self::assemble(self.tables.clone(), bodies, self.carrier.clone())
+    }
+
+    /// The same robot with a point mass on a body, at a place in the body's frame.
+    ///
+    /// # Errors
+    /// As [`Model::with_attached`].
+    pub fn with_point_mass(&self, body: BodyId, mass_kg: f64, at_m: Vector3<f64>) -> Result<Self, RobotError> {
+        self.with_attached(body, Attached::point(mass_kg, at_m))
+    }
+
+    /// The same robot held in another way.
+    #[must_use]
+    pub fn with_base(&self, base: Base) -> Self {
+        let mut model = self.clone();
+        model.tables.base = base;
+        model
+    }
+
+    /// The same robot under another gravity, in world axes.
+    #[must_use]
+    pub fn with_gravity(&self, gravity_m_s2: Vector3<f64>) -> Self {
+        let mut model = self.clone();
+        model.tables.gravity_m_s2 = gravity_m_s2;
+        model
+    }
+
+    /// The robot's name.
+    pub fn name(&self) -> &str {
+        &self.tables.name
+    }
+
+    /// How its base is held.
+    pub fn base(&self) -> Base {
+        self.tables.base
+    }
+
+    /// Gravity in world axes \[m/s^2\].
+    pub fn gravity_m_s2(&self) -> Vector3<f64> {
+        self.tables.gravity_m_s2
+    }
+
+    /// Bodies: the base, then the joints' children in joint order.
+    pub fn bodies(&self) -> &[Body] {
+        &self.bodies
+    }
+
+    /// Joints in the file's order: places, axes, limits, springs (Tables A.1, A.3).
+    pub fn joints(&self) -> &[Joint] {
+        &self.tables.joints
+    }
+
+    /// The bodies' ids.
+    pub fn body_ids(&self) -> impl Iterator<Item = BodyId> + use<> {
+        (0..self.bodies.len()).map(BodyId)
+    }
+
+    /// The joints' ids.
+    pub fn joint_ids(&self) -> impl Iterator<Item = JointId> + use<> {
+        (0..self.tables.joints.len()).map(JointId)
+    }
+
+    /// A body by name.
+    ///
+    /// # Errors
+    /// [`RobotError::NoBody`] with the names that there are.
+    pub fn body(&self, name: &str) -> Result<BodyId, RobotError> {
+        let found = self.bodies.iter().position(|body| body.name == name);
+        found.map(BodyId).ok_or_else(|| RobotError::NoBody {
+            robot: self.name().to_owned(),
+            name: name.to_owned(),
+            bodies: self.bodies.iter().map(|body| body.name.clone()).collect(),
+        })
+    }
+
+    /// A joint by name.
+    ///
+    /// # Errors
+    /// [`RobotError::NoJoint`] with the names that there are.
+    pub fn joint(&self, name: &str) -> Result<JointId, RobotError> {
+        let found = self.joints().iter().position(|joint| joint.name == name);
+        found.map(JointId).ok_or_else(|| RobotError::NoJoint {
+            robot: self.name().to_owned(),
+            name: name.to_owned(),
+            joints: self.joints().iter().map(|joint| joint.name.clone()).collect(),
+        })
+    }
+
+    /// The body that carries a joint.
+    pub fn carrier(&self, joint: JointId) -> BodyId {
+        self.carrier[joint.0]
+    }
+
+    /// Mass of everything \[kg\].
+    pub fn total_mass_kg(&self) -> f64 {
+        self.bodies.iter().map(|body| body.mass_kg).sum()
+    }
+
+    /// Friction of a joint in a named set (Tables 3.3, 3.4); `None` where there is no such set, no friction where the
+    /// set does not have the joint.
+    pub fn friction(&self, set: &str, joint: JointId) -> Option<JointFriction> {
+        let set = self.tables.friction_set(set)?;
+        Some(row_of(&set.by_joint, &self.joints()[joint.0]).copied().unwrap_or_default())
+    }
+
+    /// Gains of a joint in a named set (Table B.2, eq. 2.7); `None` where there is no such set or the joint has no
+    /// controller.
+    pub fn gains(&self, set: &str, joint: JointId) -> Option<PidGains> {
+        let set = self.tables.gains.iter().find(|other| other.name == set)?;
+        let g = row_of(&set.by_joint, &self.joints()[joint.0])?;
+        let [kp_nm_rad, ki_nm_rad_s, kd_nm_s_rad] = [0, 1, 2].map(|k| gain(g[k], set.shift[k]));
+        Some(PidGains { kp_nm_rad, ki_nm_rad_s, kd_nm_s_rad })
+    }
+
+    /// The position sensors (section B.1).
+    pub fn encoder(&self) -> Option<EncoderData> {
+        self.tables.encoder
+    }
+
+    /// Other sensors (Table B.1).
+    pub fn sensors(&self) -> &[SensorRange] {
+        &self.tables.sensors
+    }
+
+    pub(super) fn turning(&self) -> &[Turning] {
+        &self.turning
+    }
+
+    pub(super) fn plan(&self) -> &Plan {
+        &self.plan
+    }
+}
