@@ -4,6 +4,7 @@ use crate::gap::GapError;
 use crate::identify::{CaseError, DropError};
 use crate::log::LogError;
 use crate::report::ReportError;
+use crate::robot::RobotError;
 use std::path::PathBuf;
 
 /// The answer is "no": the joint never moved.
@@ -64,6 +65,25 @@ pub enum CliError {
         /// What is wrong with it, and what was expected.
         what: String,
     },
+    /// The robot cannot be read or is none.
+    #[error(transparent)]
+    Robot(#[from] RobotError),
+    /// A file of states cannot be understood.
+    #[error("{}: {what}", file.display())]
+    States {
+        /// The file.
+        file: PathBuf,
+        /// Where in it, what was found, and what was expected.
+        what: String,
+    },
+    /// A state has no finite answer.
+    #[error("{}: {what}: the answer is not finite; check the units and sizes of its numbers", file.display())]
+    NotFinite {
+        /// The file.
+        file: PathBuf,
+        /// The state.
+        what: String,
+    },
     /// The worker threads cannot be started.
     #[error("cannot start the worker threads: {0}")]
     Threads(String),
@@ -73,7 +93,7 @@ impl CliError {
     /// The exit code of the specification.
     pub fn exit_code(&self) -> u8 {
         match self {
-            CliError::Log(error) | CliError::Case(CaseError::Log(error)) => {
+            CliError::Log(error) | CliError::Case(CaseError::Log(error)) | CliError::Robot(RobotError::File(error)) => {
                 if error.is_io() {
                     IO
                 } else {
@@ -85,8 +105,10 @@ impl CliError {
             CliError::Drop(DropError::NeverMoved) => NO,
             CliError::Gap(GapError::NoNominal) => DATA,
             CliError::Gap(GapError::NeverMoved) => NO,
-            CliError::Gap(_) | CliError::Drop(_) | CliError::Diverged { .. } => NOT_CONVERGED,
-            CliError::Case(_) | CliError::FitFile { .. } => DATA,
+            CliError::Gap(_) | CliError::Drop(_) | CliError::Diverged { .. } | CliError::NotFinite { .. } => {
+                NOT_CONVERGED
+            }
+            CliError::Case(_) | CliError::FitFile { .. } | CliError::Robot(_) | CliError::States { .. } => DATA,
             CliError::Report(_) | CliError::Threads(_) | CliError::Encode(_) => IO,
         }
     }

@@ -3,6 +3,7 @@
 mod blind;
 mod common;
 mod drop;
+mod dynamics;
 mod error;
 mod gap;
 mod progress;
@@ -29,6 +30,7 @@ struct Cli {
 enum Command {
     Blind(Box<blind::BlindArgs>),
     Drop(Box<drop::DropArgs>),
+    Dynamics(dynamics::DynamicsArgs),
     Gap(gap::GapArgs),
     Simulate(simulate::SimulateArgs),
 }
@@ -46,6 +48,7 @@ pub fn run() -> ExitCode {
     let result = match cli.command {
         Command::Blind(args) => blind::run(&args),
         Command::Drop(args) => drop::run(&args),
+        Command::Dynamics(args) => dynamics::run(&args),
         Command::Gap(args) => gap::run(&args),
         Command::Simulate(args) => simulate::run(&args),
     };
