@@ -229,7 +229,7 @@ fn inward<const K: usize, const SHIFTED: bool, const ROTATED: bool>(
         |k: usize| (slot.bias.0[k] + along.0[k] + gain.0[k] * effort, slot.bias.1[k] + along.1[k] + gain.1[k] * effort);
     let (b0, b1, b2) = (bias(0), bias(1), bias(2));
     let turn = slot.turn();
-    let mut inertia = left.into_parent::<K>(&turn);
+    let mut inertia = left.seen_from_parent::<K>(&turn);
     let mut moment = turn.into_parent::<K>([b0.0, b1.0, b2.0]);
     let mut force = turn.into_parent::<K>([b0.1, b1.1, b2.1]);
     if ROTATED {

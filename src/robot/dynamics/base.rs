@@ -22,10 +22,11 @@ pub(super) fn solve_base(inertia: &Articulated, bias: &Spatial) -> (Vector3<f64>
     let mut inverse = [0.0; 6];
     for k in 0..6 {
         inverse[k] = 1.0 / m[k][k];
+        let column = m.map(|row| row[k]);
         for i in k + 1..6 {
-            let factor = m[i][k] * inverse[k];
-            for j in k + 1..=i {
-                m[i][j] -= factor * m[j][k];
+            let factor = column[i] * inverse[k];
+            for (entry, other) in m[i][k + 1..=i].iter_mut().zip(&column[k + 1..]) {
+                *entry -= factor * other;
             }
             x[i] -= factor * x[k];
         }

@@ -20,7 +20,7 @@ pub(in crate::robot) struct Turn {
 impl Turn {
     /// A vector of the parent in the child's axes.
     #[inline(always)]
-    pub fn into_child<const K: usize>(&self, v: Vec3) -> Vec3 {
+    pub fn into_child<const K: usize>(self, v: Vec3) -> Vec3 {
         let (i, j) = ((K + 1) % 3, (K + 2) % 3);
         let mut out = v;
         out[i] = self.cos * v[i] + self.sin * v[j];
@@ -30,7 +30,7 @@ impl Turn {
 
     /// A vector of the child in the parent's axes.
     #[inline(always)]
-    pub fn into_parent<const K: usize>(&self, v: Vec3) -> Vec3 {
+    pub fn into_parent<const K: usize>(self, v: Vec3) -> Vec3 {
         let (i, j) = ((K + 1) % 3, (K + 2) % 3);
         let mut out = v;
         out[i] = self.cos * v[i] - self.sin * v[j];
@@ -131,7 +131,7 @@ impl Articulated {
 
     /// From the child's axes into the parent's, for a turn about axis `K`.
     #[inline(always)]
-    pub fn into_parent<const K: usize>(&self, turn: &Turn) -> Self {
+    pub fn seen_from_parent<const K: usize>(&self, turn: &Turn) -> Self {
         let (cc, ss, sc) = (turn.cos * turn.cos, turn.sin * turn.sin, turn.sin * turn.cos);
         Self {
             a: turned_symmetric::<K>(&self.a, turn, cc, ss, sc),
