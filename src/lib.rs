@@ -16,7 +16,7 @@
 //! # Layers, each using only those above it
 //! [`log`] reads and checks · [`geometry`] lumps a leg into a pendulum · [`joint`] has the stages · [`integrate`] and
 //! [`pendulum`] move them · [`fit`] minimises and says how sure it is · [`identify`] brings logs and models together ·
-//! [`blind`] tests the diagnosis on sealed studies ·
+//! [`robot`] moves a whole tree of bodies · [`blind`] tests the diagnosis on sealed studies ·
 //! [`report`] draws · [`cli`] is the program.
 //!
 //! # A swing, fitted

@@ -109,18 +109,18 @@ fn table(model: &Model, states: &[StateAnswer]) -> String {
     let mut text = format!("{}: {} bodies, {} joints\n\n", model.name(), model.bodies().len(), model.joints().len());
     let _ = writeln!(
         text,
-        "{:>5} {:>13} {:>13} {:>13} {:>13}  fastest joint",
+        "{:>5} {:>13} {:>13} {:>13} {:>13}  largest joint acceleration",
         "state", "base [m/s^2]", "com y [m]", "kinetic [J]", "potential [J]"
     );
     for (index, state) in states.iter().enumerate() {
         let out = &state.out;
         let base = out.qacc[..3].iter().map(|x| x * x).sum::<f64>().sqrt();
         let joints = out.qacc[6..].iter().zip(model.joints());
-        let fastest = joints.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
-        let fastest = fastest.map_or_else(String::new, |(x, joint)| format!("{} {x:.4e} rad/s^2", joint.name));
+        let largest = joints.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+        let largest = largest.map_or_else(String::new, |(x, joint)| format!("{} {x:.4e} rad/s^2", joint.name));
         let _ = writeln!(
             text,
-            "{index:>5} {base:>13.6} {:>13.6} {:>13.6} {:>13.6}  {fastest}",
+            "{index:>5} {base:>13.6} {:>13.6} {:>13.6} {:>13.6}  {largest}",
             out.com[1], out.kinetic_energy, out.potential_energy
         );
     }

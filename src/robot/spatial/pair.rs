@@ -2,7 +2,7 @@
 //!
 //! Legs come in twos. On x86-64 a pair is one register of the baseline instruction set, so nothing has to be detected
 //! at run time; elsewhere it is two plain numbers. No operation fuses a multiplication with an addition, so the bits of
-//! a result are the same on every machine.
+//! a result do not depend on the processor.
 
 use std::ops::{Add, AddAssign, Mul, Neg, Sub};
 
