@@ -41,6 +41,14 @@ pub enum RobotError {
         /// What may be given.
         allowed: &'static str,
     },
+    /// A joint whose parent is neither the base nor moved by an earlier joint.
+    #[error("joint {joint}: parent {parent} hangs on no earlier joint")]
+    Order {
+        /// The joint.
+        joint: String,
+        /// Its parent.
+        parent: String,
+    },
     /// Nothing resists a joint: its axis goes through all the mass it moves.
     #[error(
         "joint {joint}: what it moves has no inertia about its axis ({inertia_kg_m2:e} kg m^2), expected above 0; give \

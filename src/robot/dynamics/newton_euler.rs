@@ -33,18 +33,28 @@ impl Dynamics<'_> {
     /// # Panics
     /// Where a slice has not the model's length.
     pub fn inverse(&mut self, state: &State, acceleration: &[f64], forces: &[Force], out: &mut [f64]) {
+        self.check("accelerations", acceleration.len(), self.freedoms());
+        self.inverse_of(state, |k| acceleration[k], forces, out);
+    }
+
+    /// The bias: Coriolis, centrifugal and gravity forces, what no acceleration needs.
+    ///
+    /// # Panics
+    /// As [`Dynamics::inverse`].
+    pub fn bias(&mut self, state: &State, out: &mut [f64]) {
+        self.inverse_of(state, |_| 0.0, &[], out);
+    }
+
+    fn inverse_of(&mut self, state: &State, acceleration: impl Fn(usize) -> f64, forces: &[Force], out: &mut [f64]) {
         self.check_state(state);
-        let freedoms = self.freedoms();
-        self.check("accelerations", acceleration.len(), freedoms);
-        self.check("torques", out.len(), freedoms);
+        self.check("torques", out.len(), self.freedoms());
         self.motions.update(self.model, state);
+        let triple = |k: usize| Vector3::new(acceleration(k), acceleration(k + 1), acceleration(k + 2));
         let rotation = self.motions.bodies[0].rotation;
         let base = match self.model.base() {
-            Base::Floating => Load {
-                acceleration_m_s2: Vector3::from_column_slice(&acceleration[..3]),
-                angular_rad_s2: rotation * Vector3::from_column_slice(&acceleration[3..BASE_FREEDOMS]),
-                ..Load::default()
-            },
+            Base::Floating => {
+                Load { acceleration_m_s2: triple(0), angular_rad_s2: rotation * triple(3), ..Load::default() }
+            }
             Base::Clamped => Load::default(),
         };
         self.loads[0] = base;
@@ -56,7 +66,7 @@ impl Dynamics<'_> {
             let from_joint = -(motion.rotation * joint.in_child_m);
             let axis = self.motions.axes[j];
             let angular_rad_s2 = load.angular_rad_s2
-                + axis * acceleration[BASE_FREEDOMS + j]
+                + axis * acceleration(BASE_FREEDOMS + j)
                 + carrier.rate_rad_s.cross(&axis) * state.rate_rad_s[j];
             let acceleration_m_s2 = load.acceleration_m_s2
                 + turning(&load.angular_rad_s2, &carrier.rate_rad_s, &to_joint)
@@ -79,20 +89,6 @@ impl Dynamics<'_> {
         }
         out[..3].copy_from_slice(self.loads[0].force_n.as_slice());
         out[3..BASE_FREEDOMS].copy_from_slice((rotation.transpose() * self.loads[0].moment_nm).as_slice());
-    }
-
-    /// The bias: Coriolis, centrifugal and gravity forces, what no acceleration needs.
-    ///
-    /// # Panics
-    /// As [`Dynamics::inverse`].
-    pub fn bias(&mut self, state: &State, out: &mut [f64]) {
-        // An acceleration of nothing, without memory for it.
-        const STILL: [f64; 64] = [0.0; 64];
-        let freedoms = self.freedoms();
-        match STILL.get(..freedoms) {
-            Some(still) => self.inverse(state, still, &[], out),
-            None => self.inverse(state, &vec![0.0; freedoms], &[], out),
-        }
     }
 
     /// Force and moment that a body's own acceleration needs.

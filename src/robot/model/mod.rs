@@ -123,7 +123,8 @@ impl Model {
     /// The model of checked tables.
     ///
     /// # Errors
-    /// [`RobotError::NoInertia`]; [`RobotError::NoBody`] where tables that no file was read for are no tree.
+    /// [`RobotError::NoInertia`]; [`RobotError::NoBody`] and [`RobotError::Order`] where tables that were not read from a
+    /// file are no tree.
     pub fn new(tables: RobotTables) -> Result<Self, RobotError> {
         let names: Vec<&String> = std::iter::once(&tables.root).chain(tables.joints.iter().map(|j| &j.child)).collect();
         let place = |name: &String| {
@@ -133,7 +134,13 @@ impl Model {
                 bodies: names.iter().map(|&name| name.clone()).collect(),
             })
         };
-        let carrier = tables.joints.iter().map(|j| place(&j.parent).map(BodyId)).collect::<Result<_, _>>()?;
+        let carrier: Vec<BodyId> =
+            tables.joints.iter().map(|j| place(&j.parent).map(BodyId)).collect::<Result<_, _>>()?;
+        for (j, (joint, above)) in tables.joints.iter().zip(&carrier).enumerate() {
+            if *above > BodyId(j) {
+                return Err(RobotError::Order { joint: joint.name.clone(), parent: joint.parent.clone() });
+            }
+        }
         let mut bodies = Vec::with_capacity(names.len());
         for &name in &names {
             let part = tables.parts.iter().find(|part| part.name == *name);
