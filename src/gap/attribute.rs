@@ -2,12 +2,14 @@
 
 use super::compare::{correlation_length, difference};
 use super::evidence::{Evidence, counts};
-use super::explore::{explore, one_of_each};
+use super::explore::{explore, one_of_each, refitted};
 use super::floor::noise_rad;
 use super::model::GapModel;
+use super::pairs::pairs;
+use super::sight::Sight;
 use super::trial::Trial;
 use crate::fit::Budget;
-use crate::identify::{Problem, candidates, ranked};
+use crate::identify::{Experiment, Problem, candidates, ranked};
 use crate::joint::EffectId;
 use rayon::prelude::*;
 
@@ -37,6 +39,10 @@ const SERIOUS: f64 = 4.0;
 const MOST: usize = 6;
 /// Evaluations of a fit that begins near its end.
 const AGAIN: Budget = Budget { evaluations: 24 };
+/// The same share, from which on the search may have ended in a wrong place.
+const FAR: f64 = 0.12;
+/// Held-out logs show more where they exceed the noise by this many times as much as the fitted ones.
+const SHOWS_MORE: f64 = 6.0;
 /// A hypothesis whose squared residuals exceed the noise by this share leaves something to explain.
 pub(super) const LEFT_OVER: f64 = 0.04;
 
@@ -55,7 +61,8 @@ impl Attribution {
         let mut this =
             Self { given, calibrated, firsts: Vec::new(), seconds: Vec::new(), noise_rad: 0.0, correlation: 1.0 };
         let as_given = this.given.found.values.clone();
-        this.firsts = explore(&coarse, &this.calibrated, std::slice::from_ref(&as_given), effects);
+        let sights = Sight::from_each(&coarse, &this.calibrated, std::slice::from_ref(&as_given), effects);
+        this.firsts = explore(&coarse, &this.calibrated, &sights);
         // A baseline that has been in the wrong place shows when an effect that found the right one is dropped.
         let dropped = |t: &Trial, k: usize| t.without(&coarse, &baseline, k, AGAIN);
         let again: Vec<Trial> = this.firsts.par_iter().take(PAIRS).map(|t| dropped(t, 0)).collect();
@@ -65,18 +72,24 @@ impl Attribution {
             }
         }
         this.measure(&coarse);
-        if this.leaves_something(&coarse) {
+        if this.leaves(&coarse, LEFT_OVER) {
             progress("trying a second effect");
+            let together = pairs(&coarse, &this.calibrated, &sights);
             let seconds = this.firsts.iter().take(FIRSTS).flat_map(|first| {
                 let others: Vec<EffectId> = effects.iter().copied().filter(|e| !first.effects().contains(e)).collect();
                 let mut also = as_given.clone();
                 also.extend(&first.found.values[first.model.place(0)]);
-                let mut found = explore(&coarse, first, &[also], &others);
+                let sights = Sight::from_each(&coarse, first, &[also], &others);
+                let mut found = explore(&coarse, first, &sights);
                 found.truncate(PAIRS);
                 found
             });
-            this.seconds = one_of_each(seconds.collect());
+            this.seconds = one_of_each(seconds.chain(together).collect());
             this.seconds.truncate(2 * PAIRS);
+            if this.leaves(&coarse, FAR) {
+                progress("looking at short parts of the logs");
+                this.from_short_parts(&coarse, &baseline, effects);
+            }
             let singles: Vec<Trial> =
                 this.seconds.par_iter().take(PAIRS).flat_map(|t| [dropped(t, 0), dropped(t, 1)]).collect();
             this.firsts.extend(singles);
@@ -85,6 +98,26 @@ impl Attribution {
         progress("the serious ones on all samples");
         this.on_all_samples(evidence);
         this
+    }
+
+    /// Seeks effects and pairs of them on short parts of the logs, and carries what is found there over to whole ones.
+    fn from_short_parts(&mut self, coarse: &Evidence, baseline: &GapModel, effects: &[EffectId]) {
+        let short = coarse.in_parts();
+        let given = Trial::as_given(&short, baseline);
+        let mut calibrated = calibrate(&short, baseline, &given);
+        // Fitted starts hide what is missing; those that the readings show do not.
+        calibrated.found.starts = short.fit.iter().map(|e| e.start_coordinates(&e.start)).collect();
+        let sights = Sight::from_each(&short, &calibrated, std::slice::from_ref(&given.found.values), effects);
+        let found = [explore(&short, &calibrated, &sights), pairs(&short, &calibrated, &sights)];
+        for (found, known) in found.into_iter().zip([&mut self.firsts, &mut self.seconds]) {
+            let line = found.first().map_or(0.0, |best| SERIOUS * best.criterion());
+            let serious = found.into_iter().take(PAIRS).filter(|t| t.criterion() < line);
+            let candidates = serious.map(|t| (t.effects().to_vec(), t.found.values)).collect();
+            known.extend(refitted(coarse, &self.calibrated, candidates));
+            *known = one_of_each(std::mem::take(known));
+        }
+        self.seconds.truncate(2 * PAIRS);
+        self.measure(coarse);
     }
 
     /// Carries what may matter over to all samples, and predicts the held-out logs.
@@ -116,10 +149,11 @@ impl Attribution {
         self.rank(evidence);
     }
 
-    /// Whether the best single effect leaves more than noise.
-    fn leaves_something(&self, evidence: &Evidence) -> bool {
-        let best = [&self.calibrated].into_iter().chain(&self.firsts).map(|t| self.excess(evidence, t));
-        best.fold(f64::INFINITY, f64::min) > LEFT_OVER
+    /// Whether the best hypothesis leaves more than this share above the noise.
+    fn leaves(&self, evidence: &Evidence, share: f64) -> bool {
+        let all = [&self.calibrated].into_iter().chain(&self.firsts).chain(&self.seconds);
+        let best = all.map(|t| self.excess(evidence, t));
+        best.fold(f64::INFINITY, f64::min) > share
     }
 
     fn rank(&mut self, evidence: &Evidence) {
@@ -144,6 +178,27 @@ impl Attribution {
         let held = if trial.held.is_empty() { &[][..] } else { &evidence.held[..] };
         let samples: f64 = evidence.fit.iter().chain(held).map(|e| counts(e).sum::<f64>()).sum();
         (trial.fit_loss(evidence) + trial.held_loss(evidence)) / (samples * self.noise_rad.powi(2)) - 1.0
+    }
+
+    /// Share by which the squared residuals exceed the noise where a hypothesis has to predict, and where it is fitted.
+    fn excess_apart(&self, evidence: &Evidence, trial: &Trial) -> [f64; 2] {
+        let excess = |experiments: &[Experiment], sum: f64| {
+            let samples: f64 = experiments.iter().map(|e| counts(e).sum::<f64>()).sum();
+            sum / (samples * self.noise_rad.powi(2)) - 1.0
+        };
+        [excess(&evidence.held, trial.held_loss(evidence)), excess(&evidence.fit, trial.fit_loss(evidence))]
+    }
+
+    /// Whether the held-out logs show something that the best hypothesis was not fitted to, because the logs to be
+    /// fitted hardly show it.
+    pub fn held_out_shows_more(&self, evidence: &Evidence) -> bool {
+        if evidence.held.is_empty() {
+            return false;
+        }
+        let all = [&self.calibrated].into_iter().chain(&self.firsts).chain(&self.seconds);
+        let best = all.min_by(|a, b| self.score(evidence, a).total_cmp(&self.score(evidence, b)));
+        let [held, fitted] = best.map_or([0.0; 2], |t| self.excess_apart(evidence, t));
+        held > SHOWS_MORE * (fitted.max(0.0) + LEFT_OVER)
     }
 
     /// How many standard deviations `a` explains all logs worse than `b`.

@@ -8,6 +8,7 @@
 use super::attribute::Attribution;
 use super::diagnosis::Verdict;
 use super::evidence::Evidence;
+use super::floor::rough_rad;
 use super::held_out::{HeldOut, closed};
 use super::trial::Trial;
 use crate::joint::EffectId;
@@ -73,7 +74,9 @@ pub(super) fn decide<'a>(evidence: &Evidence, held: &HeldOut, a: &'a Attribution
         let held_rms = |t: &Trial| held.rms_rad(&held.residuals(evidence, t));
         let held_closes = closed(held_rms(&a.given), held_rms(simple), a.noise_rad).unwrap_or(1.0);
         let closes = judge.closed(&a.given, simple).unwrap_or(0.0).min(held_closes);
-        let verdict = match (calibrated_pays, excess < NO_ALARM) {
+        // What has no shape is noise, however large: no model could take it up.
+        let shape = (1.0 + excess) * (a.noise_rad / rough_rad(evidence, simple).max(a.noise_rad)).powi(2) - 1.0;
+        let verdict = match (calibrated_pays, shape < NO_ALARM) {
             (false, true) => Verdict::None,
             (true, true) => Verdict::Calibration,
             (true, false) if closes > CALIBRATION_CLOSES => Verdict::Calibration,

@@ -3,8 +3,9 @@
 use super::attribute::Attribution;
 use super::diagnosis::Detectable;
 use super::evidence::Evidence;
-use super::explore::Projector;
 use super::model::COULOMB;
+use super::projector::Projector;
+use super::sight::weighted;
 use super::trial::Trial;
 use crate::fit::Residuals;
 use crate::identify::{Found, Problem};
@@ -38,25 +39,18 @@ pub(super) fn detectable(
         .map(|&effect| {
             let named = effect.named_parameters()[0];
             let model = around.model.with(effect, &evidence.reach);
-            let with = Problem::new(&model, &coarse.fit);
             let mut shown: Vec<(f64, f64)> = effect
                 .starts(&evidence.reach)
                 .into_iter()
                 .filter_map(|start| {
                     let size = effect.named(&start, around.found.values[COULOMB])[0];
                     let values: Vec<f64> = around.found.values.iter().copied().chain(start).collect();
+                    let model = model.clone().at(&values);
+                    let with = Problem::new(&model, &coarse.fit);
                     let x = with.coordinates_from(&Found { values, ..around.found.clone() });
                     let mut moved = Vec::with_capacity(here.len());
-                    for (k, e) in coarse.fit.iter().enumerate() {
-                        let mut r = DVector::zeros(e.compared());
-                        let motion = with.motion(&x, k, |i, s| {
-                            if i >= e.uncompared {
-                                let row = i - e.uncompared;
-                                r[row] = e.weights_s[row].sqrt() * (s.angle_rad - e.measured_rad[i]) - here[k][row];
-                            }
-                        });
-                        motion.ok()?;
-                        moved.push(r);
+                    for (k, here) in here.iter().enumerate() {
+                        moved.push(weighted(&with, &x, k)? - here);
                     }
                     Some((size, projector.left(&moved) / unit))
                 })

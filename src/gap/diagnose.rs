@@ -47,7 +47,7 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &(dyn Fn(&str) + Sy
     let considered =
         |e: &EffectId| !options.without.contains(e) && (options.only.is_empty() || options.only.contains(e));
     let effects: Vec<EffectId> = EffectId::ALL.iter().copied().filter(considered).collect();
-    let attribution = Attribution::of(&evidence, &effects, progress);
+    let (evidence, attribution) = attributed(evidence, &effects, progress);
     if !attribution.calibrated.criterion().is_finite() {
         return Err(GapError::Diverged);
     }
@@ -106,6 +106,18 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &(dyn Fn(&str) + Sy
         notes: notes(&evidence, &decision, intervals_trusted),
         withheld: EffectId::ALL.iter().copied().filter(|e| !effects.contains(e)).collect(),
     })
+}
+
+/// All hypotheses fitted: to the logs that the study says, or to all where only the held-out ones show what is missing.
+fn attributed(evidence: Evidence, effects: &[EffectId], progress: &(dyn Fn(&str) + Sync)) -> (Evidence, Attribution) {
+    let attribution = Attribution::of(&evidence, effects, progress);
+    if !attribution.held_out_shows_more(&evidence) {
+        return (evidence, attribution);
+    }
+    progress("all logs: the held-out ones show more");
+    let pooled = evidence.pooled();
+    let attribution = Attribution::of(&pooled, effects, progress);
+    (pooled, attribution)
 }
 
 /// How far the gap closes on logs that were not fitted.
@@ -220,7 +232,12 @@ fn traces(
         };
         LogTraces {
             file: e.file.clone(),
-            role: if role == Role::Fit { "fit" } else { "validate" }.to_owned(),
+            role: if role == Role::Fit && evidence.pooled_from.is_none_or(|from| k < from) {
+                "fit"
+            } else {
+                "validate"
+            }
+            .to_owned(),
             t_s: e.t_s[e.uncompared..].to_vec(),
             measured_rad: readings.to_vec(),
             setpoint_rad: match &e.signal {
@@ -254,7 +271,13 @@ fn notes(evidence: &Evidence, decision: &Decision<'_>, trusted: bool) -> Vec<Str
                 .to_owned(),
         );
     }
-    if evidence.held.is_empty() {
+    if evidence.pooled_from.is_some() {
+        notes.push(
+            "The logs to be fitted hardly show what the held-out ones do: all logs were fitted, and each held-out one \
+             is predicted by a fit to the others that begins where the fit to all ended."
+                .to_owned(),
+        );
+    } else if evidence.held.is_empty() {
         notes.push("The study names no \"validate\" log: logs were held out in turn.".to_owned());
     }
     let spread = evidence.fit.iter().zip(&decision.answer.fit).map(|(e, r)| (loss(e, r), e));

@@ -9,8 +9,10 @@ use crate::log::{Nominal, Role};
 pub(super) struct Evidence {
     /// Logs that parameters are fitted to.
     pub fit: Vec<Experiment>,
-    /// Logs that are only predicted; empty where the study names none.
+    /// Logs that are only predicted; empty where the study names none, and where they were pooled.
     pub held: Vec<Experiment>,
+    /// Where the logs that the study holds out begin among the fitted ones, if they were pooled.
+    pub pooled_from: Option<usize>,
     /// The joint as given.
     pub nominal: Nominal,
     /// Where it hangs, as given; 0 where nothing is said \[rad\].
@@ -45,10 +47,26 @@ impl Evidence {
             reach: reach_of(&all, &nominal),
             fit,
             held,
+            pooled_from: None,
             nominal,
             rest_rad: case.joint.rest_rad.unwrap_or(0.0),
             scale_known,
         })
+    }
+
+    /// The same logs, all of them to be fitted: for what only a held-out log shows.
+    pub fn pooled(&self) -> Self {
+        let fit = self.fit.iter().chain(&self.held).cloned().collect();
+        Self { fit, held: Vec::new(), pooled_from: Some(self.fit.len()), ..*self }
+    }
+
+    /// The fitted logs cut into short parts with starts of their own: over a short time no hypothesis runs far from its
+    /// log, so that a search has few local minima.
+    pub fn in_parts(&self) -> Self {
+        let total_s: f64 = self.fit.iter().map(|e| e.t_s[e.t_s.len() - 1] - e.t_s[0]).sum();
+        let part_s = (total_s / PARTS).max(SHORTEST_PART_S);
+        let fit = self.fit.iter().flat_map(|e| e.parts(part_s)).collect();
+        Self { fit, held: Vec::new(), ..*self }
     }
 
     /// The same logs with fewer samples, for the many fits of an exploration.
@@ -58,6 +76,9 @@ impl Evidence {
     }
 }
 
+/// Short parts of all logs together, at the most, and how short they may be \[s\].
+const PARTS: f64 = 48.0;
+const SHORTEST_PART_S: f64 = 0.6;
 /// Samples of a free log that an exploration looks at, at the most.
 const COARSE_SAMPLES: usize = 260;
 

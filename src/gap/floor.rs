@@ -17,6 +17,30 @@ const TRIMMED: usize = 8;
 /// judged by the model that leaves it the least rough; blocks in which the joint hardly moves are passed over, and the
 /// extreme ones are set aside. Never below a step's rounding.
 pub(super) fn noise_rad(evidence: &Evidence, trials: &[&Trial]) -> f64 {
+    let mut roughness = roughness(evidence, trials);
+    let step = evidence.reach.resolution_rad;
+    let rounding = step / 12f64.sqrt();
+    if roughness.is_empty() {
+        return rounding.max(1e-6);
+    }
+    roughness.sort_by(f64::total_cmp);
+    let aside = roughness.len() / TRIMMED;
+    root_mean(&roughness[aside..roughness.len() - aside]).max(rounding).max(1e-9)
+}
+
+/// Standard deviation of the part of a hypothesis' residuals that has no shape \[rad\]: as above with nothing set aside.
+/// Zero where the joint hardly moves.
+pub(super) fn rough_rad(evidence: &Evidence, trial: &Trial) -> f64 {
+    root_mean(&roughness(evidence, &[trial]))
+}
+
+fn root_mean(squares: &[f64]) -> f64 {
+    (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
+}
+
+/// Variances by second differences of the blocks in which the joint moves; each log by the model that leaves it the
+/// least rough.
+fn roughness(evidence: &Evidence, trials: &[&Trial]) -> Vec<f64> {
     let mut roughness: Vec<f64> = Vec::new();
     for (k, e) in evidence.fit.iter().chain(&evidence.held).enumerate() {
         let readings = &e.measured_rad[e.uncompared..];
@@ -41,13 +65,5 @@ pub(super) fn noise_rad(evidence: &Evidence, trials: &[&Trial]) -> f64 {
         let least = trials.iter().map(of).min_by(|a, b| a.iter().sum::<f64>().total_cmp(&b.iter().sum::<f64>()));
         roughness.extend(least.unwrap_or_default().into_iter().filter(|x| x.is_finite()));
     }
-    let step = evidence.reach.resolution_rad;
-    let rounding = step / 12f64.sqrt();
-    if roughness.is_empty() {
-        return rounding.max(1e-6);
-    }
-    roughness.sort_by(f64::total_cmp);
-    let aside = roughness.len() / TRIMMED;
-    let middle = &roughness[aside..roughness.len() - aside];
-    (middle.iter().sum::<f64>() / middle.len() as f64).sqrt().max(rounding).max(1e-9)
+    roughness
 }

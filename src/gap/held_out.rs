@@ -13,7 +13,8 @@ pub(super) struct HeldOut {
     pub experiments: Vec<Experiment>,
     /// How they were held out, in words.
     pub how: &'static str,
-    in_turn: bool,
+    /// What they are held out from, in turn, and where they begin among it; `None` where the study holds them out.
+    in_turn: Option<(Vec<Experiment>, usize)>,
 }
 
 /// Parts into which a single log is cut.
@@ -25,30 +26,34 @@ impl HeldOut {
     pub fn of(evidence: &Evidence) -> Self {
         if !evidence.held.is_empty() {
             let how = "predicted by fits to the other logs, as the study says";
-            return Self { experiments: evidence.held.clone(), how, in_turn: false };
+            return Self { experiments: evidence.held.clone(), how, in_turn: None };
         }
-        if let [only] = &evidence.fit[..] {
+        let all = &evidence.fit;
+        if let Some(from) = evidence.pooled_from {
+            let how = "each predicted by a fit to all other logs, from what a fit to all logs found: the logs to be \
+                       fitted do not show what these show";
+            return Self { experiments: all[from..].to_vec(), how, in_turn: Some((all.clone(), from)) };
+        }
+        if let [only] = &all[..] {
             let duration_s = only.t_s[only.t_s.len() - 1] - only.t_s[0];
             let experiments = only.parts(duration_s / PARTS);
             let how = "each part of the only log predicted by a fit to its other parts; every part has a free start";
-            return Self { experiments, how, in_turn: true };
+            return Self { in_turn: Some((experiments.clone(), 0)), experiments, how };
         }
         let how = "each log predicted by a fit to all others";
-        Self { experiments: evidence.fit.clone(), how, in_turn: true }
+        Self { experiments: all.clone(), how, in_turn: Some((all.clone(), 0)) }
     }
 
     /// Model less reading on every held-out log.
     pub fn residuals(&self, evidence: &Evidence, trial: &Trial) -> Vec<Vec<f64>> {
-        if !self.in_turn {
-            return trial.held.clone();
-        }
-        let cut = self.experiments.len() != evidence.fit.len() || evidence.fit.len() == 1;
+        let Some((all, from)) = &self.in_turn else { return trial.held.clone() };
+        let cut = evidence.fit.len() == 1;
         (0..self.experiments.len())
             .into_par_iter()
             .map(|k| {
-                let others = |i: &usize| *i != k;
+                let others = |i: &usize| *i != from + k;
                 let without = Evidence {
-                    fit: (0..self.experiments.len()).filter(others).map(|i| self.experiments[i].clone()).collect(),
+                    fit: (0..all.len()).filter(others).map(|i| all[i].clone()).collect(),
                     held: Vec::new(),
                     ..*evidence
                 };
@@ -56,9 +61,9 @@ impl HeldOut {
                 let values = if without.fit.is_empty() || trial.model.free() == 0 {
                     &trial.found.values
                 } else {
-                    let starts = (0..self.experiments.len()).filter(others);
+                    let starts = (0..all.len()).filter(others);
                     let starts = starts.map(|i| {
-                        let e = &self.experiments[i];
+                        let e = &all[i];
                         if cut { e.start_coordinates(&e.start) } else { trial.found.starts[i] }
                     });
                     fitted = Trial::solved(&without, trial.model.clone(), &trial.found.values, starts.collect(), AGAIN);

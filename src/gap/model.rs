@@ -71,6 +71,16 @@ impl GapModel {
         self
     }
 
+    /// The same model with everything that is not searched at the values given.
+    pub(super) fn at(mut self, values: &[f64]) -> Self {
+        for (parameter, value) in self.parameters.iter_mut().zip(values) {
+            if parameter.fixed {
+                parameter.start = *value;
+            }
+        }
+        self
+    }
+
     /// The effects, in the order in which they were added.
     pub(super) fn effects(&self) -> &[EffectId] {
         &self.effects

@@ -34,7 +34,7 @@ impl Trial {
     pub fn solved(evidence: &Evidence, model: GapModel, values: &[f64], starts: Vec<[f64; 2]>, budget: Budget) -> Self {
         // Ratios alone: the moment sets the scale, or the inertia of a joint that is said to have no moment.
         let scale = if values[MOMENT] > 0.0 { MOMENT } else { INERTIA };
-        let model = if evidence.scale_known { model } else { model.holding(&[scale], values) };
+        let model = if evidence.scale_known { model } else { model.holding(&[scale], values) }.at(values);
         let problem = Problem::new(&model, &evidence.fit);
         let nothing = Solution {
             x: Vec::new(),

@@ -3,7 +3,7 @@
 use crate::joint::{Chain, Real, Setpoint, SetpointPath};
 use crate::log::Hold;
 
-/// What acts on the joint along a log; the slices are as long as the log's times.
+/// What acts on the joint along a log; the slices are as long as the log's times, which count from its start.
 #[derive(Clone, Copy, Debug)]
 pub enum Input<'a> {
     /// Motor off.
@@ -85,9 +85,9 @@ pub(crate) struct Schedule<'a, T> {
 const SHORTEST_HOLD_S: f64 = 1e-4;
 /// A reading of the setpoint this shortly before a sample takes that sample \[s\].
 const SAME_INSTANT_S: f64 = 1e-9;
-/// A hold this near to a whole number of sampling periods, as a share, is that number: a hair less would be a hold that
-/// reads the sample before, which is a delay.
-const WHOLE: f64 = 0.005;
+/// A hold so near to a whole number of sampling periods that its last reading in the log is off by less than this share
+/// of a period is that number: a hair less would be a hold that reads the sample before, which is a delay.
+const WHOLE: f64 = 0.2;
 
 impl<'a, T: Real> Schedule<'a, T> {
     pub(crate) fn new(input: Input<'a>, t_s: &'a [f64], path: SetpointPath<T>) -> Self {
@@ -99,13 +99,9 @@ impl<'a, T: Real> Schedule<'a, T> {
             }
         };
         let start_s = T::constant(t_s.first().copied().unwrap_or(0.0));
-        Self {
-            input,
-            t_s,
-            path: SetpointPath { hold_s, ..path },
-            in_force: (T::constant(first), 0.0, start_s),
-            next: 0,
-        }
+        // Readings of a hold count from the start of the log; the first that matters is in force when the part begins.
+        let next = hold_s.map_or(0, |hold| ((start_s.re() + SAME_INSTANT_S) / hold.re()).max(0.0) as usize);
+        Self { input, t_s, path: SetpointPath { hold_s, ..path }, in_force: (T::constant(first), 0.0, start_s), next }
     }
 
     fn is_perfect(&self) -> bool {
@@ -118,7 +114,7 @@ impl<'a, T: Real> Schedule<'a, T> {
             return None;
         }
         let instant = match (self.input, self.path.hold_s) {
-            (Input::Position { .. }, Some(hold)) => hold * self.next as f64 + self.t_s[0],
+            (Input::Position { .. }, Some(hold)) => hold * self.next as f64,
             _ => T::constant(*self.t_s.get(self.next)?),
         };
         Some(self.path.delay_s.map_or(instant, |delay| instant + delay))
@@ -129,7 +125,7 @@ impl<'a, T: Real> Schedule<'a, T> {
         let Some(at) = self.next_change() else { return };
         self.in_force = match (self.input, self.path.hold_s) {
             (Input::Position { setpoint_rad, hold: reading, .. }, Some(hold)) => {
-                let read_s = hold * self.next as f64 + self.t_s[0];
+                let read_s = hold * self.next as f64;
                 let k = self.t_s.partition_point(|t| *t <= read_s.re() + SAME_INSTANT_S).max(1) - 1;
                 let value = T::constant(setpoint_rad[k]);
                 let slope = self.slope(setpoint_rad, reading, k);
@@ -183,6 +179,7 @@ fn whole_periods<T: Real>(hold_s: T, t_s: &[f64]) -> T {
     let [Some(first), Some(last)] = [t_s.first(), t_s.last()] else { return hold_s };
     let period_s = (last - first) / (t_s.len() - 1).max(1) as f64;
     let periods = (hold_s.re() / period_s).round();
-    let near = (hold_s.re() / (periods * period_s) - 1.0).abs() < WHOLE;
+    let holds = (last / hold_s.re()).max(1.0);
+    let near = (hold_s.re() / period_s - periods).abs() * holds < WHOLE;
     if near { T::constant(periods * period_s) } else { hold_s }
 }

@@ -1,0 +1,162 @@
+//! Which holds of the setpoint are worth a real look.
+//!
+//! Which setpoints get through changes by leaps with the time between them: the residual has a narrow dip at the true
+//! one, and no slope leads there. So many times are tried that no dip is passed over, each through the linear response of
+//! joint and controller to what the hold takes from the setpoint; only the best are simulated.
+
+use super::evidence::Evidence;
+use super::model::GapModel;
+use super::projector::Projector;
+use crate::identify::{Experiment, JointModel, Signal};
+use crate::log::{Derivative, Hold, MotorSpec};
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+/// Times that are tried: from the sampling period times the first to that times the second.
+const FROM: f64 = 1.5;
+const TO: f64 = 40.0;
+/// Step from one time to the next, as a share of what moves the last hold of the longest log by one; and most times.
+const STEP: f64 = 0.5;
+const MOST: usize = 5000;
+/// Times that are simulated.
+const BEST: usize = 8;
+/// Two of them differ by this share at least, or are neighbours of a whole number of periods.
+const APART: f64 = 0.004;
+
+/// Starting values of the hold \[s\], most promising first; none where no setpoint drives the joint.
+///
+/// `absent` is what a hypothesis of these values leaves of each log.
+pub(super) fn hold_scan(
+    evidence: &Evidence,
+    model: &GapModel,
+    values: &[f64],
+    absent: &[DVector<f64>],
+    projector: &Projector,
+) -> Vec<Vec<f64>> {
+    let Some(driven) = evidence.reach.driven.filter(|driven| driven.by_setpoint) else { return Vec::new() };
+    let responses: Vec<Option<Response>> = evidence.fit.iter().map(|e| Response::of(e, model, values)).collect();
+    let duration_s = responses.iter().flatten().map(Response::duration_s).fold(0.0, f64::max);
+    let shortest_s = FROM * driven.period_s;
+    let longest_s = TO * driven.period_s;
+    // Steps of equal width in the number of holds over the longest log.
+    let [most, fewest] = [duration_s / shortest_s, duration_s / longest_s];
+    let steps = (((most - fewest) / STEP).ceil() as usize).clamp(1, MOST);
+    let between = (0..=steps).map(|n| duration_s / (most + (fewest - most) * n as f64 / steps as f64));
+    let whole = (2..=TO as u32).map(|n| f64::from(n) * driven.period_s);
+    let times: Vec<f64> = whole.chain(between).collect();
+    let mut tried: Vec<(f64, f64)> = times
+        .into_par_iter()
+        .map(|hold_s| {
+            let there: Vec<DVector<f64>> = responses
+                .iter()
+                .zip(absent)
+                .map(|(response, absent)| match response {
+                    Some(response) => absent + response.to_hold(hold_s),
+                    None => absent.clone(),
+                })
+                .collect();
+            (projector.left(&there), hold_s)
+        })
+        .filter(|(left, _)| left.is_finite())
+        .collect();
+    tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut best: Vec<f64> = Vec::new();
+    for (_, hold_s) in tried {
+        if best.len() < BEST && best.iter().all(|known| (hold_s / known - 1.0).abs() > APART) {
+            best.push(hold_s);
+        }
+    }
+    best.into_iter().map(|hold_s| vec![hold_s]).collect()
+}
+
+/// Linear response of a driven joint to a change of its setpoint.
+struct Response<'a> {
+    e: &'a Experiment,
+    setpoint_rad: &'a [f64],
+    hold: Hold,
+    law: MotorSpec,
+    inertia_kg_m2: f64,
+    /// Of controller and gravity \[N m/rad\].
+    stiffness_nm_rad: f64,
+    /// Of controller and friction \[N m s/rad\].
+    damping_nm_s_rad: f64,
+}
+
+impl<'a> Response<'a> {
+    fn of(e: &'a Experiment, model: &GapModel, values: &[f64]) -> Option<Self> {
+        let Signal::Position { setpoint_rad, hold, .. } = &e.signal else { return None };
+        let law = e.motor?;
+        let chain = model.chain(values, e);
+        let mean_rad = e.measured_rad.iter().sum::<f64>() / e.measured_rad.len() as f64;
+        let aside_rad = 1e-3;
+        let passive = |q: f64| chain.passive_nm(q, 0.0);
+        let gravity_nm_rad = (passive(mean_rad - aside_rad) - passive(mean_rad + aside_rad)) / (2.0 * aside_rad);
+        Some(Self {
+            e,
+            setpoint_rad,
+            hold: *hold,
+            law,
+            inertia_kg_m2: chain.link.inertia_kg_m2,
+            stiffness_nm_rad: law.kp_nm_rad + gravity_nm_rad,
+            damping_nm_s_rad: law.kd_nm_s_rad + chain.friction.viscous_nm_s_rad,
+        })
+    }
+
+    fn duration_s(&self) -> f64 {
+        self.e.t_s[self.e.t_s.len() - 1] - self.e.t_s[0]
+    }
+
+    /// Setpoint at a time in the sampling interval that begins with sample `k` \[rad\].
+    fn setpoint_rad(&self, k: usize, t_s: f64) -> f64 {
+        let here = self.setpoint_rad[k];
+        match (self.hold, self.setpoint_rad.get(k + 1)) {
+            (Hold::Linear, Some(next)) => {
+                here + (next - here) * (t_s - self.e.t_s[k]) / (self.e.t_s[k + 1] - self.e.t_s[k])
+            }
+            _ => here,
+        }
+    }
+
+    /// What a hold changes of the compared samples, each times the root of its weight.
+    fn to_hold(&self, hold_s: f64) -> DVector<f64> {
+        let e = self.e;
+        let mut moved = DVector::zeros(e.compared());
+        let (mut angle_rad, mut rate_rad_s) = (0.0, 0.0);
+        let (mut held_rad, mut reading) = (self.setpoint_rad[0], 0);
+        let mut taken = (e.t_s[0] / hold_s).floor();
+        for k in 0..e.t_s.len() {
+            if k >= e.uncompared {
+                moved[k - e.uncompared] = e.weights_s[k - e.uncompared].sqrt() * angle_rad;
+            }
+            let Some(next_s) = e.t_s.get(k + 1) else { break };
+            let (from_s, to_s) = (e.t_s[k], *next_s);
+            let step_s = to_s - from_s;
+            let mut mean_rad = 0.0;
+            let mut since_s = from_s;
+            // The next reading; a hair before a sample it takes that sample.
+            while (taken + 1.0) * hold_s < to_s - 1e-9 {
+                taken += 1.0;
+                let read_s = (taken * hold_s).max(from_s);
+                mean_rad += held_rad * (read_s - since_s);
+                while reading < k && e.t_s[reading + 1] <= read_s + 1e-9 {
+                    reading += 1;
+                }
+                held_rad = self.setpoint_rad(reading, read_s);
+                since_s = read_s;
+            }
+            mean_rad = (mean_rad + held_rad * (to_s - since_s)) / step_s;
+            let mut torque_nm = self.law.kp_nm_rad * (mean_rad - self.setpoint_rad(k, 0.5 * (from_s + to_s)));
+            if self.law.derivative == Derivative::Error && self.hold == Hold::Linear {
+                let change_rad = self.setpoint_rad(k, to_s) - self.setpoint_rad(k, from_s);
+                torque_nm -= self.law.kd_nm_s_rad * change_rad / step_s;
+            }
+            // Implicit in stiffness and damping.
+            let inertia =
+                self.inertia_kg_m2 + step_s * self.damping_nm_s_rad + step_s * step_s * self.stiffness_nm_rad.max(0.0);
+            let resists_nm = self.damping_nm_s_rad * rate_rad_s + self.stiffness_nm_rad * angle_rad;
+            rate_rad_s += step_s * (torque_nm - resists_nm) / inertia;
+            angle_rad += step_s * rate_rad_s;
+        }
+        moved
+    }
+}

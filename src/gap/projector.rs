@@ -1,0 +1,75 @@
+//! What a fitted hypothesis can take up by itself: residuals off all columns that it can move.
+
+use crate::fit::Block;
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+/// What a trial can take up by itself, to first order.
+pub(super) struct Projector {
+    /// For each log: an orthonormal basis of its start's columns, and the shared columns without their part in it.
+    logs: Vec<(DMatrix<f64>, DMatrix<f64>)>,
+    gram: Option<Cholesky<f64, Dyn>>,
+}
+
+impl Projector {
+    pub(super) fn of(blocks: &[Block], shared: usize) -> Self {
+        let mut gram = DMatrix::zeros(shared, shared);
+        let logs: Vec<_> = blocks
+            .iter()
+            .map(|b| {
+                let (rows, width) = (b.residual.len(), b.columns.len());
+                let whole = DMatrix::from_row_slice(rows, width, &b.jacobian);
+                let starts = whole.columns(shared, width - shared).into_owned();
+                let basis = orthonormal(starts);
+                let columns = whole.columns(0, shared).into_owned();
+                let columns = &columns - &basis * (basis.transpose() * &columns);
+                gram += columns.transpose() * &columns;
+                (basis, columns)
+            })
+            .collect();
+        // A little of each diagonal keeps directions that the logs leave open from being used.
+        for i in 0..shared {
+            gram[(i, i)] += 1e-6 * gram[(i, i)] + 1e-300;
+        }
+        Self { logs, gram: gram.cholesky() }
+    }
+
+    /// Residuals of every log without what the trial's own columns can take up.
+    pub(super) fn project(&self, residuals: &[DVector<f64>]) -> Option<Vec<DVector<f64>>> {
+        let gram = self.gram.as_ref()?;
+        let mut product = DVector::zeros(gram.l_dirty().nrows());
+        let mut left: Vec<DVector<f64>> = Vec::with_capacity(residuals.len());
+        for ((basis, columns), r) in self.logs.iter().zip(residuals) {
+            let mut rest = r.clone();
+            rest.gemv(-1.0, basis, &basis.tr_mul(r), 1.0);
+            product.gemv_tr(1.0, columns, r, 1.0);
+            left.push(rest);
+        }
+        let taken = gram.solve(&product);
+        for ((_, columns), rest) in self.logs.iter().zip(&mut left) {
+            rest.gemv(-1.0, columns, &taken, 1.0);
+        }
+        Some(left)
+    }
+
+    /// Square sum of residuals after the trial's own columns have taken up what they can.
+    pub(super) fn left(&self, residuals: &[DVector<f64>]) -> f64 {
+        self.project(residuals).map_or(f64::INFINITY, |left| left.iter().map(|r| r.norm_squared()).sum())
+    }
+}
+
+/// Columns made orthonormal (Gram-Schmidt); columns of nothing are left out.
+fn orthonormal(columns: DMatrix<f64>) -> DMatrix<f64> {
+    let mut basis: Vec<DVector<f64>> = Vec::new();
+    for column in columns.column_iter() {
+        let mut rest = column.into_owned();
+        let size = rest.norm();
+        for known in &basis {
+            let along = known.dot(&rest);
+            rest.axpy(-along, known, 1.0);
+        }
+        if rest.norm() > 1e-9 * size && size > 0.0 {
+            basis.push(rest.normalize());
+        }
+    }
+    if basis.is_empty() { DMatrix::zeros(columns.nrows(), 0) } else { DMatrix::from_columns(&basis) }
+}

@@ -1,0 +1,143 @@
+//! What each effect would change, seen from a fitted hypothesis, without refitting anything.
+//!
+//! The residual of every starting point of an effect is projected off all columns that the hypothesis can move (its
+//! parameters, every log's start): what is left is, to first order, what a full refit would leave.
+
+use super::evidence::Evidence;
+use super::hold_scan::hold_scan;
+use super::model::GapModel;
+use super::projector::Projector;
+use super::trial::Trial;
+use crate::fit::Residuals;
+use crate::identify::{Found, Problem};
+use crate::joint::EffectId;
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+/// One hypothesis' view of the effects that may be added to it.
+pub(super) struct Sight {
+    /// Values of the hypothesis.
+    from: Vec<f64>,
+    /// What it leaves and cannot take up, in few rows.
+    pub absent: Vec<f64>,
+    /// Every effect at its starting points.
+    pub points: Vec<Point>,
+}
+
+/// A place from which an effect may be refitted.
+pub(super) struct Point {
+    pub effect: EffectId,
+    /// Values of the effect as they are searched.
+    pub start: Vec<f64>,
+    /// Square sum that a refit would leave, to first order.
+    pub promise: f64,
+    /// What switching it on changes beyond what the hypothesis can take up, in few rows.
+    pub moved: Vec<f64>,
+}
+
+/// What is left is folded to at most about so many rows.
+const ROWS: usize = 2000;
+/// To first order an effect may be up to so many times the size of its starting point.
+pub(super) const LARGEST: f64 = 4.0;
+
+impl Sight {
+    /// The view from `base`, and from further values of its parameters: what is missing may have bent the fitted ones
+    /// far from the truth, and what the engineer believes is then nearer to it.
+    pub fn from_each(evidence: &Evidence, base: &Trial, also: &[Vec<f64>], effects: &[EffectId]) -> Vec<Self> {
+        let problem = Problem::new(&base.model, &evidence.fit);
+        let Ok(blocks) = problem.linearise(&problem.coordinates_from(&base.found)) else { return Vec::new() };
+        let projector = Projector::of(&blocks, base.model.free());
+        let from = |values: &Vec<f64>| Self::of(evidence, base, values, effects, &projector);
+        [&base.found.values].into_iter().chain(also).filter_map(from).collect()
+    }
+
+    fn of(
+        evidence: &Evidence,
+        base: &Trial,
+        from: &[f64],
+        effects: &[EffectId],
+        projector: &Projector,
+    ) -> Option<Self> {
+        let logs = evidence.fit.len();
+        let bare = Problem::new(&base.model, &evidence.fit);
+        let at = bare.coordinates_from(&Found { values: from.to_vec(), ..base.found.clone() });
+        let absent: Vec<DVector<f64>> = (0..logs).map(|k| weighted(&bare, &at, k)).collect::<Option<_>>()?;
+        let left = projector.project(&absent)?;
+        let left_absent: f64 = left.iter().map(|r| r.norm_squared()).sum();
+        let points = effects
+            .par_iter()
+            .flat_map_iter(|&effect| {
+                let model = base.model.with(effect, &evidence.reach);
+                let starts = match effect {
+                    EffectId::SetpointHold => hold_scan(evidence, &base.model, from, &absent, projector),
+                    _ => effect.starts(&evidence.reach),
+                };
+                let point = |start: Vec<f64>| {
+                    let values: Vec<f64> = from.iter().chain(&start).copied().collect();
+                    let model = model.clone().at(&values);
+                    let problem = Problem::new(&model, &evidence.fit);
+                    let x = problem.coordinates_from(&Found { values, ..base.found.clone() });
+                    let moved: Vec<DVector<f64>> = (0..logs)
+                        .map(|k| {
+                            // What only a drive shows leaves a free swing as it is.
+                            if effect.is_driven_only() && !evidence.fit[k].is_driven() {
+                                return Some(DVector::zeros(absent[k].len()));
+                            }
+                            Some(weighted(&problem, &x, k)? - &absent[k])
+                        })
+                        .collect::<Option<_>>()?;
+                    let moved = projector.project(&moved)?;
+                    let both = |a: &[DVector<f64>], b: &[DVector<f64>]| -> f64 {
+                        a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
+                    };
+                    // Along the line from no effect to this one: the least of the parabola.
+                    let (slope, change) = (both(&left, &moved), both(&moved, &moved));
+                    let size = (-slope / change).clamp(0.0, LARGEST);
+                    let least = left_absent + 2.0 * size * slope + size * size * change;
+                    let whole = left_absent + 2.0 * slope + change;
+                    let promise = if least.is_finite() { whole.min(least) } else { whole };
+                    Some(Point { effect, start, promise, moved: folded(&moved) })
+                };
+                starts.into_iter().filter_map(point).collect::<Vec<_>>()
+            })
+            .collect();
+        Some(Self { from: from.to_vec(), absent: folded(&left), points })
+    }
+
+    /// The points of each effect that promise most.
+    pub fn best_of_each(&self, most: usize) -> impl Iterator<Item = &Point> {
+        let mut order: Vec<&Point> = self.points.iter().collect();
+        order.sort_by(|a, b| a.promise.total_cmp(&b.promise));
+        let mut taken: Vec<EffectId> = Vec::new();
+        order.into_iter().filter(move |point| {
+            taken.push(point.effect);
+            taken.iter().filter(|e| **e == point.effect).count() <= most
+        })
+    }
+
+    /// Values of the hypothesis with effects added at their points.
+    pub fn with(&self, points: &[&Point]) -> Vec<f64> {
+        self.from.iter().chain(points.iter().flat_map(|p| &p.start)).copied().collect()
+    }
+}
+
+/// Residuals of one log, each times the root of its weight; `None` where the motion runs away.
+pub(super) fn weighted(problem: &Problem<'_, GapModel>, x: &[f64], k: usize) -> Option<DVector<f64>> {
+    let e = &problem.experiments[k];
+    let mut r = DVector::zeros(e.compared());
+    let motion = problem.motion(x, k, |i, s| {
+        if i >= e.uncompared {
+            let row = i - e.uncompared;
+            r[row] = e.weights_s[row].sqrt() * (s.angle_rad - e.measured_rad[i]);
+        }
+    });
+    motion.ok().map(|()| r)
+}
+
+/// Rows of all logs, neighbours added up so that few remain; what is smooth keeps its square sum.
+fn folded(logs: &[DVector<f64>]) -> Vec<f64> {
+    let rows: usize = logs.iter().map(DVector::len).sum();
+    let width = rows.div_ceil(ROWS).max(1);
+    let sum = |part: &[f64]| part.iter().sum::<f64>() / (part.len() as f64).sqrt();
+    logs.iter().flat_map(|r| r.as_slice().chunks(width).map(sum)).collect()
+}
