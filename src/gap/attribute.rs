@@ -203,7 +203,7 @@ impl Attribution {
 
     /// How many standard deviations `a` explains all logs worse than `b`.
     pub fn behind(&self, evidence: &Evidence, a: &Trial, b: &Trial) -> f64 {
-        difference(evidence, a, b, true, true).z()
+        difference(evidence, a, b).z()
     }
 }
 

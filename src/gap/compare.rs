@@ -5,6 +5,7 @@
 
 use super::evidence::{Evidence, counts};
 use super::trial::Trial;
+use crate::identify::Experiment;
 
 /// Time over which differences are summed to one draw \[s\].
 const BLOCK_S: f64 = 0.25;
@@ -19,36 +20,42 @@ pub(super) struct Difference {
 }
 
 impl Difference {
+    /// The sum over blocks, with the spread that they show.
+    pub fn of(blocks: &[f64]) -> Self {
+        let n = blocks.len() as f64;
+        let sum: f64 = blocks.iter().sum();
+        let spread: f64 = blocks.iter().map(|b| (b - sum / n).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+        Self { sum, sd: (n * spread).sqrt() }
+    }
+
     /// How many standard deviations the first is worse.
     pub fn z(&self) -> f64 {
         if self.sd > 0.0 { self.sum / self.sd } else { 0.0 }
     }
 }
 
-/// Loss of `a` less loss of `b` over the fitted logs, the held-out ones, or both.
-pub(super) fn difference(evidence: &Evidence, a: &Trial, b: &Trial, fitted: bool, held: bool) -> Difference {
-    let none = Vec::new();
-    let fit = if fitted { (&evidence.fit, &a.fit, &b.fit) } else { (&none, &a.fit, &b.fit) };
-    let held = if held { (&evidence.held, &a.held, &b.held) } else { (&none, &a.held, &b.held) };
-    let mut blocks: Vec<f64> = Vec::new();
-    for (experiments, a, b) in [fit, held] {
-        for ((e, a), b) in experiments.iter().zip(a).zip(b) {
-            let t = &e.t_s[e.uncompared..];
-            let (mut from, mut sum) = (t[0], 0.0);
-            for (((c, ra), rb), t) in counts(e).zip(a).zip(b).zip(t) {
-                if t - from > BLOCK_S {
-                    blocks.push(std::mem::take(&mut sum));
-                    from = *t;
-                }
-                sum += c * (ra * ra - rb * rb);
-            }
-            blocks.push(sum);
-        }
-    }
-    let n = blocks.len() as f64;
-    let sum: f64 = blocks.iter().sum();
-    let spread: f64 = blocks.iter().map(|b| (b - sum / n).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
-    Difference { sum, sd: (n * spread).sqrt() }
+/// Loss of `a` less loss of `b` over all logs.
+pub(super) fn difference(evidence: &Evidence, a: &Trial, b: &Trial) -> Difference {
+    let fit = blocks(&evidence.fit, &a.fit, &b.fit);
+    Difference::of(&fit.chain(blocks(&evidence.held, &a.held, &b.held)).collect::<Vec<f64>>())
+}
+
+/// Loss of residuals `a` less that of `b`, summed over blocks of each log.
+pub(super) fn blocks<'a>(
+    experiments: &'a [Experiment],
+    a: &'a [Vec<f64>],
+    b: &'a [Vec<f64>],
+) -> impl Iterator<Item = f64> + 'a {
+    experiments.iter().zip(a).zip(b).flat_map(|((e, a), b)| {
+        let lost: Vec<f64> = counts(e).zip(a.iter().zip(b)).map(|(c, (a, b))| c * (a * a - b * b)).collect();
+        lost.chunks(block_samples(e)).map(|part| part.iter().sum::<f64>()).collect::<Vec<f64>>()
+    })
+}
+
+/// Samples in a block.
+pub(super) fn block_samples(e: &Experiment) -> usize {
+    let period_s = (e.t_s[e.t_s.len() - 1] - e.t_s[0]) / (e.t_s.len() - 1).max(1) as f64;
+    ((BLOCK_S / period_s) as usize).clamp(4, 500)
 }
 
 /// How many successive residuals count as one, over all fitted logs of a trial; each sample by how much it counts.

@@ -71,15 +71,11 @@ pub(super) fn decide<'a>(evidence: &Evidence, held: &HeldOut, a: &'a Attribution
     });
     let Some(answer) = pair.or(first) else {
         let excess = a.excess(evidence, simple);
-        let held_rms = |t: &Trial| held.rms_rad(&held.residuals(evidence, t));
-        let held_closes = closed(held_rms(&a.given), held_rms(simple), a.noise_rad).unwrap_or(1.0);
-        let closes = judge.closed(&a.given, simple).unwrap_or(0.0).min(held_closes);
         // What has no shape is noise, however large: no model could take it up.
         let shape = (1.0 + excess) * (a.noise_rad / rough_rad(evidence, simple).max(a.noise_rad)).powi(2) - 1.0;
         let verdict = match (calibrated_pays, shape < NO_ALARM) {
             (false, true) => Verdict::None,
             (true, true) => Verdict::Calibration,
-            (true, false) if closes > CALIBRATION_CLOSES => Verdict::Calibration,
             _ => Verdict::Unexplained,
         };
         let gain = if calibrated_pays { judge.deviance(&a.given) - judge.deviance(&a.calibrated) } else { 0.0 };
@@ -129,9 +125,6 @@ pub(super) fn decide<'a>(evidence: &Evidence, held: &HeldOut, a: &'a Attribution
     }
 }
 
-/// Share of the gap as given that recalibration must close to be the verdict while something is left.
-const CALIBRATION_CLOSES: f64 = 0.9;
-
 fn added(rich: &Trial, simple: &Trial) -> f64 {
     rich.model.free().saturating_sub(simple.model.free()) as f64
 }
@@ -160,9 +153,9 @@ impl Judge<'_> {
         if before_rad < HARDLY_A_GAP * self.a.noise_rad && gained < OVERWHELMING {
             return false;
         }
-        let (sum, sd) = self.held.difference(&of(simple), &of(rich));
+        let lost = self.held.difference(&of(simple), &of(rich));
         // Where the held-out logs do not show it, an overwhelming gain on the others must do.
-        sum > HELD_OUT_Z * sd || (gained > OVERWHELMING && sum > -HELD_OUT_Z * sd)
+        lost.sum > HELD_OUT_Z * lost.sd || (gained > OVERWHELMING && lost.sum > -HELD_OUT_Z * lost.sd)
     }
 
     fn second_earns(&self, pair: &Trial, first: &Trial) -> bool {

@@ -16,7 +16,7 @@ const BRIEF_POINTS: usize = 2;
 pub(super) const BRIEF: Budget = Budget { evaluations: 10 };
 /// Effects that are refitted at all, by what they promise; and the same for a second effect.
 const PROMISING: usize = 10;
-const PROMISING_SECONDS: usize = 5;
+const PROMISING_SECONDS: usize = 8;
 /// Evaluations of the searches that are carried to the end.
 const FULL: Budget = Budget { evaluations: 40 };
 /// A brief fit is carried on where its criterion is below the best brief one times this, or it is among the best few.

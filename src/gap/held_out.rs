@@ -1,6 +1,7 @@
 //! What hypotheses leave of logs that they were not fitted to.
 
-use super::evidence::{Evidence, counts};
+use super::compare::{Difference, block_samples, blocks};
+use super::evidence::Evidence;
 use super::trial::{Trial, predicted};
 use crate::fit::Budget;
 use crate::identify::Experiment;
@@ -79,25 +80,16 @@ impl HeldOut {
         rms(residuals.iter().flatten())
     }
 
-    /// How much worse `a` predicts than `b`: difference of the counted square sums \[rad^2\] and its standard deviation.
-    pub fn difference(&self, a: &[Vec<f64>], b: &[Vec<f64>]) -> (f64, f64) {
-        let mut blocks = Vec::new();
-        for ((e, a), b) in self.experiments.iter().zip(a).zip(b) {
-            let size = block(e);
-            let d: Vec<f64> = counts(e).zip(a.iter().zip(b)).map(|(c, (a, b))| c * (a * a - b * b)).collect();
-            blocks.extend(d.chunks(size).map(|part| part.iter().sum::<f64>()));
-        }
-        let n = blocks.len() as f64;
-        let sum: f64 = blocks.iter().sum();
-        let spread: f64 = blocks.iter().map(|b| (b - sum / n).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
-        (sum, (n * spread).sqrt())
+    /// How much worse `a` predicts than `b`.
+    pub fn difference(&self, a: &[Vec<f64>], b: &[Vec<f64>]) -> Difference {
+        Difference::of(&blocks(&self.experiments, a, b).collect::<Vec<f64>>())
     }
 
     /// 95 % interval of `1 - (after - floor) / (before - floor)`, by blocks of 0.25 s drawn with replacement.
     pub fn closed_interval(&self, before: &[Vec<f64>], after: &[Vec<f64>], floor_rad: f64) -> Option<[f64; 2]> {
         let mut blocks: Vec<(f64, f64, f64)> = Vec::new();
         for ((e, before), after) in self.experiments.iter().zip(before).zip(after) {
-            for (b, a) in before.chunks(block(e)).zip(after.chunks(block(e))) {
+            for (b, a) in before.chunks(block_samples(e)).zip(after.chunks(block_samples(e))) {
                 blocks.push((squares(b), squares(a), b.len() as f64));
             }
         }
@@ -142,10 +134,4 @@ pub(super) fn rms<'a>(residuals: impl Iterator<Item = &'a f64>) -> f64 {
         n += 1;
     }
     (sum / n.max(1) as f64).sqrt()
-}
-
-/// Samples in a block of 0.25 s.
-fn block(e: &Experiment) -> usize {
-    let period = (e.t_s[e.t_s.len() - 1] - e.t_s[0]) / (e.t_s.len() - 1).max(1) as f64;
-    ((0.25 / period) as usize).clamp(4, 500)
 }

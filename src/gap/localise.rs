@@ -9,7 +9,7 @@ use super::map::map;
 use super::stage::stage_of;
 use super::variables::{best, explained_by_each, shares};
 use crate::identify::Experiment;
-use crate::joint::{Chain, Stage};
+use crate::joint::Chain;
 use crate::pendulum::Input;
 
 /// One log, compared with the model, sample by sample of those that are compared.
@@ -103,7 +103,15 @@ const MORE: f64 = 1.2;
 
 /// Where the gap of a recalibrated model lies, over all logs together.
 ///
-/// The stage is what the signature suggests (see [`stage_by_signature`]); an effect that explains the gap knows better.
+/// The stage is what the signature suggests; an effect that explains the gap knows better:
+/// - The motor, where the torque that is lacking sits where the motor saturates.
+/// - Where one variable explains it: the delay if that is the setpoint's slope, the motor if it is a torque along the
+///   motor's, the gearing if it is a friction that goes with the motor's torque.
+/// - The gearing, where nothing else explains it and the joint moves more freely about its reversals than elsewhere.
+/// - The motor, where free logs do not have it; the sensor, where a friction that goes with the amplitude explains it;
+///   the delay, where all logs are driven and nothing explains it.
+/// - Else the link.
+///
 /// Where the residuals do not exceed their noise, nothing is named and the map's shares are zero.
 pub fn localise(parts: &[LogPart]) -> Where {
     let cells = map(parts);
@@ -125,19 +133,6 @@ pub fn localise(parts: &[LogPart]) -> Where {
         profile: best.map(|e| e.binned.profile()).unwrap_or_default(),
         cells,
     }
-}
-
-/// The stage of the chain at which a gap looks to arise, from its signature alone; `None` where there is no gap.
-///
-/// - The motor, where the torque that is lacking sits where the motor saturates.
-/// - Where one variable explains it: the delay if that is the setpoint's slope, the motor if it is a torque along the
-///   motor's, the gearing if it is a friction that goes with the motor's torque.
-/// - The gearing, where nothing else explains it and the joint moves more freely about its reversals than elsewhere.
-/// - The motor, where free logs do not have it; the sensor, where a friction that goes with the amplitude explains it;
-///   the delay, where all logs are driven and nothing explains it.
-/// - Else the link.
-pub fn stage_by_signature(parts: &[LogPart]) -> Option<Stage> {
-    localise(parts).stage
 }
 
 fn nowhere() -> Where {

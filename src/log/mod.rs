@@ -25,8 +25,7 @@ pub(crate) use document::{Document, NOT_NEGATIVE, POSITIVE, Range64, finite_with
 
 pub use csv::{read_joint_log, read_log};
 pub use error::{CellFault, FileKind, LogError, UnitFault};
-pub use health::{Health, health, noise_floor_rad};
-pub use health_noise::log_floor_rad;
+pub use health::{Health, health};
 pub use inputs::read_study_logs;
 pub use place::{Place, Subject};
 pub use plausible::check_period;
