@@ -4,16 +4,16 @@
 //! of these to the end. An effect is never judged on frozen parameters.
 
 use super::evidence::Evidence;
+use super::hold_fit::{held_setpoint, settled};
 use super::sight::Sight;
 use super::trial::Trial;
-use crate::fit::{Budget, Residuals};
-use crate::identify::{Found, Problem};
+use crate::fit::Budget;
 use crate::joint::EffectId;
 use rayon::prelude::*;
 
 /// Points of each effect that are refitted briefly, and evaluations for each.
 const BRIEF_POINTS: usize = 2;
-pub(super) const BRIEF: Budget = Budget { evaluations: 10 };
+const BRIEF: Budget = Budget { evaluations: 10 };
 /// Effects that are refitted at all, by what they promise; and the same for a second effect.
 const PROMISING: usize = 10;
 const PROMISING_SECONDS: usize = 8;
@@ -50,10 +50,14 @@ pub(super) fn refitted(evidence: &Evidence, base: &Trial, candidates: Vec<(Vec<E
         .into_par_iter()
         .map(|(effects, values)| {
             let model = effects.iter().fold(base.model.clone(), |model, &e| model.with(e, &evidence.reach));
-            Trial::solved(evidence, model, &values, base.found.starts.clone(), BRIEF)
+            let starts = base.found.starts.clone();
+            match held_setpoint(&model) {
+                Some(at) => settled(evidence, model, at, &values, starts, BRIEF),
+                None => Trial::solved(evidence, model, &values, starts, BRIEF),
+            }
         })
         .collect();
-    let best: Vec<Trial> = one_of_each(brief).into_par_iter().map(|trial| scanned_finely(evidence, trial)).collect();
+    let best = one_of_each(brief);
     let line = best.first().map_or(f64::INFINITY, |t| SERIOUS * t.criterion());
     let done: Vec<Trial> = best
         .into_par_iter()
@@ -66,37 +70,6 @@ pub(super) fn refitted(evidence: &Evidence, base: &Trial, candidates: Vec<(Vec<E
         .collect();
     one_of_each(done)
 }
-
-/// A trial whose setpoint hold has been scanned finely about where it stands: which setpoints get through changes by
-/// leaps, and no slope leads from one to the next.
-fn scanned_finely(evidence: &Evidence, trial: Trial) -> Trial {
-    let Some(k) = trial.effects().iter().position(|e| *e == EffectId::SetpointHold) else { return trial };
-    let at = trial.model.place(k).start;
-    let problem = Problem::new(&trial.model, &evidence.fit);
-    let values = |share: f64| {
-        let mut values = trial.found.values.clone();
-        values[at] *= share;
-        values
-    };
-    let criterion = |values: &Vec<f64>| {
-        let x = problem.coordinates_from(&Found { values: values.clone(), ..trial.found.clone() });
-        problem.criterion(&x).unwrap_or(f64::INFINITY)
-    };
-    let step = FINE_SHARE * trial.found.values[at] / evidence.reach.duration_s;
-    let shares = (-FINE..=FINE).map(|n| 1.0 + f64::from(n) * step).map(values);
-    let best = shares.map(|v| (criterion(&v), v)).min_by(|a, b| a.0.total_cmp(&b.0));
-    match best {
-        Some((criterion, values)) if criterion < 0.999 * trial.criterion() => {
-            let again = Trial::solved(evidence, trial.model.clone(), &values, trial.found.starts.clone(), BRIEF);
-            if again.criterion() < trial.criterion() { again } else { trial }
-        }
-        _ => trial,
-    }
-}
-
-/// Steps either way of the fine scan, and their size as a share of what moves the last hold of the longest log by one.
-const FINE: i32 = 20;
-const FINE_SHARE: f64 = 0.1;
 
 /// The best trial for each set of effects; best first.
 pub(super) fn one_of_each(trials: Vec<Trial>) -> Vec<Trial> {

@@ -18,6 +18,7 @@ mod evidence;
 mod explore;
 mod floor;
 mod held_out;
+mod hold_fit;
 mod hold_scan;
 mod localise;
 #[cfg(test)]

@@ -1,0 +1,67 @@
+//! Fits of a hypothesis in which the setpoint is held.
+//!
+//! Which setpoints get through changes by leaps with the time between them, and a search that moves this time together
+//! with everything else stumbles over them. So the time is settled first: everything else is fitted at the time that was
+//! proposed, the time is scanned finely about it, and everything else is fitted again; only then is all of it free.
+
+use super::evidence::Evidence;
+use super::model::GapModel;
+use super::trial::Trial;
+use crate::fit::{Budget, Residuals};
+use crate::identify::{Found, Problem};
+use crate::joint::EffectId;
+
+/// Steps either way of the fine scan, and their size as a share of what moves the last hold of the longest log by one.
+const FINE: i32 = 20;
+const FINE_SHARE: f64 = 0.1;
+
+/// Where the time between two setpoints stands among a model's values; `None` where it holds none.
+pub(super) fn held_setpoint(model: &GapModel) -> Option<usize> {
+    let k = model.effects().iter().position(|e| *e == EffectId::SetpointHold)?;
+    Some(model.place(k).start)
+}
+
+/// A model fitted from values and starts, the time at place `at` settled first; the budget is that of each of the fits.
+pub(super) fn settled(
+    evidence: &Evidence,
+    model: GapModel,
+    at: usize,
+    values: &[f64],
+    starts: Vec<[f64; 2]>,
+    budget: Budget,
+) -> Trial {
+    let fitted_at = |values: &[f64], starts: Vec<[f64; 2]>| {
+        Trial::solved(evidence, model.clone().holding(&[at], values), values, starts, budget)
+    };
+    let first = fitted_at(values, starts);
+    let best = scanned(evidence, &model, at, &first.found);
+    let second = if best == first.found.values[at] {
+        first
+    } else {
+        let mut values = first.found.values.clone();
+        values[at] = best;
+        let second = fitted_at(&values, first.found.starts.clone());
+        if second.criterion() < first.criterion() { second } else { first }
+    };
+    let free = Trial::solved(evidence, model.clone(), &second.found.values, second.found.starts.clone(), budget);
+    if free.criterion() <= second.criterion() { free } else { Trial { model, ..second } }
+}
+
+/// The time about which everything else fits best as it stands \[s\].
+fn scanned(evidence: &Evidence, model: &GapModel, at: usize, found: &Found) -> f64 {
+    let problem = Problem::new(model, &evidence.fit);
+    let step = FINE_SHARE * found.values[at] / evidence.reach.duration_s;
+    let criterion = |hold_s: f64| {
+        let mut values = found.values.clone();
+        values[at] = hold_s;
+        problem.criterion(&problem.coordinates_from(&Found { values, ..found.clone() })).unwrap_or(f64::INFINITY)
+    };
+    let times = (-FINE..=FINE).map(|n| found.values[at] * (1.0 + f64::from(n) * step));
+    // From the middle outwards, so that the time as it stands wins a tie.
+    let mut tried: Vec<(f64, f64)> = times.map(|hold_s| (criterion(hold_s), hold_s)).collect();
+    tried.sort_by(|a, b| {
+        let aside = |hold_s: f64| (hold_s - found.values[at]).abs();
+        a.0.total_cmp(&b.0).then(aside(a.1).total_cmp(&aside(b.1)))
+    });
+    tried.first().map_or(found.values[at], |best| best.1)
+}
