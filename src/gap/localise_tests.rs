@@ -1,5 +1,6 @@
 use super::*;
 use crate::gap::Variable;
+use crate::joint::Stage;
 use crate::gap::made::{Extra, Joint, LEG, SERVO, Swing, as_given, recalibrated};
 
 /// Coarse, and fine with noise: step, noise \[rad\] and period \[s\].
