@@ -16,13 +16,19 @@ const LONGEST: Duration = Duration::from_secs(60);
 
 /// A swing with friction, of a joint with I = 9e-4 kg m^2, M = 5e-3 kg m, by steps of 10 us, read in steps of 1 mrad. `friction` gives Coulomb [N m] and viscous friction [N m s/rad].
 fn swing(from_rad: f64, samples: u32, friction: [f64; 2]) -> String {
+    swing_against(f64::INFINITY, from_rad, samples, friction)
+}
+
+/// The same with a stop, of 2 N m/rad and 0.004 N m s/rad, above an angle.
+fn swing_against(stop_rad: f64, from_rad: f64, samples: u32, friction: [f64; 2]) -> String {
     const STEP_S: f64 = 1e-5;
     let [coulomb, viscous] = friction.map(|f| f / 9.0e-4);
     let (mut q, mut w, mut text) = (from_rad, 0.0_f64, String::from("t,q\n"));
     for k in 0..samples {
         text += &format!("{:.3},{:.3}\n", f64::from(k) * 0.008, q);
         for _ in 0..800 {
-            let pull = -9.81 * 5.0e-3 / 9.0e-4 * q.sin() - viscous * w;
+            let push = if q > stop_rad { (2.0 * (q - stop_rad) + 0.004 * w).max(0.0) / 9.0e-4 } else { 0.0 };
+            let pull = -9.81 * 5.0e-3 / 9.0e-4 * q.sin() - viscous * w - push;
             if w == 0.0 && pull.abs() <= coulomb {
                 continue;
             }
@@ -173,6 +179,22 @@ fn one_log_or_no_validate_log_is_held_out_in_parts_and_said_so() {
         assert_eq!(found["gap"]["per_log"].as_array().unwrap().len(), files);
         assert!(found["gap"]["held_out"].as_str().unwrap().contains(part), "{}", found["gap"]["held_out"]);
     }
+}
+
+#[test]
+fn a_stop_that_only_a_held_out_log_reaches_is_named_and_said_so() {
+    let log = |from: f64| swing_against(0.45, from, 400, FRICTION);
+    let dir = swings(&[("fit", log(0.4)), ("fit", log(-0.35)), ("validate", log(-0.9))], RIGHT);
+    let found = diagnosed(dir.path(), &[]);
+    let said = (&found["verdict"], &found["effect"]);
+    assert_eq!(said, (&"effect".into(), &"end_stop".into()), "{}", found["sentence"]);
+    let stop = &found["ranking"][0]["parameters"];
+    assert_eq!(stop["side"]["value"], 1.0);
+    assert!((stop["q_e"]["value"].as_f64().unwrap() - 0.45).abs() < 0.01, "{stop}");
+    let files: Vec<&str> =
+        found["gap"]["per_log"].as_array().unwrap().iter().filter_map(|log| log["file"].as_str()).collect();
+    assert_eq!(files, ["2.csv"]);
+    assert!(found["gap"]["held_out"].as_str().unwrap().contains("do not show"), "{}", found["gap"]["held_out"]);
 }
 
 #[test]

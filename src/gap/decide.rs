@@ -73,10 +73,12 @@ pub(super) fn decide<'a>(evidence: &Evidence, held: &HeldOut, a: &'a Attribution
         let excess = a.excess(evidence, simple);
         // What has no shape is noise, however large: no model could take it up.
         let shape = (1.0 + excess) * (a.noise_rad / rough_rad(evidence, simple).max(a.noise_rad)).powi(2) - 1.0;
-        let verdict = match (calibrated_pays, shape < NO_ALARM) {
-            (false, true) => Verdict::None,
-            (true, true) => Verdict::Calibration,
-            _ => Verdict::Unexplained,
+        // A rest that does not show where the joint has to be predicted is no alarm either.
+        let alarm = shape >= NO_ALARM && held.rms_rad(&held.residuals(evidence, simple)) > a.noise_rad;
+        let verdict = match (calibrated_pays, alarm) {
+            (false, false) => Verdict::None,
+            (true, false) => Verdict::Calibration,
+            (_, true) => Verdict::Unexplained,
         };
         let gain = if calibrated_pays { judge.deviance(&a.given) - judge.deviance(&a.calibrated) } else { 0.0 };
         let margin = a.firsts.first().map_or(f64::INFINITY, |t| a.score(evidence, t) - a.score(evidence, simple));

@@ -1,7 +1,7 @@
 use super::*;
 use crate::gap::Variable;
-use crate::joint::Stage;
 use crate::gap::made::{Extra, Joint, LEG, SERVO, Swing, as_given, recalibrated};
+use crate::joint::Stage;
 
 /// Coarse, and fine with noise: step, noise \[rad\] and period \[s\].
 const SENSORS: [[f64; 3]; 2] = [[0.006, 0.0, 0.008], [0.0015, 0.0015, 0.005]];
