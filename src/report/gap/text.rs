@@ -119,7 +119,7 @@ fn how_far(gap: &Gap) -> String {
         table.add_row([file(&log.file), mrad(log.before), mrad(log.calibrated), mrad(log.after), mrad(log.floor)]);
     }
     table.add_row([Cell::new("all"), mrad(gap.before), mrad(gap.calibrated), mrad(gap.after), mrad(gap.floor)]);
-    let closed = format!("Gap closed: {}. {}", words::closed(gap.closed, gap.closed_interval), gap.held_out);
+    let closed = format!("Gap closed: {}. Held out: {}.", words::closed(gap.closed, gap.closed_interval), gap.held_out);
     format!("{}\n{}", finish(&mut table), paragraph(&closed))
 }
 
