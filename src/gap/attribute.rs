@@ -88,7 +88,7 @@ impl Attribution {
             this.seconds.truncate(2 * PAIRS);
             if this.leaves(&coarse, FAR) {
                 progress("looking at short parts of the logs");
-                this.from_short_parts(&coarse, &baseline, effects);
+                this.seek_in_short_parts(&coarse, &baseline, effects);
             }
             let singles: Vec<Trial> =
                 this.seconds.par_iter().take(PAIRS).flat_map(|t| [dropped(t, 0), dropped(t, 1)]).collect();
@@ -101,7 +101,7 @@ impl Attribution {
     }
 
     /// Seeks effects and pairs of them on short parts of the logs, and carries what is found there over to whole ones.
-    fn from_short_parts(&mut self, coarse: &Evidence, baseline: &GapModel, effects: &[EffectId]) {
+    fn seek_in_short_parts(&mut self, coarse: &Evidence, baseline: &GapModel, effects: &[EffectId]) {
         let short = coarse.in_parts();
         let given = Trial::as_given(&short, baseline);
         let mut calibrated = calibrate(&short, baseline, &given);
