@@ -23,7 +23,7 @@ mod model;
 mod spatial;
 mod state;
 
-pub use dynamics::{BodyMotion, Dynamics, Energy, Force, Input, Momentum};
+pub use dynamics::{BodyMotion, ContactDamping, Dynamics, Energy, Force, Input, Momentum};
 pub use error::RobotError;
 pub use model::{Attached, Body, BodyId, JointId, Model, PidGains};
 pub use state::State;
