@@ -41,6 +41,16 @@ pub enum RobotError {
         /// What may be given.
         allowed: &'static str,
     },
+    /// A parameter that no floor has.
+    #[error("floor: {what} = {value}, allowed: {allowed}")]
+    Floor {
+        /// The key in a study's `[floor]`.
+        what: &'static str,
+        /// What was given.
+        value: f64,
+        /// What may be given.
+        allowed: &'static str,
+    },
     /// A joint whose parent is neither the base nor moved by an earlier joint.
     #[error("joint {joint}: parent {parent} hangs on no earlier joint")]
     Order {
