@@ -41,6 +41,16 @@ pub enum RobotError {
         /// What may be given.
         allowed: &'static str,
     },
+    /// A gait, or a set of amplitudes, that there is not.
+    #[error("no {what} {name}; there are {}", known.join(", "))]
+    NoGait {
+        /// What was looked for.
+        what: &'static str,
+        /// Its name.
+        name: String,
+        /// The names that there are.
+        known: Vec<String>,
+    },
     /// A parameter that no floor has.
     #[error("floor: {what} = {value}, allowed: {allowed}")]
     Floor {
