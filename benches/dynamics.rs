@@ -3,9 +3,9 @@
 //!
 //! The ERS-7 with a free base, 22 joints, no contact, at a bent and moving state.
 
-use aibo_fit::robot::{Dynamics, Force, Input, Model, State};
+use aibo_fit::robot::{BodyId, ContactDamping, Dynamics, Force, Input, Model, State};
 use divan::{Bencher, black_box};
-use nalgebra::{DMatrix, UnitQuaternion, Vector3};
+use nalgebra::{DMatrix, Matrix3, UnitQuaternion, Vector3};
 
 fn main() {
     divan::main();
@@ -48,6 +48,30 @@ fn forward_on_four_feet(bencher: Bencher<'_, '_>) {
     bencher.bench_local(move || {
         let input = Input { torque_nm: black_box(&torque), diagonal_kg_m2: &diagonal, forces: black_box(&forces) };
         dynamics.forward(black_box(&state), &input, &mut out);
+        out[6]
+    });
+}
+
+/// The same, with every foot's contact taken implicitly.
+#[divan::bench(sample_count = 200, sample_size = 500)]
+fn forward_implicit_on_four_feet(bencher: Bencher<'_, '_>) {
+    let model = Model::ers7();
+    let (state, mut dynamics) = (moving(model), Dynamics::new(model));
+    let feet: Vec<BodyId> = model.body_ids().filter(|body| model.bodies()[body.index()].touches_floor).collect();
+    let forces: Vec<Force> = feet.iter().map(|&foot| Force::at(foot, Vector3::zeros(), Vector3::y() * 4.0)).collect();
+    let contact = |&body: &BodyId| ContactDamping {
+        body,
+        at_m: Vector3::zeros(),
+        velocity_m_s: Vector3::new(0.1, -0.1, 0.0),
+        damping_n_s_m: Matrix3::identity() * 800.0,
+        stiffness_n_m: Matrix3::identity() * 2e4,
+        spin_damping_nm_s_rad: Matrix3::zeros(),
+    };
+    let contacts: Vec<ContactDamping> = feet.iter().map(contact).collect();
+    let (torque, diagonal, mut out) = ([0.01; 22], [5e-5; 22], [0.0; 28]);
+    bencher.bench_local(move || {
+        let input = Input { torque_nm: black_box(&torque), diagonal_kg_m2: &diagonal, forces: black_box(&forces) };
+        dynamics.forward_implicit(black_box(&state), &input, 1e-4, black_box(&contacts), &mut out);
         out[6]
     });
 }

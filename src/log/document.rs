@@ -46,6 +46,11 @@ pub(crate) const fn finite_within(largest: f64, expected: &'static str) -> Range
 }
 
 impl<'a> Document<'a> {
+    /// The text, without a byte order mark; spans count its bytes.
+    pub(crate) fn text(&self) -> &str {
+        &self.text
+    }
+
     /// A text that is at hand.
     pub(crate) fn of_text(file: &'a Path, text: &str) -> Self {
         Self { file, text: text.strip_prefix('\u{feff}').unwrap_or(text).to_owned() }

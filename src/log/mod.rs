@@ -21,7 +21,7 @@ mod thin;
 mod types;
 mod write;
 
-pub(crate) use document::{Document, NOT_NEGATIVE, POSITIVE, Range64, finite_within};
+pub(crate) use document::{Document, NOT_NEGATIVE, POSITIVE, Range64, finite_within, range};
 
 pub use csv::{read_joint_log, read_log};
 pub use error::{CellFault, FileKind, LogError, UnitFault};

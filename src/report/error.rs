@@ -21,4 +21,7 @@ pub enum ReportError {
     /// The report page could not be put together.
     #[error("report page: {0}")]
     Page(#[from] minijinja::Error),
+    /// The moving picture could not be encoded.
+    #[error("moving picture: {0}")]
+    Gif(#[from] gif::EncodingError),
 }

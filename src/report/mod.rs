@@ -4,6 +4,7 @@
 //! data; [`drop_text`] writes it for a terminal, [`render_html`] as one page that needs no network, [`figures`] as SVG.
 //! Nothing is computed here but what the eye needs (thinning, a smoothed speed for the phase portrait).
 
+mod animation;
 mod assemble;
 mod blind;
 mod error;
@@ -20,6 +21,7 @@ mod sample;
 mod table;
 mod text;
 
+pub use animation::{Animation, Dog, GifOptions, Recording, animation_gif, animation_html};
 pub use assemble::drop_report;
 pub use blind::{BlindReport, blind_figures, blind_html, blind_text};
 pub use error::ReportError;

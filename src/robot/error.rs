@@ -41,6 +41,26 @@ pub enum RobotError {
         /// What may be given.
         allowed: &'static str,
     },
+    /// A gait, or a set of amplitudes, that there is not.
+    #[error("no {what} {name}; there are {}", known.join(", "))]
+    NoGait {
+        /// What was looked for.
+        what: &'static str,
+        /// Its name.
+        name: String,
+        /// The names that there are.
+        known: Vec<String>,
+    },
+    /// A parameter that no floor has.
+    #[error("floor: {what} = {value}, allowed: {allowed}")]
+    Floor {
+        /// The key in a study's `[floor]`.
+        what: &'static str,
+        /// What was given.
+        value: f64,
+        /// What may be given.
+        allowed: &'static str,
+    },
     /// A joint whose parent is neither the base nor moved by an earlier joint.
     #[error("joint {joint}: parent {parent} hangs on no earlier joint")]
     Order {

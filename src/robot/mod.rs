@@ -7,6 +7,8 @@
 //! - [`Dynamics`]: the working memory of one evaluation at a time. Forward dynamics by the articulated-body algorithm
 //!   (Featherstone 2008, chapter 7), inverse dynamics by recursive Newton-Euler (chapter 5), the mass matrix by
 //!   composite rigid bodies (chapter 6), energies, momentum, places and velocities.
+//! - [`Floor`]: what stands under it (eqs 2.3-2.6), with what an implicit step needs.
+//! - [`Gait`]: what is asked of its joints (section 4.1).
 //!
 //! Twists and wrenches (2.1, 2.2) are the inside of [`Dynamics`]; what it takes and gives is in world axes, or in
 //! generalised coordinates:
@@ -15,15 +17,19 @@
 //! `M(q) dv/dt + bias(q, v) = [base wrench; tau] + J^T f`, gravity being in `bias`. A clamped base does not accelerate,
 //! and the base wrench is what holds it; the coordinates stay the same.
 //!
-//! Left out here: contact, friction, control, integration.
+//! Left out here: joint friction, control, integration.
 
+mod contact;
 mod dynamics;
 mod error;
+mod gait;
 mod model;
 mod spatial;
 mod state;
 
-pub use dynamics::{BodyMotion, Dynamics, Energy, Force, Input, Momentum};
+pub use contact::{Contact, Floor, FloorParameters, Touching};
+pub use dynamics::{BodyMotion, ContactDamping, Dynamics, Energy, Force, Input, Momentum};
 pub use error::RobotError;
+pub use gait::{Between, Gait, Motion, Sampled, Setpoints};
 pub use model::{Attached, Body, BodyId, JointId, Model, PidGains};
 pub use state::State;

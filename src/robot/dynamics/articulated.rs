@@ -14,7 +14,7 @@
 
 use super::base::solve_base;
 use super::slot::{Slot, Spatial};
-use super::{Dynamics, Input};
+use super::{ContactDamping, Dynamics, Input};
 use crate::geometry::robot_file::Base;
 use crate::robot::State;
 use crate::robot::model::{BASE_FREEDOMS, BasePlan, Group, Parent, Shape};
@@ -55,6 +55,38 @@ impl Dynamics<'_> {
     /// # Panics
     /// Where a slice has not the model's length.
     pub fn forward(&mut self, state: &State, input: &Input<'_>, acceleration: &mut [f64]) {
+        self.solve(state, input, 0.0, &[], acceleration);
+    }
+
+    /// Forward dynamics of a step of length h that takes contacts implicitly, each with its damping D, stiffness K and
+    /// the velocity u of its point:
+    ///
+    /// `(M + diag(0, d) + h J^T (D + h K) J) dv/dt = [0; tau] + J^T (f - h K u) - bias`.
+    ///
+    /// The contact forces themselves, at the start of the step, stand in `input.forces`.
+    ///
+    /// # Panics
+    /// Where a slice has not the model's length.
+    pub fn forward_implicit(
+        &mut self,
+        state: &State,
+        input: &Input<'_>,
+        step_s: f64,
+        contacts: &[ContactDamping],
+        acceleration: &mut [f64],
+    ) {
+        self.solve(state, input, step_s, contacts, acceleration);
+    }
+
+    #[inline(always)]
+    fn solve(
+        &mut self,
+        state: &State,
+        input: &Input<'_>,
+        step_s: f64,
+        contacts: &[ContactDamping],
+        acceleration: &mut [f64],
+    ) {
         let joints = self.model.joints().len();
         self.check_state(state);
         self.check("torques", input.torque_nm.len(), joints);
@@ -83,6 +115,11 @@ impl Dynamics<'_> {
             let slot = &mut self.slots[k];
             by_kind!(group, outward, group, slot, above, rate, has_forces);
         }
+        let gravity = rotation.inverse() * self.model.gravity_m_s2();
+        if !contacts.is_empty() {
+            let resting = -(gravity + rate_rad_s.cross(&velocity_m_s));
+            self.place_contacts(state, &resting, step_s, contacts, (&mut base.inertia, &mut base.bias));
+        }
         for (k, group) in groups.iter().enumerate().rev() {
             let torque = of_joints(group, input.torque_nm) * group.sign;
             let diagonal = match input.diagonal_kg_m2 {
@@ -92,7 +129,6 @@ impl Dynamics<'_> {
             let (earlier, rest) = self.slots.split_at_mut(k);
             by_kind!(group, inward, group, &mut rest[0], torque, diagonal, earlier, &mut base);
         }
-        let gravity = rotation.inverse() * self.model.gravity_m_s2();
         let (angular, linear) = match self.model.base() {
             Base::Floating => solve_base(&base.inertia, &base.bias),
             Base::Clamped => (Vector3::zeros(), -gravity),

@@ -53,11 +53,7 @@ impl Dynamics<'_> {
             let (index, lane) = self.model.plan().placed[joint.index()];
             let (moment, linear) = self.wrench_at(index, &at_base);
             let group = &self.model.plan().groups[index];
-            let mask = match (group.is_single, lane) {
-                (true, _) => Pair::splat(1.0),
-                (false, 0) => Pair::new(1.0, 0.0),
-                (false, _) => Pair::new(0.0, 1.0),
-            };
+            let mask = group.lane_mask(lane);
             let external = &mut self.slots[index].external;
             for k in 0..3 {
                 external.0[k] += moment[k] * mask;
@@ -88,7 +84,8 @@ impl Dynamics<'_> {
         (self.turned(index, group, moment), self.turned(index, group, force))
     }
 
-    fn turned(&self, index: usize, group: &Group, v: [Pair; 3]) -> [Pair; 3] {
+    /// A vector of the parents in the working axes of a group.
+    pub(super) fn turned(&self, index: usize, group: &Group, v: [Pair; 3]) -> [Pair; 3] {
         let turn = self.slots[index].turn();
         match group.axis {
             0 => turn.into_child::<0>(v),

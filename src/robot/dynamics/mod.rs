@@ -5,6 +5,7 @@ mod base;
 mod composite;
 mod energy;
 mod forces;
+mod implicit;
 mod motion;
 mod newton_euler;
 mod slot;
@@ -13,6 +14,7 @@ mod tests;
 
 pub use energy::{Energy, Momentum};
 pub use forces::Force;
+pub use implicit::ContactDamping;
 pub use motion::BodyMotion;
 
 use super::model::BASE_FREEDOMS;

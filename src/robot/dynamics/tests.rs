@@ -1,5 +1,7 @@
 //! Each evaluation against the others, closed forms, conservation laws, and two other engines.
 
+mod implicit;
+
 use super::*;
 use crate::geometry::robot_file::Base;
 use crate::geometry::{Joint, Part, RobotTables};

@@ -6,4 +6,4 @@ mod tensor;
 
 pub(super) use pair::Pair;
 pub(super) use sincos::sin_cos;
-pub(super) use tensor::{Articulated, Turn, Vec3, add, cross, rotate, rotate_back, sub};
+pub(super) use tensor::{Articulated, Turn, Vec3, add, at, cross, rotate, rotate_back, sub};

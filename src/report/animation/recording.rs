@@ -1,0 +1,152 @@
+//! What an animation shows.
+
+use crate::robot::{BodyMotion, Model};
+use nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
+
+/// A part as it is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Shape {
+    pub name: String,
+    /// Semi-axes \[m\].
+    pub radii_m: Vector3<f64>,
+    /// It has a foot, at its lower end.
+    pub is_foot: bool,
+}
+
+/// Where a part is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Place {
+    pub position_m: Vector3<f64>,
+    pub orientation: UnitQuaternion<f64>,
+}
+
+impl Place {
+    /// Between two places, close ones.
+    fn between(&self, next: &Self, share: f64) -> Self {
+        let (a, mut b) = (self.orientation.into_inner(), next.orientation.into_inner());
+        if a.dot(&b) < 0.0 {
+            b = -b;
+        }
+        let blend: Quaternion<f64> = a * (1.0 - share) + b * share;
+        Self {
+            position_m: self.position_m.lerp(&next.position_m, share),
+            orientation: UnitQuaternion::from_quaternion(blend),
+        }
+    }
+}
+
+/// Places of a robot's parts at times. Massless ghosts are not drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recording {
+    pub(super) shapes: Vec<Shape>,
+    /// Index of each shape's body.
+    bodies: Vec<usize>,
+    pub(super) times_s: Vec<f64>,
+    pub(super) frames: Vec<Vec<Place>>,
+}
+
+impl Recording {
+    /// An empty recording of a robot.
+    pub fn new(model: &Model) -> Self {
+        let drawn = model.bodies().iter().enumerate().filter(|(index, body)| *index == 0 || body.mass_kg > 0.0);
+        let (bodies, shapes) = drawn
+            .map(|(index, body)| {
+                (index, Shape { name: body.name.clone(), radii_m: body.radii_m, is_foot: body.touches_floor })
+            })
+            .unzip();
+        Self { shapes, bodies, times_s: Vec::new(), frames: Vec::new() }
+    }
+
+    /// Adds what [`Dynamics::motions`](crate::robot::Dynamics::motions) found at a time. A time that does not come
+    /// after the last one, and places that are not finite, are left out: nothing can be drawn of them.
+    ///
+    /// # Panics
+    /// Where `motions` are not those of the model.
+    pub fn push(&mut self, t_s: f64, motions: &[BodyMotion]) {
+        let is_later = self.times_s.last().is_none_or(|last| t_s > *last);
+        let places: Vec<Place> = self.bodies.iter().map(|&body| place(&motions[body])).collect();
+        let is_finite = places.iter().all(|place| place.position_m.iter().all(|x| x.is_finite()));
+        if is_later && t_s.is_finite() && is_finite {
+            self.times_s.push(t_s);
+            self.frames.push(places);
+        }
+    }
+
+    /// Number of frames.
+    pub fn len(&self) -> usize {
+        self.frames.len()
+    }
+
+    /// Nothing was recorded.
+    pub fn is_empty(&self) -> bool {
+        self.frames.is_empty()
+    }
+
+    /// The places at a time, between the frames before and after; the first or last frame outside.
+    pub(super) fn at(&self, t_s: f64) -> Vec<Place> {
+        let next = self.times_s.partition_point(|t| *t <= t_s);
+        match (next.checked_sub(1), self.frames.get(next)) {
+            (Some(last), None) => self.frames[last].clone(),
+            (None, first) => first.cloned().unwrap_or_default(),
+            (Some(here), Some(after)) => {
+                let (from_s, to_s) = (self.times_s[here], self.times_s[next]);
+                let share = (t_s - from_s) / (to_s - from_s);
+                self.frames[here].iter().zip(after).map(|(a, b)| a.between(b, share)).collect()
+            }
+        }
+    }
+}
+
+fn place(motion: &BodyMotion) -> Place {
+    let rotation = Rotation3::from_matrix_unchecked(motion.rotation);
+    Place { position_m: motion.position_m, orientation: UnitQuaternion::from_rotation_matrix(&rotation) }
+}
+
+/// One robot of an animation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dog {
+    /// What the legend says: `nominal`, `repaired`, `logged`.
+    pub name: String,
+    /// Red, green, blue.
+    pub colour: [u8; 3],
+    /// How it moved.
+    pub recording: Recording,
+}
+
+/// Several robots in motion over the same floor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Animation {
+    /// Headline.
+    pub title: String,
+    /// A line under it.
+    pub note: String,
+    /// Height of the floor (y) \[m\].
+    pub floor_m: f64,
+    /// The robots; the camera follows the first.
+    pub dogs: Vec<Dog>,
+}
+
+/// Colours that the colour-blind can tell apart (Okabe and Ito 2008): blue, vermilion, grey.
+const COLOURS: [[u8; 3]; 3] = [[0, 114, 178], [213, 94, 0], [130, 130, 130]];
+
+impl Animation {
+    /// An animation without robots, floor at height 0.
+    pub fn new(title: impl Into<String>, note: impl Into<String>) -> Self {
+        Self { title: title.into(), note: note.into(), floor_m: 0.0, dogs: Vec::new() }
+    }
+
+    /// The same with one more robot, in the next colour.
+    #[must_use]
+    pub fn with(mut self, name: impl Into<String>, recording: Recording) -> Self {
+        let colour = COLOURS[self.dogs.len() % COLOURS.len()];
+        self.dogs.push(Dog { name: name.into(), colour, recording });
+        self
+    }
+
+    /// First and last time of all recordings \[s\]; zeros where nothing was recorded.
+    pub fn span_s(&self) -> (f64, f64) {
+        let times = || self.dogs.iter().flat_map(|dog| dog.recording.times_s.iter().copied());
+        let (from, to) = (times().fold(f64::INFINITY, f64::min), times().fold(f64::NEG_INFINITY, f64::max));
+        if from <= to { (from, to) } else { (0.0, 0.0) }
+    }
+}
