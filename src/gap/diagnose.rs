@@ -273,8 +273,8 @@ fn notes(evidence: &Evidence, decision: &Decision<'_>, trusted: bool) -> Vec<Str
     }
     if evidence.pooled_from.is_some() {
         notes.push(
-            "The logs to be fitted hardly show what the held-out ones do: all logs were fitted, and each held-out one \
-             is predicted by a fit to the others that begins where the fit to all ended."
+            "The logs to be fitted hardly show what the others do: all logs were fitted together, and nothing was held \
+             out. A further log would tell whether the answer predicts."
                 .to_owned(),
         );
     } else if evidence.held.is_empty() {

@@ -14,8 +14,17 @@ pub(super) struct HeldOut {
     pub experiments: Vec<Experiment>,
     /// How they were held out, in words.
     pub how: &'static str,
-    /// What they are held out from, in turn, and where they begin among it; `None` where the study holds them out.
-    in_turn: Option<(Vec<Experiment>, usize)>,
+    from: From,
+}
+
+/// What logs are held out from.
+enum From {
+    /// From the fit: the study says so.
+    Study,
+    /// From one another, in turn.
+    InTurn,
+    /// From nothing: they were fitted with the others, after these so many.
+    Pooled(usize),
 }
 
 /// Parts into which a single log is cut.
@@ -27,32 +36,36 @@ impl HeldOut {
     pub fn of(evidence: &Evidence) -> Self {
         if !evidence.held.is_empty() {
             let how = "predicted by fits to the other logs, as the study says";
-            return Self { experiments: evidence.held.clone(), how, in_turn: None };
+            return Self { experiments: evidence.held.clone(), how, from: From::Study };
         }
         let all = &evidence.fit;
         if let Some(from) = evidence.pooled_from {
-            let how = "each predicted by a fit to all other logs, from what a fit to all logs found: the logs to be \
-                       fitted do not show what these show";
-            return Self { experiments: all[from..].to_vec(), how, in_turn: Some((all.clone(), from)) };
+            let how = "not at all; these logs were fitted with the others, which do not show what these show";
+            return Self { experiments: all[from..].to_vec(), how, from: From::Pooled(from) };
         }
         if let [only] = &all[..] {
             let duration_s = only.t_s[only.t_s.len() - 1] - only.t_s[0];
             let experiments = only.parts(duration_s / PARTS);
             let how = "each part of the only log predicted by a fit to its other parts; every part has a free start";
-            return Self { in_turn: Some((experiments.clone(), 0)), experiments, how };
+            return Self { experiments, how, from: From::InTurn };
         }
         let how = "each log predicted by a fit to all others";
-        Self { experiments: all.clone(), how, in_turn: Some((all.clone(), 0)) }
+        Self { experiments: all.clone(), how, from: From::InTurn }
     }
 
     /// Model less reading on every held-out log.
     pub fn residuals(&self, evidence: &Evidence, trial: &Trial) -> Vec<Vec<f64>> {
-        let Some((all, from)) = &self.in_turn else { return trial.held.clone() };
+        match self.from {
+            From::Study => return trial.held.clone(),
+            From::Pooled(from) => return trial.fit[from..].to_vec(),
+            From::InTurn => {}
+        }
+        let all = &self.experiments;
         let cut = evidence.fit.len() == 1;
         (0..self.experiments.len())
             .into_par_iter()
             .map(|k| {
-                let others = |i: &usize| *i != from + k;
+                let others = |i: &usize| *i != k;
                 let without = Evidence {
                     fit: (0..all.len()).filter(others).map(|i| all[i].clone()).collect(),
                     held: Vec::new(),
