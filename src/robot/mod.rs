@@ -15,7 +15,6 @@
 //! `M(q) dv/dt + bias(q, v) = [base wrench; tau] + J^T f`, gravity being in `bias`. A clamped base does not accelerate,
 //! and the base wrench is what holds it; the coordinates stay the same.
 //!
-//! Left out here: contact, friction, control, integration.
 
 mod dynamics;
 mod error;
@@ -23,7 +22,7 @@ mod model;
 mod spatial;
 mod state;
 
-pub use dynamics::{BodyMotion, Dynamics, Energy, Force, Input, Momentum};
+pub use dynamics::{BodyMotion, Dynamics, Energy, Force, Input, Momentum, PointInertia};
 pub use error::RobotError;
 pub use model::{Attached, Body, BodyId, JointId, Model, PidGains};
 pub use state::State;

@@ -14,7 +14,7 @@
 
 use super::base::solve_base;
 use super::slot::{Slot, Spatial};
-use super::{Dynamics, Input};
+use super::{Dynamics, Input, PointInertia};
 use crate::geometry::robot_file::Base;
 use crate::robot::State;
 use crate::robot::model::{BASE_FREEDOMS, BasePlan, Group, Parent, Shape};
@@ -55,6 +55,20 @@ impl Dynamics<'_> {
     /// # Panics
     /// Where a slice has not the model's length.
     pub fn forward(&mut self, state: &State, input: &Input<'_>, acceleration: &mut [f64]) {
+        self.forward_with(state, input, &[], acceleration);
+    }
+
+    /// [`Dynamics::forward`] with inertia added at points of bodies, what an implicit step makes of dampers there.
+    ///
+    /// # Panics
+    /// As [`Dynamics::forward`].
+    pub fn forward_with(
+        &mut self,
+        state: &State,
+        input: &Input<'_>,
+        points: &[PointInertia],
+        acceleration: &mut [f64],
+    ) {
         let joints = self.model.joints().len();
         self.check_state(state);
         self.check("torques", input.torque_nm.len(), joints);
@@ -82,6 +96,9 @@ impl Dynamics<'_> {
             let above = parent_of(group, &self.slots, &base.velocity, |slot| slot.velocity);
             let slot = &mut self.slots[k];
             by_kind!(group, outward, group, slot, above, rate, has_forces);
+        }
+        if !points.is_empty() {
+            self.place_points(state, points, (&mut base.inertia, &mut base.bias));
         }
         for (k, group) in groups.iter().enumerate().rev() {
             let torque = of_joints(group, input.torque_nm) * group.sign;

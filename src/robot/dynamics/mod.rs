@@ -5,8 +5,10 @@ mod base;
 mod composite;
 mod energy;
 mod forces;
+mod gravity;
 mod motion;
 mod newton_euler;
+mod points;
 mod slot;
 #[cfg(test)]
 mod tests;
@@ -14,6 +16,7 @@ mod tests;
 pub use energy::{Energy, Momentum};
 pub use forces::Force;
 pub use motion::BodyMotion;
+pub use points::PointInertia;
 
 use super::model::BASE_FREEDOMS;
 use super::{Model, State};

@@ -61,6 +61,17 @@ pub(in crate::robot) struct Group {
     pub rigid: Articulated,
 }
 
+impl Group {
+    /// 1 in the lanes that are the body of a lane.
+    pub fn mask_of(&self, lane: usize) -> Pair {
+        match (self.is_single, lane) {
+            (true, _) => Pair::splat(1.0),
+            (false, 0) => Pair::new(1.0, 0.0),
+            (false, _) => Pair::new(0.0, 1.0),
+        }
+    }
+}
+
 /// Constants of the base; its working frame is its own.
 #[derive(Clone, Debug)]
 pub(in crate::robot) struct BasePlan {

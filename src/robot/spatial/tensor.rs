@@ -175,6 +175,19 @@ impl Articulated {
         Self { a, b, c: self.c }
     }
 
+    /// Adds `k (w u^T + u w^T)` of two wrenches.
+    pub fn add_outer(&mut self, w: (Vec3, Vec3), u: (Vec3, Vec3), k: Pair) {
+        for i in 0..3 {
+            for j in i..3 {
+                self.a[at(i, j)] += k * (w.0[i] * u.0[j] + u.0[i] * w.0[j]);
+                self.c[at(i, j)] += k * (w.1[i] * u.1[j] + u.1[i] * w.1[j]);
+            }
+            for j in 0..3 {
+                self.b[i][j] += k * (w.0[i] * u.1[j] + u.0[i] * w.1[j]);
+            }
+        }
+    }
+
     /// Replaces every entry by a function of it and the other's.
     #[inline(always)]
     pub fn zip(&mut self, other: &Self, f: impl Fn(Pair, Pair) -> Pair) {
