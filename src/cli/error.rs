@@ -5,6 +5,7 @@ use crate::identify::{CaseError, DropError};
 use crate::log::LogError;
 use crate::report::ReportError;
 use crate::robot::RobotError;
+use crate::robot::simulate::SimulateError;
 use std::path::PathBuf;
 
 /// The answer is "no": the joint never moved.
@@ -68,6 +69,9 @@ pub enum CliError {
     /// The robot cannot be read or is none.
     #[error(transparent)]
     Robot(#[from] RobotError),
+    /// A simulation cannot begin.
+    #[error(transparent)]
+    Simulate(Box<SimulateError>),
     /// A file of states cannot be understood.
     #[error("{}: {what}", file.display())]
     States {
@@ -94,12 +98,13 @@ impl CliError {
     pub fn exit_code(&self) -> u8 {
         match self {
             CliError::Log(error) | CliError::Case(CaseError::Log(error)) | CliError::Robot(RobotError::File(error)) => {
-                if error.is_io() {
-                    IO
-                } else {
-                    DATA
-                }
+                of_file(error)
             }
+            CliError::Simulate(error) => match error.as_ref() {
+                SimulateError::File(error) | SimulateError::Robot(RobotError::File(error)) => of_file(error),
+                SimulateError::Value { .. } | SimulateError::NoSet { .. } => USAGE,
+                _ => DATA,
+            },
             CliError::Case(CaseError::JointsDiffer { .. }) | CliError::Usage(_) | CliError::Overwrites { .. } => USAGE,
             CliError::Drop(DropError::Directive(_)) => USAGE,
             CliError::Drop(DropError::NeverMoved) => NO,
@@ -111,5 +116,15 @@ impl CliError {
             CliError::Case(_) | CliError::FitFile { .. } | CliError::Robot(_) | CliError::States { .. } => DATA,
             CliError::Report(_) | CliError::Threads(_) | CliError::Encode(_) => IO,
         }
+    }
+}
+
+fn of_file(error: &LogError) -> u8 {
+    if error.is_io() { IO } else { DATA }
+}
+
+impl From<SimulateError> for CliError {
+    fn from(error: SimulateError) -> Self {
+        CliError::Simulate(Box::new(error))
     }
 }

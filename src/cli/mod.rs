@@ -10,6 +10,7 @@ mod progress;
 mod provenance;
 mod simulate;
 mod still;
+mod walk;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -20,7 +21,7 @@ pub use error::CliError;
 #[derive(Parser, Debug)]
 #[command(name = "aibo-fit", version, max_term_width = 100, propagate_version = true)]
 #[command(after_help = "Exit codes: 0 done; 1 the answer is no (the joint never moved); 2 usage; 3 bad data; \
-4 did not converge; 5 could not read or write.\n\nExample: aibo-fit drop data/q1.csv")]
+4 did not converge or diverged; 5 could not read or write.\n\nExample: aibo-fit drop data/q1.csv")]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -33,6 +34,7 @@ enum Command {
     Dynamics(dynamics::DynamicsArgs),
     Gap(gap::GapArgs),
     Simulate(simulate::SimulateArgs),
+    Walk(walk::WalkArgs),
 }
 
 /// Runs the program and answers with its exit code.
@@ -51,6 +53,7 @@ pub fn run() -> ExitCode {
         Command::Dynamics(args) => dynamics::run(&args),
         Command::Gap(args) => gap::run(&args),
         Command::Simulate(args) => simulate::run(&args),
+        Command::Walk(args) => walk::run(&args),
     };
     match result {
         Ok(code) => ExitCode::from(code),

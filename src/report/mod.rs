@@ -20,6 +20,7 @@ mod rows;
 mod sample;
 mod table;
 mod text;
+mod walk;
 
 pub use animation::{Animation, Dog, GifOptions, Recording, animation_gif, animation_html};
 pub use assemble::drop_report;
@@ -38,3 +39,4 @@ pub use plot::{
     Figure, correlation_matrix, figures, friction_curve, optimiser_trace, parameter_intervals, phase_portrait, swing,
 };
 pub use table::drop_text;
+pub use walk::{FollowRow, JointCurves, LegCurves, Runaway, SpeedRow, WalkReport, walk_figures, walk_html, walk_text};

@@ -52,8 +52,7 @@ impl Dynamics<'_> {
             };
             let (index, lane) = self.model.plan().placed[joint.index()];
             let (moment, linear) = self.wrench_at(index, &at_base);
-            let group = &self.model.plan().groups[index];
-            let mask = group.lane_mask(lane);
+            let mask = self.model.plan().groups[index].lane_mask(lane);
             let external = &mut self.slots[index].external;
             for k in 0..3 {
                 external.0[k] += moment[k] * mask;
@@ -64,7 +63,7 @@ impl Dynamics<'_> {
 
     /// A wrench about the base's centre in base axes, in the working frames of a group: from parent to child along the
     /// way there.
-    fn wrench_at(&self, index: usize, at_base: &([f64; 3], [f64; 3])) -> Spatial {
+    pub(super) fn wrench_at(&self, index: usize, at_base: &([f64; 3], [f64; 3])) -> Spatial {
         let group = &self.model.plan().groups[index];
         let (mut moment, mut force) = match group.parent {
             Parent::Base => (at_base.0.map(Pair::splat), at_base.1.map(Pair::splat)),

@@ -5,6 +5,7 @@ mod base;
 mod composite;
 mod energy;
 mod forces;
+mod gravity;
 mod implicit;
 mod motion;
 mod newton_euler;

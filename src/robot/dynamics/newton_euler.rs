@@ -15,9 +15,9 @@ use nalgebra::Vector3;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Load {
     /// World axes \[N\].
-    force_n: Vector3<f64>,
+    pub force_n: Vector3<f64>,
     /// About the base's centre, world axes \[N m\].
-    moment_nm: Vector3<f64>,
+    pub moment_nm: Vector3<f64>,
     /// Of the frame's origin \[m/s^2\].
     acceleration_m_s2: Vector3<f64>,
     /// \[rad/s^2\]

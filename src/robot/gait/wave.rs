@@ -150,6 +150,12 @@ impl Gait {
         }
     }
 
+    /// The same gait with another number of cycles per second, above 0.
+    #[must_use]
+    pub fn at_frequency(&self, frequency_hz: f64) -> Self {
+        Self { period_s: 1.0 / frequency_hz, ..self.clone() }
+    }
+
     /// Its name.
     pub fn name(&self) -> &str {
         &self.name

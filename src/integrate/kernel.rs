@@ -1,4 +1,4 @@
-//! Fixed-step integration kernels.
+//! The fixed-step kernel of the pendulums, over any number type.
 
 use crate::joint::Real;
 

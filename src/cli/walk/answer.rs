@@ -1,0 +1,134 @@
+//! The report of a simulated walk.
+
+use super::WalkArgs;
+use crate::integrate;
+use crate::report::{FollowRow, JointCurves, LegCurves, Provenance, Runaway, SpeedRow, WalkReport};
+use crate::robot::JointId;
+use crate::robot::simulate::{Method, PositionSensor, Recording, Scenario, follow, readings};
+
+/// Frames of the robot [s].
+pub(super) const PERIOD_S: f64 = 0.008;
+/// The gait stands so long before it is compared with what was asked, and rises for another half second [s].
+const SETTLED_S: f64 = 2.5;
+
+/// What was asked for.
+pub(super) struct Asked<'a> {
+    pub args: &'a WalkArgs,
+    pub scenario: &'a Scenario<'a>,
+    pub method: Method,
+    pub sensor: PositionSensor,
+    /// Joints whose setpoints were beyond their limits.
+    pub clipped: &'a [JointId],
+}
+
+/// Puts the report together.
+pub(super) fn report(asked: &Asked<'_>, recording: &Recording, provenance: Provenance) -> WalkReport {
+    let Asked { args, scenario, .. } = *asked;
+    let model = scenario.model;
+    let name = |joint: usize| model.joints()[joint].name.clone();
+    let readings = readings(scenario.joints, recording, asked.sensor, args.seed);
+    let duration_s = recording.t_s.last().zip(recording.t_s.first()).map_or(0.0, |(last, first)| last - first);
+    let from_s = recording.t_s.first().map_or(0.0, |t| t + SETTLED_S.min(0.5 * duration_s));
+    let joints: Vec<FollowRow> = follow(recording, &readings, args.frequency, from_s)
+        .into_iter()
+        .map(|f| FollowRow {
+            joint: name(f.joint),
+            amplitude_rad: f.amplitude_rad,
+            amplitude_ratio: f.ratio,
+            delay_s: f.delay_s,
+            rms_rad: f.rms_rad,
+            worst_rad: f.worst_rad,
+            peak_rad_s: recording.rate_rad_s[f.joint].iter().fold(0.0, |most, w| most.max(w.abs())),
+        })
+        .collect();
+    let speed_warnings: Vec<SpeedRow> = recording
+        .warnings
+        .iter()
+        .map(|w| SpeedRow {
+            joint: name(w.joint.index()),
+            from_s: w.from_s,
+            samples: w.samples,
+            peak_rad_s: w.peak_rad_s,
+            limit_rad_s: w.limit_rad_s,
+        })
+        .collect();
+    let mut notes = Vec::new();
+    for row in &speed_warnings {
+        notes.push(format!(
+            "{}: {:.2} rad/s, beyond its limit of {:.3} rad/s (Table A.3) in {} samples from t = {:.3} s on.",
+            row.joint, row.peak_rad_s, row.limit_rad_s, row.samples, row.from_s
+        ));
+    }
+    if !asked.clipped.is_empty() {
+        let names: Vec<String> = asked.clipped.iter().map(|id| name(id.index())).collect();
+        notes.push(format!("Setpoints beyond the software's limits (Table A.3) were clipped: {}.", names.join(", ")));
+    }
+    WalkReport {
+        schema: 1,
+        robot: model.name().to_owned(),
+        scenario: "air".to_owned(),
+        sentence: sentence(recording, &joints),
+        notes,
+        method: in_words(asked.method),
+        duration_s,
+        evaluations: recording.counts.evaluations,
+        steps: recording.counts.steps,
+        diverged: recording.diverged.as_ref().map(|d| Runaway {
+            at_s: d.at_s,
+            joint: d.joint_name.clone(),
+            why: d.why.clone(),
+        }),
+        joints,
+        speed_warnings,
+        legs: legs(asked, recording, &readings),
+        provenance,
+    }
+}
+
+fn sentence(recording: &Recording, joints: &[FollowRow]) -> String {
+    if let Some(diverged) = &recording.diverged {
+        let kept = recording.t_s.last().copied().unwrap_or(0.0);
+        return format!("{diverged}. What was computed until t = {kept:.3} s is kept.");
+    }
+    if joints.is_empty() {
+        return "No joint was moved at the gait's frequency.".to_owned();
+    }
+    let worst = |of: fn(&FollowRow) -> f64| joints.iter().fold(0.0f64, |most, row| most.max(of(row).abs()));
+    let amplitude = 100.0 * worst(|row| row.amplitude_ratio - 1.0);
+    let (delay_ms, rms) = (1e3 * worst(|row| row.delay_s), 1e3 * worst(|row| row.rms_rad));
+    format!(
+        "In the air {} joints follow their setpoints to within {amplitude:.1} % of amplitude and {delay_ms:.1} ms; the largest \
+         RMS error is {rms:.1} mrad.",
+        joints.len()
+    )
+}
+
+fn in_words(method: Method) -> String {
+    use integrate::Method as Smooth;
+    match method {
+        Method::Stiff { step_s } => format!("Stiff method, steps of {step_s} s"),
+        Method::Smooth(Smooth::Rk2 { step_s }) => format!("Runge-Kutta 2, steps of {step_s} s"),
+        Method::Smooth(Smooth::Rk4 { step_s }) => format!("Runge-Kutta 4, steps of {step_s} s"),
+        Method::Smooth(Smooth::DormandPrince(of)) => format!("Dormand-Prince 5(4), tolerance {:e}", of.relative),
+        Method::Smooth(Smooth::Adams(of)) => format!("Adams, tolerance {:e}", of.relative),
+        Method::Smooth(Smooth::Bdf(of)) => format!("Backward differentiation, tolerance {:e}", of.relative),
+    }
+}
+
+/// Curves of the legs that the robot has.
+fn legs(asked: &Asked<'_>, recording: &Recording, readings: &[Vec<f64>]) -> Vec<LegCurves> {
+    let model = asked.scenario.model;
+    let legs = [("lf", "left front"), ("rf", "right front"), ("lr", "left rear"), ("rr", "right rear")];
+    let curves = |(letters, words): (&str, &str)| {
+        let joints: Vec<JointCurves> = (1..=3)
+            .filter_map(|k| model.joint(&format!("{letters}{k}")).ok())
+            .map(|id| JointCurves {
+                name: model.joints()[id.index()].name.clone(),
+                setpoint_rad: recording.setpoint_rad[id.index()].clone(),
+                reading_rad: readings[id.index()].clone(),
+            })
+            .collect();
+        (!joints.is_empty()).then(|| LegCurves { name: words.to_owned(), t_s: recording.t_s.clone(), joints })
+    };
+    legs.into_iter().filter_map(curves).collect()
+}

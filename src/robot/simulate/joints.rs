@@ -1,0 +1,231 @@
+//! The joint chain on every joint of the tree.
+
+use super::SimulateError;
+use crate::geometry::JointSpring;
+use crate::joint::{Chain, Contact, EffectId, EndStop, Friction, Link, Motor, Stribeck};
+use crate::log::{Derivative, Hold, MotorSpec};
+use crate::robot::model::BASE_FREEDOMS;
+use crate::robot::{Dynamics, JointId, Model, State};
+use nalgebra::DMatrix;
+
+/// A joint of the tree: everything but inertia and gravity, which are the tree's.
+pub struct JointDrive {
+    /// The stages; its link has the inertia about the axis with all joints at 0, and no gravity.
+    pub chain: Chain<f64>,
+    /// The encoder reads this much less than the angle \[rad\], and so does the controller.
+    pub zero_rad: f64,
+    /// What holds a joint without a controller.
+    pub spring: Option<JointSpring>,
+    /// Mechanical end stops; none unless they were asked for.
+    pub stops: Vec<EndStop<f64>>,
+    /// Held where it is, whatever acts.
+    pub is_rigid: bool,
+    /// Inertia about its axis that is left where all other joints and the base give way \[kg m^2\].
+    pub(super) loose_kg_m2: f64,
+}
+
+impl JointDrive {
+    fn new(inertia_kg_m2: f64, loose_kg_m2: f64, spring: Option<JointSpring>) -> Self {
+        let link = Link::new(inertia_kg_m2, 0.0, 0.0, 0.0);
+        let chain = Chain::new(link, Friction::coulomb_viscous(0.0, 0.0), None);
+        Self { chain, zero_rad: 0.0, spring, stops: Vec::new(), is_rigid: false, loose_kg_m2 }
+    }
+
+    /// What the encoder makes of a true angle, before noise and steps \[rad\].
+    #[inline]
+    pub fn reading_rad(&self, angle_rad: f64) -> f64 {
+        (angle_rad - self.zero_rad) * self.chain.sensor_gain
+    }
+
+    /// The true angle at which the encoder reads an angle \[rad\].
+    pub fn true_rad(&self, reading_rad: f64) -> f64 {
+        reading_rad / self.chain.sensor_gain + self.zero_rad
+    }
+
+    /// Torque of springs and stops \[N m\].
+    #[inline]
+    pub fn elastic_nm(&self, angle_rad: f64, rate_rad_s: f64) -> f64 {
+        let mut torque_nm = self.chain.passive_nm(angle_rad, rate_rad_s);
+        if let Some(s) = &self.spring {
+            torque_nm += s.stiffness_nm_rad * (s.rest_rad - angle_rad) - s.damping_nm_s_rad * rate_rad_s;
+        }
+        torque_nm + self.stops.iter().map(|stop| stop.torque_nm(angle_rad, rate_rad_s)).sum::<f64>()
+    }
+
+    /// Friction that resists at a place of the joint's motion \[N m\], zero or above.
+    #[inline]
+    pub fn resistance_nm(&self, at: &Contact<f64>) -> f64 {
+        self.chain.friction.resistance_nm(at)
+    }
+
+    /// Whether it can stick.
+    pub(super) fn has_dry_friction(&self) -> bool {
+        let f = &self.chain.friction;
+        f.coulomb_nm > 0.0 || f.stribeck.is_some() || !f.terms.is_empty()
+    }
+
+    /// Whether its friction asks for gravity's load.
+    pub(super) fn has_friction_terms(&self) -> bool {
+        !self.chain.friction.terms.is_empty()
+    }
+}
+
+/// How joints are controlled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Control {
+    /// What the derivative acts on; the error by default, as Figure C.2 needs it.
+    pub derivative: Derivative,
+    /// How setpoints are read between samples; the derivative of the error needs [`Hold::Linear`].
+    pub hold: Hold,
+    /// The law is evaluated every so often and its torque held \[s\]; `None`: continuously.
+    pub sample_period_s: Option<f64>,
+}
+
+impl Default for Control {
+    fn default() -> Self {
+        Self { derivative: Derivative::Error, hold: Hold::Linear, sample_period_s: None }
+    }
+}
+
+/// All joints of a robot, in the model's order.
+pub struct Joints {
+    drives: Vec<JointDrive>,
+}
+
+impl Joints {
+    /// Joints without friction and control; only the springs of the robot's file act.
+    pub fn passive(model: &Model) -> Self {
+        let n = BASE_FREEDOMS + model.joints().len();
+        let mut mass = DMatrix::zeros(n, n);
+        Dynamics::new(model).mass_matrix(&State::at_rest(model), &mut mass);
+        // With the base free: what a joint moves at the least.
+        let inverse = mass.clone().try_inverse();
+        let drive = |(j, joint): (usize, &crate::geometry::Joint)| {
+            let k = BASE_FREEDOMS + j;
+            let loose = inverse.as_ref().map_or(mass[(k, k)], |inverse| 1.0 / inverse[(k, k)]);
+            JointDrive::new(mass[(k, k)], loose, joint.spring)
+        };
+        Self { drives: model.joints().iter().enumerate().map(drive).collect() }
+    }
+
+    /// The joints of the thesis: friction of Table 3.4 (`chosen`), gains of Table B.2 (`printed`), a continuous law with
+    /// the derivative on the error.
+    ///
+    /// # Errors
+    /// [`SimulateError::NoSet`] where the robot's file does not have these sets.
+    pub fn of_thesis(model: &Model) -> Result<Self, SimulateError> {
+        let mut joints = Self::passive(model);
+        joints.set_friction(model, "chosen")?;
+        joints.set_control(model, "printed", Control::default())?;
+        Ok(joints)
+    }
+
+    /// Friction of a named set of the robot's file.
+    ///
+    /// # Errors
+    /// [`SimulateError::NoSet`].
+    pub fn set_friction(&mut self, model: &Model, set: &str) -> Result<(), SimulateError> {
+        for (id, drive) in model.joint_ids().zip(&mut self.drives) {
+            let friction = model.friction(set, id).ok_or_else(|| no_set(model, "friction", set))?;
+            let law = &mut drive.chain.friction;
+            (law.coulomb_nm, law.viscous_nm_s_rad) = (friction.coulomb_nm, friction.viscous_nm_s_rad);
+            let (static_nm, speed_rad_s) = (friction.static_nm, friction.stribeck_rad_s);
+            law.stribeck = (static_nm > 0.0 && speed_rad_s > 0.0).then_some(Stribeck { static_nm, speed_rad_s });
+        }
+        Ok(())
+    }
+
+    /// Controllers with a named set of gains; joints that the set does not have stay without.
+    ///
+    /// # Errors
+    /// [`SimulateError::NoSet`] where no joint has a gain in it.
+    pub fn set_control(&mut self, model: &Model, set: &str, control: Control) -> Result<(), SimulateError> {
+        let mut found = false;
+        for (id, drive) in model.joint_ids().zip(&mut self.drives) {
+            let Some(gains) = model.gains(set, id) else { continue };
+            found = true;
+            drive.chain.motor = Some(Motor::new(MotorSpec {
+                kp_nm_rad: gains.kp_nm_rad,
+                ki_nm_rad_s: gains.ki_nm_rad_s,
+                kd_nm_s_rad: gains.kd_nm_s_rad,
+                hold: control.hold,
+                derivative: control.derivative,
+                sample_period_s: control.sample_period_s,
+                torque_limit_nm: None,
+                speed_limit_rad_s: None,
+            }));
+        }
+        if found { Ok(()) } else { Err(no_set(model, "gains", set)) }
+    }
+
+    /// Soft mechanical stops at the hardware limits (2.3.2); the thesis left them out.
+    pub fn set_stops(&mut self, model: &Model, stiffness_nm_rad: f64, damping_nm_s_rad: f64) {
+        for (joint, drive) in model.joints().iter().zip(&mut self.drives) {
+            let Some([low, high]) = joint.hardware_rad else { continue };
+            drive.stops = [(low, -1.0), (high, 1.0)]
+                .map(|(angle_rad, side)| EndStop { angle_rad, side, stiffness_nm_rad, damping_nm_s_rad })
+                .to_vec();
+        }
+    }
+
+    /// Puts an effect of the catalogue on a joint, its values under the catalogue's names and in their order.
+    ///
+    /// # Errors
+    /// [`SimulateError::Effect`] for values out of bounds, or too few of them.
+    pub fn add_effect(
+        &mut self,
+        model: &Model,
+        joint: JointId,
+        effect: EffectId,
+        named: &[f64],
+    ) -> Result<(), SimulateError> {
+        let parameters = effect.named_parameters();
+        let wrong = |parameter: &'static str, value: f64, allowed: String| SimulateError::Effect {
+            joint: model.joints()[joint.index()].name.clone(),
+            effect: effect.id(),
+            parameter,
+            value,
+            allowed,
+        };
+        if named.len() != parameters.len() {
+            return Err(wrong("the number of values", named.len() as f64, parameters.len().to_string()));
+        }
+        for (parameter, value) in parameters.iter().zip(named) {
+            if !parameter.bounds.admit(*value) {
+                return Err(wrong(parameter.name, *value, format!("{} {}", parameter.bounds, parameter.unit)));
+            }
+        }
+        let drive = &mut self.drives[joint.index()];
+        if effect == EffectId::AngleOffset {
+            // On the tree gravity knows the true angle; it is encoder and controller that are off.
+            drive.zero_rad = named[0];
+            return Ok(());
+        }
+        let searched = effect.searched(named, drive.chain.friction.coulomb_nm);
+        effect.apply(&searched, drive.chain.link.inertia_kg_m2, &mut drive.chain);
+        if let Some(play) = &mut drive.chain.play {
+            // The rotor's inertia is taken from the link's, which must be left with some even where others give way.
+            play.motor_side_kg_m2 = play.motor_side_kg_m2.min(0.8 * drive.loose_kg_m2);
+        }
+        Ok(())
+    }
+
+    /// A joint.
+    pub fn drive(&self, joint: JointId) -> &JointDrive {
+        &self.drives[joint.index()]
+    }
+
+    /// A joint, to be changed.
+    pub fn drive_mut(&mut self, joint: JointId) -> &mut JointDrive {
+        &mut self.drives[joint.index()]
+    }
+
+    /// All joints in the model's order.
+    pub fn drives(&self) -> &[JointDrive] {
+        &self.drives
+    }
+}
+
+fn no_set(model: &Model, kind: &'static str, name: &str) -> SimulateError {
+    SimulateError::NoSet { robot: model.name().to_owned(), kind, name: name.to_owned() }
+}

@@ -1,0 +1,112 @@
+//! What a joint's own stages do at one instant, and how that changes with angle, rate and time.
+
+use super::JointDrive;
+use crate::joint::{Contact, Setpoint};
+use crate::pendulum::Command;
+
+/// Where a joint is.
+#[derive(Clone, Copy)]
+pub(super) struct At {
+    pub t_s: f64,
+    pub angle_rad: f64,
+    pub rate_rad_s: f64,
+    /// Integral of the controller's error \[rad s\].
+    pub integral_rad_s: f64,
+}
+
+/// Nudges for slopes; the stages are straight lines between their kinks.
+const ANGLE_NUDGE_RAD: f64 = 1e-6;
+const RATE_NUDGE_RAD_S: f64 = 1e-6;
+const TIME_NUDGE_S: f64 = 1e-6;
+
+/// Slopes of the torque without friction.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Slopes {
+    /// `-d tau / d q`, not below 0 \[N m/rad\].
+    pub stiffness: f64,
+    /// `-d tau / d w`, not below 0 \[N m s/rad\].
+    pub damping: f64,
+    /// `d tau / d t` \[N m/s\].
+    pub per_time: f64,
+}
+
+impl JointDrive {
+    /// Torque that the motor delivers \[N m\].
+    #[inline]
+    pub(super) fn motor_nm(&self, command: Command<f64>, at: At) -> f64 {
+        command.motor_nm(&self.chain, at.t_s, &[at.angle_rad - self.zero_rad, at.rate_rad_s, at.integral_rad_s])
+    }
+
+    /// Torque that the law asks for, before gain and limits \[N m\]; zero where the motor is off.
+    pub(super) fn asked_nm(&self, command: Command<f64>, at: At) -> f64 {
+        let Command::Pid { setpoint_rad, slope_rad_s, from_s } = command else { return 0.0 };
+        let angle_rad = (at.t_s - from_s) * slope_rad_s + setpoint_rad;
+        let rate_rad_s = at.rate_rad_s * self.chain.sensor_gain;
+        self.chain.motor.as_ref().map_or(0.0, |motor| {
+            let setpoint = Setpoint { angle_rad, rate_rad_s: slope_rad_s };
+            motor.command_nm(setpoint, self.reading_rad(at.angle_rad), rate_rad_s, at.integral_rad_s)
+        })
+    }
+
+    /// Setpoint less reading \[rad\].
+    #[inline]
+    pub(super) fn error_rad(&self, command: Command<f64>, t_s: f64, angle_rad: f64) -> f64 {
+        command.error_rad(&self.chain, t_s, angle_rad - self.zero_rad)
+    }
+
+    /// Slopes of the motor's torque.
+    pub(super) fn motor_slopes(&self, command: Command<f64>, at: At, motor_nm: f64) -> Slopes {
+        let by = |at: At| self.motor_nm(command, at) - motor_nm;
+        let steady = matches!(command, Command::Torque(_))
+            || matches!(command, Command::Pid { slope_rad_s, .. } if slope_rad_s == 0.0);
+        Slopes {
+            stiffness: -by(At { angle_rad: at.angle_rad + ANGLE_NUDGE_RAD, ..at }) / ANGLE_NUDGE_RAD,
+            damping: -by(At { rate_rad_s: at.rate_rad_s + RATE_NUDGE_RAD_S, ..at }) / RATE_NUDGE_RAD_S,
+            per_time: if steady { 0.0 } else { by(At { t_s: at.t_s + TIME_NUDGE_S, ..at }) / TIME_NUDGE_S },
+        }
+        .kept()
+    }
+
+    /// Slopes of springs and stops.
+    pub(super) fn elastic_slopes(&self, angle_rad: f64, rate_rad_s: f64) -> Slopes {
+        if self.spring.is_none() && self.stops.is_empty() && self.chain.spring.is_none() && self.chain.stop.is_none() {
+            return Slopes::default();
+        }
+        let here = self.elastic_nm(angle_rad, rate_rad_s);
+        Slopes {
+            stiffness: (here - self.elastic_nm(angle_rad + ANGLE_NUDGE_RAD, rate_rad_s)) / ANGLE_NUDGE_RAD,
+            damping: (here - self.elastic_nm(angle_rad, rate_rad_s + RATE_NUDGE_RAD_S)) / RATE_NUDGE_RAD_S,
+            per_time: 0.0,
+        }
+        .kept()
+    }
+
+    /// Friction that resists motion in a direction \[N m\].
+    #[inline]
+    pub(super) fn friction_nm(&self, at: At, direction: f64, gravity_nm: f64, motor_nm: f64) -> f64 {
+        let speed_rad_s = (at.rate_rad_s * direction).max(0.0);
+        self.resistance_nm(&Contact {
+            t_s: at.t_s,
+            angle_rad: at.angle_rad,
+            speed_rad_s,
+            direction,
+            gravity_nm,
+            motor_nm,
+        })
+    }
+}
+
+impl Slopes {
+    /// Only what resists is taken along implicitly.
+    fn kept(self) -> Self {
+        Self { stiffness: self.stiffness.max(0.0), damping: self.damping.max(0.0), ..self }
+    }
+
+    pub(super) fn plus(self, other: Self) -> Self {
+        Self {
+            stiffness: self.stiffness + other.stiffness,
+            damping: self.damping + other.damping,
+            per_time: self.per_time + other.per_time,
+        }
+    }
+}
