@@ -1,5 +1,6 @@
 //! What can be wrong with a simulation before it starts.
 
+use crate::geometry::GeometryError;
 use crate::log::LogError;
 use crate::robot::RobotError;
 
@@ -47,6 +48,9 @@ pub enum SimulateError {
         /// What may be given.
         allowed: &'static str,
     },
+    /// The bench's geometry is impossible.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
     /// A table of setpoints that cannot be.
     #[error("setpoints: {what}")]
     Setpoints {
