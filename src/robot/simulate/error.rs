@@ -48,6 +48,12 @@ pub enum SimulateError {
         /// What may be given.
         allowed: &'static str,
     },
+    /// A method that does not know an effect.
+    #[error("joint {joint}: backlash is known to the stiff method only")]
+    Backlash {
+        /// The joint.
+        joint: String,
+    },
     /// The bench's geometry is impossible.
     #[error(transparent)]
     Geometry(#[from] GeometryError),
