@@ -354,3 +354,55 @@ fn an_explicit_law_in_frames_diverges_and_says_where() {
     assert!(diverged.joint.is_some() && diverged.at_s < 1.5 && diverged.to_string().contains("joint"), "{diverged}");
     assert!(!recording.t_s.is_empty() && recording.angle_rad[0].len() == recording.t_s.len());
 }
+
+/// A foot in honey, on a spring.
+struct Honey {
+    body: crate::robot::BodyId,
+    with_dampers: bool,
+}
+
+impl Surroundings for Honey {
+    fn act(&self, _t_s: f64, bodies: &[crate::robot::BodyMotion], external: &mut External) {
+        let motion = &bodies[self.body.index()];
+        let place = Vector3::new(0.0, -0.045, 0.0);
+        let (at_m, velocity) = (motion.point_m(&place), motion.point_velocity_m_s(&place));
+        let force = -velocity * HONEY_N_S_M - (at_m - Vector3::new(0.1, -0.15, -0.1)) * 200.0;
+        external.forces.push(crate::robot::Force::at(self.body, at_m, force));
+        if self.with_dampers {
+            let damping_n_s_m = nalgebra::Matrix3::identity() * HONEY_N_S_M;
+            external.dampers.push(PointDamper { body: self.body, at_m, damping_n_s_m });
+        }
+    }
+}
+
+const HONEY_N_S_M: f64 = 100.0;
+
+#[test]
+fn dampers_of_the_surroundings_are_stable_and_of_second_order() {
+    let model = Model::ers7();
+    let joints = Joints::of_thesis(model).unwrap();
+    let setpoints =
+        Trot { start_s: 0.05, walk_s: 0.35, frequency_hz: 3.0, ..Trot::AIR }.setpoints(model, 0.008).unwrap();
+    let mut start = State::at_rest(model);
+    for id in model.joint_ids() {
+        start.angle_rad[id.index()] = setpoints.at(id, 0.0).unwrap();
+    }
+    let at = |step_s: f64, with_dampers: bool| {
+        let honey = Honey { body: model.body("rf_lower").unwrap(), with_dampers };
+        let scenario = Scenario {
+            model,
+            joints: &joints,
+            setpoints: &setpoints,
+            start: &start,
+            surroundings: Some(&honey),
+            period_s: 0.008,
+        };
+        let recording = run(&scenario, Method::Stiff { step_s }).unwrap();
+        assert!(recording.diverged.is_none(), "{:?}", recording.diverged);
+        recording
+    };
+    let exact = at(1e-5, false);
+    let [coarse, middle, fine] = [2e-3, 1e-3, 2.5e-4].map(|step_s| worst(&at(step_s, true), &exact));
+    println!("honey: 2 ms {coarse:e}, 1 ms {middle:e}, 0.25 ms {fine:e} rad");
+    assert!(coarse < 2e-2 && middle < 5e-3 && fine < middle / 8.0, "{coarse:e} {middle:e} {fine:e}");
+}
