@@ -3,6 +3,7 @@
 use super::CliError;
 use super::common::{CommonArgs, json_text, log_name, print, study_name, write_outputs};
 use super::error::NOT_CONVERGED;
+use super::full_drop::full_drop;
 use super::progress::Progress;
 use super::provenance::provenance;
 use super::still::never_moved;
@@ -142,8 +143,11 @@ pub(super) fn run(args: &DropArgs) -> Result<u8, CliError> {
         Err(DropError::NeverMoved) => return never_moved(&args.common, &case, "no fit"),
         fit => fit?,
     };
+    progress.say("the same drop in the whole robot");
+    let full = args.common.on_threads(|| full_drop(&case, &fit))??;
     progress.say("drawing");
-    let report = drop_report(&case, &fit, provenance(case.inputs())?);
+    let mut report = drop_report(&case, &fit, provenance(case.inputs())?);
+    report.full = full;
     let written = write_report(args, &case, &fit, &report, &name)?;
     drop(progress);
     if !args.common.quiet {

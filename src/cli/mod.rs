@@ -5,6 +5,7 @@ mod common;
 mod drop;
 mod dynamics;
 mod error;
+mod full_drop;
 mod gap;
 mod progress;
 mod provenance;

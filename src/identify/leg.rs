@@ -92,17 +92,26 @@ impl LegCase {
         Ok(self.bare()?.bodies.iter().enumerate().map(parameter).collect())
     }
 
+    /// Where on the lower leg an extra mass sits.
+    ///
+    /// # Errors
+    /// As [`LegCase::load`].
+    pub fn mounted(&self, extra: &ExtraMass) -> Result<Mounted, GeometryError> {
+        let mut mounted = Mounted::at_distance(Ers7Tables::embedded(), self.leg, self.joint, &self.held, extra)?;
+        // Of two statements of one length the pose's is the direct one; a sidecar's distance is rounded.
+        if let Some(mount_m) = self.mount_m.filter(|m| (m - mounted.mount_m).abs() < SAME_PLACE_M) {
+            mounted.mount_m = mount_m;
+        }
+        Ok(mounted)
+    }
+
     /// An extra mass on the lower leg, at its distance from the joint's axis.
     ///
     /// # Errors
     /// [`GeometryError::DistanceOutOfReach`] where no point of the lower leg's line has that distance; as [`lump()`].
     pub fn load(&self, extra: &ExtraMass) -> Result<Load, GeometryError> {
         let robot = Ers7Tables::embedded();
-        let mut mounted = Mounted::at_distance(robot, self.leg, self.joint, &self.held, extra)?;
-        // Of two statements of one length the pose's is the direct one; a sidecar's distance is rounded.
-        if let Some(mount_m) = self.mount_m.filter(|m| (m - mounted.mount_m).abs() < SAME_PLACE_M) {
-            mounted.mount_m = mount_m;
-        }
+        let mounted = self.mounted(extra)?;
         let loaded = lump(robot, self.leg, self.joint, &self.held, self.gravity_trunk_m_s2, Some(mounted))?;
         let bare = self.bare()?;
         let on_the_link = Load::on_the_link(extra);

@@ -14,6 +14,8 @@ mod rollout;
 mod schedule;
 mod simple;
 
+pub(crate) use play::LINK_SHARE;
+
 pub use extensive::ExtensivePendulum;
 pub use ratios::{
     RatioError, RatioTest, SimpleEstimate, friction_from_ratios, length_from_stiffness, mass_from_ratios,

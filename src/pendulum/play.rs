@@ -12,7 +12,7 @@ use crate::joint::{Chain, Play, Real};
 /// Halvings that separate the events of a step.
 const HALVINGS: usize = 16;
 /// Share of the friction that acts on the link side, in its bearing; the gears have the rest.
-const LINK_SHARE: f64 = 0.03;
+pub(crate) const LINK_SHARE: f64 = 0.03;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Motion {

@@ -22,6 +22,7 @@ pub fn drop_report(case: &Case, fit: &DropFit, provenance: Provenance) -> DropRe
         models: vec![simple_summary(fit), extensive_summary(fit)],
         correlation: Correlation { names: names.collect(), matrix: extensive.correlation() },
         friction: friction_curve(fit),
+        full: None,
         provenance,
     };
     if is_relative(fit) {

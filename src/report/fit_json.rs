@@ -1,6 +1,6 @@
 //! `fit.json`: what a fit found, for programs (specification, section 6).
 
-use super::{DropReport, ModelSummary, ParameterRow, ParameterStatus};
+use super::{DropReport, FullRow, ModelSummary, ParameterRow, ParameterStatus};
 use crate::identify::DropFit;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -33,6 +33,9 @@ pub struct FitFile {
     /// RMS per log, of the extensive model.
     #[serde(default)]
     pub logs: Vec<LogFit>,
+    /// Each drop in the whole robot, where the logs are of a leg whose pose is known.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub whole_robot: Vec<FullRow>,
     /// What was said to the reader.
     #[serde(default)]
     pub notes: Vec<String>,
@@ -179,6 +182,7 @@ impl FitFile {
             masses: masses.map(|e| (e.name.clone(), Quantity::of(&super::assemble::row(e)))).collect(),
             ratios: ratios.iter().map(|row| (row.name.clone(), Quantity::of(row))).collect(),
             models: report.models.iter().map(|m| (key(m).to_owned(), model(m))).collect(),
+            whole_robot: report.full.as_ref().map(|full| full.rows.clone()).unwrap_or_default(),
             logs: report
                 .logs
                 .iter()

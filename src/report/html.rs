@@ -4,6 +4,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use minijinja::{Environment, Value, context};
 
+use super::full;
 use super::number::{UNKNOWN, significant};
 use super::plot::{FONT_BOLD, FONT_REGULAR, Figure, log_figures, model_figures};
 use super::rows::{ParameterCells, is_shown, typeset_unit};
@@ -34,6 +35,10 @@ pub(super) fn render(name: &str, template: &str, values: Value) -> Result<String
 /// on the data.
 pub fn render_html(report: &DropReport) -> Result<String, ReportError> {
     let (logs, folded) = open_and_folded(log_figures(report)?);
+    let (full_logs, full_folded) = match &report.full {
+        Some(full) => open_and_folded(full::full_figures(&report.joint, full)?),
+        None => (Vec::new(), Vec::new()),
+    };
     let provenance = report.provenance.clone();
     let values = context! {
         joint => report.joint.as_str(),
@@ -44,6 +49,9 @@ pub fn render_html(report: &DropReport) -> Result<String, ReportError> {
         logs,
         folded,
         figures => figure_views(model_figures(report)?),
+        full => report.full.as_ref().map(full::summary),
+        full_logs,
+        full_folded,
         has_friction => !report.friction.is_empty(),
         version => provenance.version,
         command => provenance.command,

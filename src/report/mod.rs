@@ -9,6 +9,7 @@ mod assemble;
 mod blind;
 mod error;
 mod fit_json;
+mod full;
 mod gap;
 mod html;
 mod model;
@@ -27,6 +28,7 @@ pub use assemble::drop_report;
 pub use blind::{BlindReport, blind_figures, blind_html, blind_text};
 pub use error::ReportError;
 pub use fit_json::{EffectFit, FitFile, JointFit, LogFit, ModelFit, Quantity, SCHEMA};
+pub use full::{FullCurves, FullDrop, FullRow, HeldRow};
 pub use gap::{GapReport, NEXT_FILE, gap_figures, gap_json, gap_text, render_gap_html};
 pub use html::render_html;
 pub use model::{

@@ -1,5 +1,6 @@
 //! What a drop report shows, as plain data: the command line assembles it, figures and HTML draw it.
 
+use super::FullDrop;
 use serde::Serialize;
 
 /// Everything the report of `aibo-fit drop` shows.
@@ -21,6 +22,8 @@ pub struct DropReport {
     pub correlation: Correlation,
     /// Friction torque against speed of the extensive model; empty where the scale is not determined.
     pub friction: Vec<FrictionPoint>,
+    /// The same drop in the whole robot, where the logs are of a leg whose pose is known.
+    pub full: Option<FullDrop>,
     /// Where the report comes from.
     pub provenance: Provenance,
 }

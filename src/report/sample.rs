@@ -119,6 +119,7 @@ fn report(logs: Vec<LogCurves>) -> DropReport {
         models: vec![simple, extensive],
         correlation: Correlation { names, matrix },
         friction: friction.collect(),
+        full: None,
         provenance: Provenance {
             version: "0.1.0".into(),
             command: "aibo-fit drop data/q1.csv --joint q1".into(),

@@ -2,6 +2,7 @@
 
 use comfy_table::Cell;
 
+use super::full::full_text;
 use super::number::significant;
 use super::rows::shorten;
 use super::text::{finish, number, one_line, parameter_table, table, wrap};
@@ -21,6 +22,9 @@ pub fn drop_text(report: &DropReport) -> String {
         blocks.push(logs(report));
     }
     blocks.extend(report.models.iter().map(model));
+    if let Some(full) = &report.full {
+        blocks.push(full_text(full, WIDTH));
+    }
     if !report.notes.is_empty() {
         blocks.push(report.notes.iter().map(|note| wrap(WIDTH, note, "- ", "  ")).collect::<Vec<_>>().join("\n"));
     }

@@ -9,6 +9,7 @@
 //!   composite rigid bodies (chapter 6), energies, momentum, places and velocities.
 //! - [`Floor`]: what stands under it (eqs 2.3-2.6), with what an implicit step needs.
 //! - [`Gait`]: what is asked of its joints (section 4.1).
+//! - [`bench`]: the drop test of 3.4 on the whole robot.
 //! - [`simulate`]: joints with controllers, motors, friction and effects on the tree, moved through time.
 //!
 //! Twists and wrenches (2.1, 2.2) are the inside of [`Dynamics`]; what it takes and gives is in world axes, or in
@@ -18,6 +19,7 @@
 //! `M(q) dv/dt + bias(q, v) = [base wrench; tau] + J^T f`, gravity being in `bias`. A clamped base does not accelerate,
 //! and the base wrench is what holds it; the coordinates stay the same.
 
+pub mod bench;
 mod contact;
 mod dynamics;
 mod error;

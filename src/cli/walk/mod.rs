@@ -11,7 +11,7 @@ use crate::geometry::robot_file::Base;
 use crate::integrate::{self, Tolerance};
 use crate::log::Outputs;
 use crate::report::{walk_figures, walk_html, walk_text};
-use crate::robot::simulate::{Joints, Method, PositionSensor, Scenario, Setpoints, log_csv, run as simulate};
+use crate::robot::simulate::{Control, Joints, Method, PositionSensor, Scenario, Setpoints, log_csv, run as simulate};
 use crate::robot::{Gait, Model, State};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -41,6 +41,10 @@ pub(super) struct WalkArgs {
     /// Gain set of the robot's file
     #[arg(long, value_name = "NAME", default_value = "printed")]
     gains: String,
+    /// Evaluate the control laws only every so often and hold their torques, 0.008 being the robot's frames [s]
+    /// [default: continuously]
+    #[arg(long, value_name = "S")]
+    control_period: Option<f64>,
     /// How to integrate
     #[arg(long, value_enum, default_value_t = MethodArg::Stiff)]
     method: MethodArg,
@@ -109,13 +113,17 @@ pub(super) fn run(args: &WalkArgs) -> Result<u8, CliError> {
             args.frequency
         )));
     }
+    if let Some(period) = args.control_period.filter(|period| !(1e-5..=1.0).contains(period)) {
+        return Err(CliError::Usage(format!("--control-period is {period}, expected 1e-5 to 1 s")));
+    }
     let progress = Progress::new(args.common.quiet);
     progress.say("reading");
     let read = args.robot.as_deref().map(Model::read).transpose()?;
     let model = read.as_ref().unwrap_or(Model::ers7()).with_base(Base::Clamped);
     let mut joints = Joints::passive(&model);
     joints.set_friction(&model, &args.friction)?;
-    joints.set_control(&model, &args.gains, Default::default())?;
+    let control = Control { sample_period_s: args.control_period, ..Control::default() };
+    joints.set_control(&model, &args.gains, control)?;
     let gait = Gait::built_in("trot", &model)?.with_amplitude("air")?.at_frequency(args.frequency);
     let standing = Setpoints::sampled(&gait, &model, gait.stand_s() + gait.walk_s(), answer::PERIOD_S)?;
     let setpoints = match &args.setpoints {

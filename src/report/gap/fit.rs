@@ -27,6 +27,7 @@ impl FitFile {
             masses: BTreeMap::new(),
             ratios: BTreeMap::new(),
             models: BTreeMap::new(),
+            whole_robot: Vec::new(),
             logs: diagnosis.traces.iter().filter_map(|log| log_fit(diagnosis, log)).collect(),
             notes: diagnosis.notes.clone(),
             sentence: diagnosis.answer.sentence.clone(),

@@ -21,6 +21,7 @@ pub use phase::phase_portrait;
 pub use swing::swing;
 pub use trace::optimiser_trace;
 
+use super::full::full_figures;
 use super::{DropReport, LogCurves, ReportError};
 
 /// One figure of a report.
@@ -45,6 +46,9 @@ pub struct Figure {
 /// [`ReportError::Font`] and [`ReportError::Draw`], neither of which depends on the data.
 pub fn figures(report: &DropReport) -> Result<Vec<Figure>, ReportError> {
     let mut figures = log_figures(report)?;
+    if let Some(full) = &report.full {
+        figures.extend(full_figures(&report.joint, full)?);
+    }
     figures.extend(model_figures(report)?);
     Ok(figures)
 }

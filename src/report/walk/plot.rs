@@ -45,8 +45,8 @@ fn draw(leg: &LegCurves) -> Result<String, ReportError> {
             let angle = Axis::over(joint.setpoint_rad.iter().chain(&joint.reading_rad).copied(), 0.06);
             let labels = (if is_last { "time [s]" } else { "" }, format!("{} [rad]", joint.name));
             let mut panel = chart(root, (top, bottom), (&time, &angle), (labels.0, &labels.1))?;
-            line(&mut panel, &thinned(&leg.t_s, &joint.setpoint_rad), stroke(SETPOINT, 2.0))?;
-            line(&mut panel, &thinned(&leg.t_s, &joint.reading_rad), stroke(EXTENSIVE, 1.0))?;
+            line(&mut panel, &thinned(&leg.t_s, &joint.setpoint_rad), stroke(SETPOINT, 4.0))?;
+            line(&mut panel, &thinned(&leg.t_s, &joint.reading_rad), stroke(EXTENSIVE, 1.25))?;
             top = bottom;
         }
         Ok(())

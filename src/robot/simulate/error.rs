@@ -1,5 +1,6 @@
 //! What can be wrong with a simulation before it starts.
 
+use crate::geometry::GeometryError;
 use crate::log::LogError;
 use crate::robot::RobotError;
 
@@ -47,6 +48,15 @@ pub enum SimulateError {
         /// What may be given.
         allowed: &'static str,
     },
+    /// A method that does not know an effect.
+    #[error("joint {joint}: backlash is known to the stiff method only")]
+    Backlash {
+        /// The joint.
+        joint: String,
+    },
+    /// The bench's geometry is impossible.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
     /// A table of setpoints that cannot be.
     #[error("setpoints: {what}")]
     Setpoints {

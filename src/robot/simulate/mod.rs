@@ -14,6 +14,7 @@
 
 mod commands;
 mod error;
+mod events;
 mod follow;
 mod joints;
 mod log;
@@ -22,6 +23,7 @@ mod run;
 mod scenario;
 mod sensor;
 mod setpoints;
+mod side;
 mod smooth;
 mod stiff;
 mod terms;

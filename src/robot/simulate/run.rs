@@ -57,6 +57,12 @@ enum Stepper<'a> {
 pub fn run(scenario: &Scenario<'_>, method: Method) -> Result<Recording, SimulateError> {
     scenario.check()?;
     check(method)?;
+    if let Method::Smooth(_) = method {
+        let mut joints = scenario.model.joints().iter().zip(scenario.joints.drives());
+        if let Some((joint, _)) = joints.find(|(_, drive)| drive.chain.play.is_some()) {
+            return Err(SimulateError::Backlash { joint: joint.name.clone() });
+        }
+    }
     let (setpoints, clipped) = scenario.setpoints.clipped(scenario.model);
     let scenario = Scenario { setpoints: &setpoints, ..*scenario };
     let mut stepper = match method {

@@ -12,30 +12,29 @@
 //!
 //! so a step takes two evaluations of forward dynamics. A joint at rest is held by a damper so stiff that it creeps less
 //! than a millionth of what it would slip; where that damper would have to push harder than the breakaway friction, the
-//! joint slips instead. A slipping joint whose speed passes through zero ends the step there and is at rest.
+//! joint slips instead. What ends a step early is in `events`, free play in `side`.
 
 use super::run::{Carried, Method, diverged, suggestion};
+use super::side::Side;
 use super::terms::{At, Slopes};
 use super::world::World;
 use super::{Diverged, Scenario};
 use crate::integrate::Counts;
-use crate::pendulum::Command;
+use crate::pendulum::{Command, LINK_SHARE};
 use crate::robot::{Input, State};
 use nalgebra::{UnitQuaternion, Vector3};
 
-const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
+pub(super) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 /// Inertia of the damper that holds a joint, in units of the joint's own.
 const HOLDING: f64 = 1e7;
 /// Classifications of sticking joints in one step.
 const PASSES: usize = 8;
 /// A joint that came to rest so often within one step stays at rest until its end.
-const MOST_STOPS: u8 = 3;
-/// Where in a step a speed passes through zero, to this share of the step's change of speed.
-const ZERO: f64 = 1e-7;
+pub(super) const MOST_STOPS: u8 = 3;
 
 /// What a joint is doing.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Mode {
+pub(super) enum Mode {
     /// It has no dry friction.
     Free,
     /// Held by friction.
@@ -47,21 +46,29 @@ enum Mode {
 }
 
 pub(super) struct Stiff<'a> {
-    scenario: Scenario<'a>,
+    pub scenario: Scenario<'a>,
     step_s: f64,
-    world: World<'a>,
-    modes: Vec<Mode>,
-    stops: Vec<u8>,
+    pub world: World<'a>,
+    pub modes: Vec<Mode>,
+    /// How often each joint came to rest in this step.
+    pub stops: Vec<u8>,
+    /// Motor sides of joints with free play, and after the step that is attempted.
+    pub sides: Vec<Side>,
+    pub next_sides: Vec<Side>,
+    /// Index into `sides` by joint.
+    side_of: Vec<Option<usize>>,
     slopes: Vec<Slopes>,
-    torque_nm: Vec<f64>,
-    diagonal_kg_m2: Vec<f64>,
-    first: Vec<f64>,
-    second: Vec<f64>,
+    pub torque_nm: Vec<f64>,
+    pub diagonal_kg_m2: Vec<f64>,
+    /// Inertia that is not the link's while it is apart from its motor side, in `diagonal_kg_m2` too \[kg m^2\].
+    shift_kg_m2: Vec<f64>,
+    pub first: Vec<f64>,
+    pub second: Vec<f64>,
     stage: State,
-    next: State,
+    pub next: State,
     error_rad: Vec<f64>,
     next_integral_rad_s: Vec<f64>,
-    counts: Counts,
+    pub counts: Counts,
 }
 
 impl<'a> Stiff<'a> {
@@ -75,15 +82,22 @@ impl<'a> Stiff<'a> {
             (false, true) => Mode::Stuck,
         };
         let drives = scenario.joints.drives();
+        let mut world = World::new(scenario);
+        let sides = Side::of(scenario, &mut world);
+        let place = |j: usize| sides.iter().position(|side| side.joint == j);
         Self {
             scenario: *scenario,
             step_s,
-            world: World::new(scenario),
+            world,
+            side_of: (0..n).map(place).collect(),
+            next_sides: sides.clone(),
+            sides,
             modes: drives.iter().zip(&scenario.start.rate_rad_s).map(mode).collect(),
             stops: vec![0; n],
             slopes: vec![Slopes::default(); n],
             torque_nm: zeros.clone(),
             diagonal_kg_m2: zeros.clone(),
+            shift_kg_m2: zeros.clone(),
             first: vec![0.0; 6 + n],
             second: vec![0.0; 6 + n],
             stage: scenario.start.clone(),
@@ -114,100 +128,26 @@ impl<'a> Stiff<'a> {
         None
     }
 
-    /// One step, in pieces where joints come to rest within it.
-    fn step(&mut self, now: &mut Carried, commands: &[Command<f64>], h: f64) {
-        self.stops.fill(0);
-        let mut left = h;
-        while left > 0.0 {
-            self.attempt(now, commands, left);
-            let mut take = left;
-            if let Some((joint, share)) = self.first_stop(&now.body) {
-                take = self.until_rest(now, commands, joint, share * left, left);
-                if take <= 1e-9 * h {
-                    // It was at rest already, and does not get going in its direction.
-                    self.rest(now, joint);
-                    continue;
-                }
-                self.accept(now, take);
-                self.rest(now, joint);
-            } else {
-                self.accept(now, take);
-            }
-            self.counts.steps += 1;
-            left = if take < left { left - take } else { 0.0 };
-            if left <= 1e-9 * h {
-                break;
-            }
-        }
-    }
-
-    fn rest(&mut self, now: &mut Carried, joint: usize) {
-        now.body.rate_rad_s[joint] = 0.0;
-        self.modes[joint] = Mode::Stuck;
-        self.stops[joint] = self.stops[joint].saturating_add(1);
-    }
-
-    /// Which slipping joint's speed passes through zero first, and after which share of the step.
-    fn first_stop(&self, body: &State) -> Option<(usize, f64)> {
-        let mut first: Option<(usize, f64)> = None;
-        for (j, mode) in self.modes.iter().enumerate() {
-            let Mode::Slip(direction) = *mode else { continue };
-            let (before, after) = (body.rate_rad_s[j] * direction, self.next.rate_rad_s[j] * direction);
-            if after < 0.0 {
-                let share = if before > 0.0 { before / (before - after) } else { 0.0 };
-                if first.is_none_or(|(_, other)| share < other) {
-                    first = Some((j, share));
-                }
-            }
-        }
-        first
-    }
-
-    /// Finds how long it takes until a joint is at rest (regula falsi), and attempts a step of that length \[s\].
-    fn until_rest(&mut self, now: &Carried, commands: &[Command<f64>], joint: usize, guess: f64, whole: f64) -> f64 {
-        let Mode::Slip(direction) = self.modes[joint] else { return whole };
-        let before = now.body.rate_rad_s[joint] * direction;
-        if before <= 0.0 {
-            return 0.0;
-        }
-        let mut high = (whole, self.next.rate_rad_s[joint] * direction);
-        let mut low = (0.0, before);
-        let mut take = guess;
-        let close = ZERO * (before - high.1);
-        for _ in 0..4 {
-            self.attempt(now, commands, take);
-            let speed = self.next.rate_rad_s[joint] * direction;
-            if speed.abs() <= close {
-                break;
-            }
-            if speed > 0.0 {
-                low = (take, speed)
-            } else {
-                high = (take, speed)
-            }
-            take = low.0 + (high.0 - low.0) * low.1 / (low.1 - high.1);
-        }
-        take
-    }
-
-    fn accept(&mut self, now: &mut Carried, h: f64) {
+    pub(super) fn accept(&mut self, now: &mut Carried, h: f64) {
         std::mem::swap(&mut now.body, &mut self.next);
         std::mem::swap(&mut now.integral_rad_s, &mut self.next_integral_rad_s);
+        self.sides.copy_from_slice(&self.next_sides);
         now.t_s += h;
     }
 
     /// A step of `h` into `next`; joints at rest that are pushed too hard begin to slip.
-    fn attempt(&mut self, now: &Carried, commands: &[Command<f64>], h: f64) {
+    pub(super) fn attempt(&mut self, now: &Carried, commands: &[Command<f64>], h: f64) {
         for _ in 0..PASSES {
             self.first_stage(now, commands, h);
-            if !self.break_away(now, commands, h) {
+            let broke_away = self.break_away(now, commands, h);
+            if !self.part(now, commands, h) && !broke_away {
                 break;
             }
         }
         self.second_stage(now, commands, h);
     }
 
-    fn at(now: &Carried, j: usize) -> At {
+    pub(super) fn at(now: &Carried, j: usize) -> At {
         At {
             t_s: now.t_s,
             angle_rad: now.body.angle_rad[j],
@@ -216,7 +156,7 @@ impl<'a> Stiff<'a> {
         }
     }
 
-    fn holding_kg_m2(&self, j: usize) -> f64 {
+    pub(super) fn holding_kg_m2(&self, j: usize) -> f64 {
         HOLDING * self.scenario.joints.drives()[j].chain.link.inertia_kg_m2
     }
 
@@ -226,15 +166,25 @@ impl<'a> Stiff<'a> {
         for (j, drive) in self.scenario.joints.drives().iter().enumerate() {
             let at = Self::at(now, j);
             let holding = self.holding_kg_m2(j);
+            let side = self.side_of[j];
+            let apart = side.map(|side| self.sides[side]).filter(Side::is_apart);
+            let share = if apart.is_some() { LINK_SHARE } else { 1.0 };
+            self.shift_kg_m2[j] = apart.map_or(0.0, |side| -side.inertia_kg_m2);
             self.error_rad[j] = drive.error_rad(commands[j], at.t_s, at.angle_rad);
             if self.modes[j] == Mode::Rigid {
                 (self.slopes[j], self.torque_nm[j], self.diagonal_kg_m2[j]) = (Slopes::default(), 0.0, holding);
+                self.shift_kg_m2[j] = 0.0;
                 continue;
             }
             let motor_nm = drive.motor_nm(commands[j], at);
-            let mut slopes = drive.motor_slopes(commands[j], at, motor_nm);
-            slopes = slopes.plus(drive.elastic_slopes(at.angle_rad, at.rate_rad_s));
-            let mut torque_nm = motor_nm + drive.elastic_nm(at.angle_rad, at.rate_rad_s);
+            let mut slopes = drive.elastic_slopes(at.angle_rad, at.rate_rad_s);
+            let mut torque_nm = drive.elastic_nm(at.angle_rad, at.rate_rad_s);
+            if apart.is_none() {
+                slopes = slopes.plus(drive.motor_slopes(commands[j], at, motor_nm));
+                torque_nm += motor_nm;
+            } else if let Some(side) = side {
+                self.sides[side].start(drive, at, self.world.gravity_nm[j], motor_nm);
+            }
             match self.modes[j] {
                 Mode::Free => {
                     let viscous = drive.chain.friction.viscous_nm_s_rad;
@@ -242,8 +192,10 @@ impl<'a> Stiff<'a> {
                     slopes.damping += viscous;
                 }
                 Mode::Slip(direction) => {
-                    torque_nm -= direction * drive.friction_nm(at, direction, self.world.gravity_nm[j], motor_nm);
-                    slopes.damping += drive.chain.friction.slope_nm_s_rad((at.rate_rad_s * direction).max(0.0));
+                    let whole_nm = drive.friction_nm(at, direction, self.world.gravity_nm[j], motor_nm);
+                    torque_nm -= direction * share * whole_nm;
+                    let speed_rad_s = (at.rate_rad_s * direction).max(0.0);
+                    slopes.damping += share * drive.chain.friction.slope_nm_s_rad(speed_rad_s);
                 }
                 Mode::Stuck | Mode::Rigid => {
                     torque_nm -= holding / gh * at.rate_rad_s;
@@ -252,7 +204,7 @@ impl<'a> Stiff<'a> {
             }
             self.slopes[j] = slopes;
             self.torque_nm[j] = torque_nm + gh * slopes.per_time - gh * slopes.stiffness * at.rate_rad_s;
-            self.diagonal_kg_m2[j] = gh * slopes.damping + gh * gh * slopes.stiffness;
+            self.diagonal_kg_m2[j] = gh * slopes.damping + gh * gh * slopes.stiffness + self.shift_kg_m2[j];
         }
         let input = Input {
             torque_nm: &self.torque_nm,
@@ -282,7 +234,9 @@ impl<'a> Stiff<'a> {
             let direction = if borne_nm > 0.0 { -1.0 } else { 1.0 };
             let motor_nm = drive.motor_nm(commands[j], at);
             let at_rest = At { rate_rad_s: 0.0, ..at };
-            let most_nm = drive.friction_nm(at_rest, direction, self.world.gravity_nm[j], motor_nm);
+            let apart = self.side_of[j].is_some_and(|side| self.sides[side].is_apart());
+            let share = if apart { LINK_SHARE } else { 1.0 };
+            let most_nm = share * drive.friction_nm(at_rest, direction, self.world.gravity_nm[j], motor_nm);
             if borne_nm.abs() > most_nm * (1.0 + 1e-9) {
                 self.modes[j] = Mode::Slip(direction);
                 any = true;
@@ -313,18 +267,28 @@ impl<'a> Stiff<'a> {
                 continue;
             }
             let motor_nm = drive.motor_nm(commands[j], at);
-            let mut torque_nm = motor_nm + drive.elastic_nm(at.angle_rad, at.rate_rad_s);
+            let mut torque_nm = drive.elastic_nm(at.angle_rad, at.rate_rad_s);
+            let side = self.side_of[j].filter(|side| self.sides[*side].is_apart());
+            let share = if side.is_some() { LINK_SHARE } else { 1.0 };
+            match side {
+                None => torque_nm += motor_nm,
+                Some(side) => {
+                    let gravity_nm = self.world.gravity_nm[j];
+                    self.next_sides[side] = self.sides[side].after(drive, at, gravity_nm, motor_nm, h);
+                }
+            }
             match self.modes[j] {
                 Mode::Free => torque_nm -= drive.chain.friction.viscous_nm_s_rad * at.rate_rad_s,
                 Mode::Slip(direction) => {
-                    torque_nm -= direction * drive.friction_nm(at, direction, self.world.gravity_nm[j], motor_nm);
+                    let whole_nm = drive.friction_nm(at, direction, self.world.gravity_nm[j], motor_nm);
+                    torque_nm -= direction * share * whole_nm;
                 }
                 Mode::Stuck | Mode::Rigid => torque_nm -= self.holding_kg_m2(j) / gh * at.rate_rad_s,
             }
             let slopes = self.slopes[j];
             let first = self.first[6 + j];
             let first_q = now.body.rate_rad_s[j] + gh * first;
-            self.torque_nm[j] = torque_nm + 2.0 * self.diagonal_kg_m2[j] * first
+            self.torque_nm[j] = torque_nm + 2.0 * (self.diagonal_kg_m2[j] - self.shift_kg_m2[j]) * first
                 - gh * slopes.stiffness * (at.rate_rad_s - 2.0 * first_q)
                 - gh * slopes.per_time;
         }
@@ -351,6 +315,11 @@ impl<'a> Stiff<'a> {
             let second_q = stage.rate_rad_s[j] - 2.0 * first_q + gh * second[6 + j];
             self.next.angle_rad[j] = now.body.angle_rad[j] + h * (1.5 * first_q + 0.5 * second_q);
             self.next.rate_rad_s[j] = now.body.rate_rad_s[j] + h * (1.5 * first[6 + j] + 0.5 * second[6 + j]);
+        }
+        for (side, next) in self.sides.iter().zip(&mut self.next_sides) {
+            if let Some(along) = side.along(self.next.angle_rad[side.joint], self.next.rate_rad_s[side.joint]) {
+                *next = along;
+            }
         }
         let base = |k: usize| h * (1.5 * first[k] + 0.5 * second[k]);
         self.next.base_velocity_m_s = now.body.base_velocity_m_s + Vector3::new(base(0), base(1), base(2));

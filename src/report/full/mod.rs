@@ -1,0 +1,65 @@
+//! The drop repeated by the whole robot (Figure 3.6): what the pendulum cannot know of, and what remains.
+
+mod plot;
+mod text;
+
+pub(super) use plot::full_figures;
+pub(super) use text::{full_text, summary};
+
+use serde::{Deserialize, Serialize};
+
+/// A drop in the full model beside the measurement and the pendulum.
+#[derive(Clone, Debug, Default)]
+pub struct FullDrop {
+    /// One for each log that moves.
+    pub rows: Vec<FullRow>,
+    /// Their curves, in the same order.
+    pub curves: Vec<FullCurves>,
+}
+
+/// Numbers of one log.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
+pub struct FullRow {
+    /// As the user named it.
+    pub file: String,
+    /// RMS of the extensive pendulum \[rad\].
+    pub pendulum_rms: f64,
+    /// RMS of the whole robot with the other joints held rigidly \[rad\].
+    pub rigid: HeldRow,
+    /// The same with the other joints held by their controllers.
+    pub controlled: HeldRow,
+    /// How far another joint of the leg gives way there \[rad\].
+    pub give: f64,
+}
+
+/// The full model against the measurement, with the other joints held in one way.
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Serialize)]
+pub struct HeldRow {
+    /// RMS error \[rad\]; null where the motion ran away.
+    pub rms: Option<f64>,
+    /// First passage through the angle of rest, model less measurement \[s\]; null where there is none.
+    pub first_swing: Option<f64>,
+    /// Angle at rest, model less measurement \[rad\].
+    pub rest: Option<f64>,
+}
+
+/// Curves of one log.
+#[derive(Clone, Debug, Default)]
+pub struct FullCurves {
+    /// As the user named it.
+    pub file: String,
+    /// \[s\]
+    pub t_s: Vec<f64>,
+    /// \[rad\]
+    pub measured_rad: Vec<f64>,
+    /// First sample that is compared.
+    pub first: usize,
+    /// \[rad\]
+    pub pendulum_rad: Vec<f64>,
+    /// \[rad\]
+    pub rigid_rad: Vec<f64>,
+    /// \[rad\]
+    pub controlled_rad: Vec<f64>,
+    /// Half a quantisation step \[rad\].
+    pub half_step_rad: f64,
+}
