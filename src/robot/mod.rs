@@ -7,7 +7,7 @@
 //! - [`Dynamics`]: the working memory of one evaluation at a time. Forward dynamics by the articulated-body algorithm
 //!   (Featherstone 2008, chapter 7), inverse dynamics by recursive Newton-Euler (chapter 5), the mass matrix by
 //!   composite rigid bodies (chapter 6), energies, momentum, places and velocities.
-//! - [`bench`]: the drop test of 3.4 on the whole robot.
+//! - [`mod@bench`]: the drop test of 3.4 on the whole robot.
 //! - [`simulate`]: joints with controllers, motors, friction and effects on the tree, moved through time.
 //!
 //! Twists and wrenches (2.1, 2.2) are the inside of [`Dynamics`]; what it takes and gives is in world axes, or in
