@@ -9,6 +9,7 @@ mod full_drop;
 mod gap;
 mod progress;
 mod provenance;
+mod sensor_test;
 mod simulate;
 mod still;
 mod walk;
@@ -34,6 +35,7 @@ enum Command {
     Drop(Box<drop::DropArgs>),
     Dynamics(dynamics::DynamicsArgs),
     Gap(gap::GapArgs),
+    SensorTest(sensor_test::SensorTestArgs),
     Simulate(simulate::SimulateArgs),
     Walk(walk::WalkArgs),
 }
@@ -53,6 +55,7 @@ pub fn run() -> ExitCode {
         Command::Drop(args) => drop::run(&args),
         Command::Dynamics(args) => dynamics::run(&args),
         Command::Gap(args) => gap::run(&args),
+        Command::SensorTest(args) => sensor_test::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Walk(args) => walk::run(&args),
     };

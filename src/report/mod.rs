@@ -19,6 +19,7 @@ mod plot;
 mod rows;
 #[cfg(test)]
 mod sample;
+mod sensor;
 mod table;
 mod text;
 mod walk;
@@ -40,5 +41,6 @@ pub use number::{WithUncertainty, format_with_uncertainty};
 pub use plot::{
     Figure, correlation_matrix, figures, friction_curve, optimiser_trace, parameter_intervals, phase_portrait, swing,
 };
+pub use sensor::{SensorReport, SweepPart, sensor_figures, sensor_html, sensor_text};
 pub use table::drop_text;
 pub use walk::{FollowRow, JointCurves, LegCurves, Runaway, SpeedRow, WalkReport, walk_figures, walk_html, walk_text};

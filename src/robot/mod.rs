@@ -9,7 +9,7 @@
 //!   composite rigid bodies (chapter 6), energies, momentum, places and velocities.
 //! - [`Floor`]: what stands under it (eqs 2.3-2.6), with what an implicit step needs.
 //! - [`Gait`]: what is asked of its joints (section 4.1).
-//! - [`bench`]: the drop test of 3.4 on the whole robot.
+//! - [`mod@bench`]: the drop test of 3.4 on the whole robot.
 //! - [`simulate`]: joints with controllers, motors, friction and effects on the tree, moved through time.
 //!
 //! Twists and wrenches (2.1, 2.2) are the inside of [`Dynamics`]; what it takes and gives is in world axes, or in

@@ -26,6 +26,7 @@ mod setpoints;
 mod side;
 mod smooth;
 mod stiff;
+mod sweep;
 mod terms;
 #[cfg(test)]
 mod tests;
@@ -40,3 +41,4 @@ pub use run::{Method, run};
 pub use scenario::{External, Scenario, Still, Surroundings};
 pub use sensor::{Accelerometer, PositionSensor};
 pub use setpoints::{Column, Setpoints};
+pub use sweep::{SweepPoint, sweep};

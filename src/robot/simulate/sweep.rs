@@ -1,0 +1,70 @@
+//! The sensor test of section B.1: a joint set to one place after another, and what its encoder says there.
+
+use super::{Column, Joints, Method, PositionSensor, Recording, Scenario, Setpoints, SimulateError, readings, run};
+use crate::log::Hold;
+use crate::robot::{JointId, Model, State};
+
+/// One measurement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SweepPoint {
+    /// \[rad\]
+    pub setpoint_rad: f64,
+    /// Where the joint truly is \[rad\].
+    pub angle_rad: f64,
+    /// What the encoder says \[rad\].
+    pub reading_rad: f64,
+}
+
+/// Each setpoint is held for so long, and read at the end \[s\].
+const HELD_S: f64 = 0.5;
+
+/// Sets a joint to `count` places from `from_rad` to `to_rad`, all others at rest and the base as the model has it.
+///
+/// # Errors
+/// [`SimulateError::Value`] for fewer than two places, or where the motion runs away.
+pub fn sweep(
+    model: &Model,
+    joints: &Joints,
+    joint: JointId,
+    [from_rad, to_rad]: [f64; 2],
+    count: usize,
+    (sensor, seed): (PositionSensor, u64),
+) -> Result<Vec<SweepPoint>, SimulateError> {
+    let wrong = |what, value, allowed| Err(SimulateError::Value { what, value, allowed });
+    if !(2..=5000).contains(&count) {
+        return wrong("the number of measurements", count as f64, "2 to 5000");
+    }
+    let place = |k: usize| from_rad + (to_rad - from_rad) * k as f64 / (count - 1) as f64;
+    // One more place at the end, so that the last is read before anything changes.
+    let t_s: Vec<f64> = (0..=count).map(|k| k as f64 * HELD_S).collect();
+    let columns = model
+        .joints()
+        .iter()
+        .enumerate()
+        .map(|(j, other)| {
+            let rest_rad = super::setpoints::resting_rad(&other.name);
+            let angle_rad =
+                (0..=count).map(|k| if j == joint.index() { place(k.min(count - 1)) } else { rest_rad }).collect();
+            Some(Column { angle_rad, on: None })
+        })
+        .collect();
+    let (setpoints, _) = Setpoints { t_s, columns, hold: Hold::Step }.clipped(model);
+    let mut start = State::at_rest(model);
+    for id in model.joint_ids() {
+        start.angle_rad[id.index()] = setpoints.at(id, 0.0).unwrap_or(0.0);
+    }
+    let scenario =
+        Scenario { model, joints, setpoints: &setpoints, start: &start, surroundings: None, period_s: HELD_S };
+    let recording: Recording = run(&scenario, Method::Stiff { step_s: 2e-3 })?;
+    if let Some(diverged) = &recording.diverged {
+        return wrong("the time until the sweep ran away [s]", diverged.at_s, "a sweep that stays bounded");
+    }
+    let readings = readings(joints, &recording, sensor, seed);
+    let j = joint.index();
+    let point = |k: usize| SweepPoint {
+        setpoint_rad: place(k),
+        angle_rad: recording.angle_rad[j][k + 1],
+        reading_rad: readings[j][k + 1],
+    };
+    Ok((0..count.min(recording.t_s.len().saturating_sub(1))).map(point).collect())
+}
