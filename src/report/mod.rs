@@ -39,4 +39,7 @@ pub use plot::{
     Figure, correlation_matrix, figures, friction_curve, optimiser_trace, parameter_intervals, phase_portrait, swing,
 };
 pub use table::drop_text;
-pub use walk::{FollowRow, JointCurves, LegCurves, Runaway, SpeedRow, WalkReport, walk_figures, walk_html, walk_text};
+pub use walk::{
+    FollowRow, Ground, JointCurves, LegCurves, Runaway, SpeedRow, TrunkCurves, WalkReport, walk_figures, walk_html,
+    walk_text,
+};

@@ -16,12 +16,12 @@
 
 use super::run::{Carried, Method, diverged, suggestion};
 use super::terms::{At, Slopes};
-use super::world::World;
-use super::{Diverged, Scenario};
+use super::world::{Around, World};
+use super::{Diverged, External, Scenario};
 use crate::integrate::Counts;
 use crate::pendulum::Command;
 use crate::robot::{Input, State};
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 /// Inertia of the damper that holds a joint, in units of the joint's own.
@@ -50,8 +50,15 @@ pub(super) struct Stiff<'a> {
     scenario: Scenario<'a>,
     step_s: f64,
     world: World<'a>,
+    /// At the start of a step, and at its second stage.
+    here: Around,
+    there: Around,
     modes: Vec<Mode>,
     stops: Vec<u8>,
+    /// At the start of a step: motor's torque, that and springs', and their slopes.
+    motor_nm: Vec<f64>,
+    given_nm: Vec<f64>,
+    given: Vec<Slopes>,
     slopes: Vec<Slopes>,
     torque_nm: Vec<f64>,
     diagonal_kg_m2: Vec<f64>,
@@ -79,8 +86,13 @@ impl<'a> Stiff<'a> {
             scenario: *scenario,
             step_s,
             world: World::new(scenario),
+            here: Around::new(scenario),
+            there: Around::new(scenario),
             modes: drives.iter().zip(&scenario.start.rate_rad_s).map(mode).collect(),
             stops: vec![0; n],
+            motor_nm: zeros.clone(),
+            given_nm: zeros.clone(),
+            given: vec![Slopes::default(); n],
             slopes: vec![Slopes::default(); n],
             torque_nm: zeros.clone(),
             diagonal_kg_m2: zeros.clone(),
@@ -119,6 +131,7 @@ impl<'a> Stiff<'a> {
         self.stops.fill(0);
         let mut left = h;
         while left > 0.0 {
+            self.look(now, commands);
             self.attempt(now, commands, left);
             let mut take = left;
             if let Some((joint, share)) = self.first_stop(&now.body) {
@@ -199,8 +212,8 @@ impl<'a> Stiff<'a> {
     /// A step of `h` into `next`; joints at rest that are pushed too hard begin to slip.
     fn attempt(&mut self, now: &Carried, commands: &[Command<f64>], h: f64) {
         for _ in 0..PASSES {
-            self.first_stage(now, commands, h);
-            if !self.break_away(now, commands, h) {
+            self.first_stage(now, h);
+            if !self.break_away(now, h) {
                 break;
             }
         }
@@ -220,21 +233,33 @@ impl<'a> Stiff<'a> {
         HOLDING * self.scenario.joints.drives()[j].chain.link.inertia_kg_m2
     }
 
-    fn first_stage(&mut self, now: &Carried, commands: &[Command<f64>], h: f64) {
+    /// What does not depend on the step's length and on which joints stick.
+    fn look(&mut self, now: &Carried, commands: &[Command<f64>]) {
+        self.world.surround(now.t_s, &now.body, &mut self.here);
+        for (j, drive) in self.scenario.joints.drives().iter().enumerate() {
+            let at = Self::at(now, j);
+            self.error_rad[j] = drive.error_rad(commands[j], at.t_s, at.angle_rad);
+            if self.modes[j] == Mode::Rigid {
+                continue;
+            }
+            let motor_nm = drive.motor_nm(commands[j], at);
+            self.motor_nm[j] = motor_nm;
+            self.given_nm[j] = motor_nm + drive.elastic_nm(at.angle_rad, at.rate_rad_s);
+            let elastic = drive.elastic_slopes(at.angle_rad, at.rate_rad_s);
+            self.given[j] = drive.motor_slopes(commands[j], at, motor_nm).plus(elastic);
+        }
+    }
+
+    fn first_stage(&mut self, now: &Carried, h: f64) {
         let gh = GAMMA * h;
-        self.world.surround(now.t_s, &now.body);
         for (j, drive) in self.scenario.joints.drives().iter().enumerate() {
             let at = Self::at(now, j);
             let holding = self.holding_kg_m2(j);
-            self.error_rad[j] = drive.error_rad(commands[j], at.t_s, at.angle_rad);
             if self.modes[j] == Mode::Rigid {
                 (self.slopes[j], self.torque_nm[j], self.diagonal_kg_m2[j]) = (Slopes::default(), 0.0, holding);
                 continue;
             }
-            let motor_nm = drive.motor_nm(commands[j], at);
-            let mut slopes = drive.motor_slopes(commands[j], at, motor_nm);
-            slopes = slopes.plus(drive.elastic_slopes(at.angle_rad, at.rate_rad_s));
-            let mut torque_nm = motor_nm + drive.elastic_nm(at.angle_rad, at.rate_rad_s);
+            let (mut torque_nm, mut slopes) = (self.given_nm[j], self.given[j]);
             match self.modes[j] {
                 Mode::Free => {
                     let viscous = drive.chain.friction.viscous_nm_s_rad;
@@ -242,7 +267,8 @@ impl<'a> Stiff<'a> {
                     slopes.damping += viscous;
                 }
                 Mode::Slip(direction) => {
-                    torque_nm -= direction * drive.friction_nm(at, direction, self.world.gravity_nm[j], motor_nm);
+                    let gravity_nm = self.here.gravity_nm[j];
+                    torque_nm -= direction * drive.friction_nm(at, direction, gravity_nm, self.motor_nm[j]);
                     slopes.damping += drive.chain.friction.slope_nm_s_rad((at.rate_rad_s * direction).max(0.0));
                 }
                 Mode::Stuck | Mode::Rigid => {
@@ -254,12 +280,9 @@ impl<'a> Stiff<'a> {
             self.torque_nm[j] = torque_nm + gh * slopes.per_time - gh * slopes.stiffness * at.rate_rad_s;
             self.diagonal_kg_m2[j] = gh * slopes.damping + gh * gh * slopes.stiffness;
         }
-        let input = Input {
-            torque_nm: &self.torque_nm,
-            diagonal_kg_m2: &self.diagonal_kg_m2,
-            forces: &self.world.external.forces,
-        };
-        self.world.dynamics.forward_implicit(&now.body, &input, gh, &self.world.external.contacts, &mut self.first);
+        let External { forces, contacts } = &self.here.external;
+        let input = Input { torque_nm: &self.torque_nm, diagonal_kg_m2: &self.diagonal_kg_m2, forces };
+        self.world.dynamics.forward_implicit(&now.body, &input, gh, contacts, &mut self.first);
         self.counts.evaluations += 1;
         for (j, mode) in self.modes.iter().enumerate() {
             if *mode == Mode::Rigid {
@@ -269,7 +292,7 @@ impl<'a> Stiff<'a> {
     }
 
     /// Lets joints go that are pushed harder than they stick; true where there was one.
-    fn break_away(&mut self, now: &Carried, commands: &[Command<f64>], h: f64) -> bool {
+    fn break_away(&mut self, now: &Carried, h: f64) -> bool {
         let mut any = false;
         for (j, drive) in self.scenario.joints.drives().iter().enumerate() {
             if self.modes[j] != Mode::Stuck || self.stops[j] >= MOST_STOPS {
@@ -280,9 +303,8 @@ impl<'a> Stiff<'a> {
             // What friction has to bear: all that the holding damper does.
             let borne_nm = -holding / (GAMMA * h) * at.rate_rad_s - holding * self.first[6 + j];
             let direction = if borne_nm > 0.0 { -1.0 } else { 1.0 };
-            let motor_nm = drive.motor_nm(commands[j], at);
             let at_rest = At { rate_rad_s: 0.0, ..at };
-            let most_nm = drive.friction_nm(at_rest, direction, self.world.gravity_nm[j], motor_nm);
+            let most_nm = drive.friction_nm(at_rest, direction, self.here.gravity_nm[j], self.motor_nm[j]);
             if borne_nm.abs() > most_nm * (1.0 + 1e-9) {
                 self.modes[j] = Mode::Slip(direction);
                 any = true;
@@ -296,8 +318,8 @@ impl<'a> Stiff<'a> {
         shift(&mut self.stage, &now.body, h, |j| now.body.rate_rad_s[j] + gh * self.first[6 + j]);
         add_velocity(&mut self.stage, &now.body, h, &self.first);
         let t_s = now.t_s + h;
-        self.world.surround(t_s, &self.stage);
-        self.world.second_stage(&self.stage, h, gh, &self.first);
+        self.world.surround(t_s, &self.stage, &mut self.there);
+        self.world.second_stage(h, gh, &self.first, &mut self.there);
         let stage = &self.stage;
         for (j, drive) in self.scenario.joints.drives().iter().enumerate() {
             let at = At {
@@ -317,7 +339,7 @@ impl<'a> Stiff<'a> {
             match self.modes[j] {
                 Mode::Free => torque_nm -= drive.chain.friction.viscous_nm_s_rad * at.rate_rad_s,
                 Mode::Slip(direction) => {
-                    torque_nm -= direction * drive.friction_nm(at, direction, self.world.gravity_nm[j], motor_nm);
+                    torque_nm -= direction * drive.friction_nm(at, direction, self.there.gravity_nm[j], motor_nm);
                 }
                 Mode::Stuck | Mode::Rigid => torque_nm -= self.holding_kg_m2(j) / gh * at.rate_rad_s,
             }
@@ -328,12 +350,9 @@ impl<'a> Stiff<'a> {
                 - gh * slopes.stiffness * (at.rate_rad_s - 2.0 * first_q)
                 - gh * slopes.per_time;
         }
-        let input = Input {
-            torque_nm: &self.torque_nm,
-            diagonal_kg_m2: &self.diagonal_kg_m2,
-            forces: &self.world.external.forces,
-        };
-        self.world.dynamics.forward_implicit(stage, &input, gh, &self.world.external.contacts, &mut self.second);
+        let External { forces, contacts } = &self.there.external;
+        let input = Input { torque_nm: &self.torque_nm, diagonal_kg_m2: &self.diagonal_kg_m2, forces };
+        self.world.dynamics.forward_implicit(stage, &input, gh, contacts, &mut self.second);
         self.counts.evaluations += 1;
         for (second, first) in self.second.iter_mut().zip(&self.first) {
             *second -= 2.0 * first;
@@ -358,10 +377,22 @@ impl<'a> Stiff<'a> {
     }
 }
 
+/// A rotation by an angle about an axis, both in one vector. Steps are small: below 0.02 rad five terms of sine and
+/// cosine are exact to rounding.
+fn turned_by(turn_rad: Vector3<f64>) -> UnitQuaternion<f64> {
+    let square = 0.25 * turn_rad.norm_squared();
+    if square > 1e-4 {
+        return UnitQuaternion::from_scaled_axis(turn_rad);
+    }
+    let sine = 1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0));
+    let cosine = 1.0 - square / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0));
+    UnitQuaternion::new_unchecked(Quaternion::from_parts(cosine, turn_rad * (0.5 * sine)))
+}
+
 /// Places after `h` at the base's velocity and the joints' rates.
 fn shift(out: &mut State, from: &State, h: f64, rate: impl Fn(usize) -> f64) {
     out.base_position_m = from.base_position_m + from.base_velocity_m_s * h;
-    out.base_orientation = from.base_orientation * UnitQuaternion::from_scaled_axis(from.base_rate_rad_s * h);
+    out.base_orientation = from.base_orientation * turned_by(from.base_rate_rad_s * h);
     for (j, angle) in out.angle_rad.iter_mut().enumerate() {
         *angle = from.angle_rad[j] + h * rate(j);
     }
@@ -371,7 +402,7 @@ fn shift(out: &mut State, from: &State, h: f64, rate: impl Fn(usize) -> f64) {
 fn shift_mean(out: &mut State, from: &State, to: &State, h: f64) {
     out.base_position_m = from.base_position_m + (from.base_velocity_m_s + to.base_velocity_m_s) * (0.5 * h);
     let turn = (from.base_rate_rad_s + to.base_rate_rad_s) * (0.5 * h);
-    out.base_orientation = from.base_orientation * UnitQuaternion::from_scaled_axis(turn);
+    out.base_orientation = from.base_orientation * turned_by(turn);
 }
 
 fn add_velocity(out: &mut State, from: &State, h: f64, k: &[f64]) {
