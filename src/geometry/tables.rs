@@ -90,6 +90,11 @@ pub struct JointSpring {
 }
 
 impl Joint {
+    /// Where the joint is at rest \[rad\]: as near to zero as its setpoints may go. The mouth cannot go there.
+    pub fn resting_rad(&self) -> f64 {
+        self.software_rad.map_or(0.0, |[low, high]| 0.0_f64.clamp(low, high))
+    }
+
     /// `R(phi)`: the child's orientation in the parent's frame at angle 0 (Rz Ry Rx; every printed phi is about x
     /// alone).
     pub fn zero_rotation(&self) -> Rotation3<f64> {

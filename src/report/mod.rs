@@ -43,4 +43,7 @@ pub use plot::{
 };
 pub use sensor::{SensorReport, SweepPart, sensor_figures, sensor_html, sensor_text};
 pub use table::drop_text;
-pub use walk::{FollowRow, JointCurves, LegCurves, Runaway, SpeedRow, WalkReport, walk_figures, walk_html, walk_text};
+pub use walk::{
+    FollowRow, Ground, JointCurves, LegCurves, Runaway, SpeedRow, TrunkCurves, WalkReport, walk_figures, walk_html,
+    walk_text,
+};

@@ -158,8 +158,7 @@ fn on_the_bench(model: &Model, drop: &BenchDrop<'_>) -> Result<Model, SimulateEr
 fn pose(model: &Model, drop: &BenchDrop<'_>) -> Result<State, SimulateError> {
     let mut state = State::at_rest(model);
     for (joint, angle_rad) in model.joints().iter().zip(&mut state.angle_rad) {
-        // As near to zero as its setpoints may go: the mouth cannot be quite open.
-        *angle_rad = joint.software_rad.map_or(0.0, |[low, high]| 0.0_f64.clamp(low, high));
+        *angle_rad = joint.resting_rad();
     }
     for joint in LegJoint::ALL {
         let id = model.joint(&joint_name(drop.leg.leg, joint))?;

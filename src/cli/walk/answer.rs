@@ -1,15 +1,16 @@
 //! The report of a simulated walk.
 
-use super::WalkArgs;
+use super::plan::Plan;
+use super::{WalkArgs, ground};
 use crate::integrate;
-use crate::report::{FollowRow, JointCurves, LegCurves, Provenance, Runaway, SpeedRow, WalkReport};
-use crate::robot::JointId;
+use crate::report::{FollowRow, Ground, JointCurves, LegCurves, Provenance, Runaway, SpeedRow, WalkReport};
 use crate::robot::simulate::{Method, PositionSensor, Recording, Scenario, follow, readings};
+use crate::robot::{Floor, JointId};
 
 /// Frames of the robot [s].
 pub(super) const PERIOD_S: f64 = 0.008;
-/// The gait stands so long before it is compared with what was asked, and rises for another half second [s].
-const SETTLED_S: f64 = 2.5;
+/// A gait grows in so long before joints are compared with their setpoints [s].
+const RAMP_S: f64 = 0.5;
 
 /// What was asked for.
 pub(super) struct Asked<'a> {
@@ -19,6 +20,11 @@ pub(super) struct Asked<'a> {
     pub sensor: PositionSensor,
     /// Joints whose setpoints were beyond their limits.
     pub clipped: &'a [JointId],
+    pub plan: &'a Plan,
+    /// None in the air.
+    pub floor: Option<&'a Floor>,
+    /// What the simulation took [s].
+    pub wall_s: f64,
 }
 
 /// Puts the report together.
@@ -28,8 +34,7 @@ pub(super) fn report(asked: &Asked<'_>, recording: &Recording, provenance: Prove
     let name = |joint: usize| model.joints()[joint].name.clone();
     let readings = readings(scenario.joints, recording, asked.sensor, args.seed);
     let duration_s = recording.t_s.last().zip(recording.t_s.first()).map_or(0.0, |(last, first)| last - first);
-    let from_s = recording.t_s.first().map_or(0.0, |t| t + SETTLED_S.min(0.5 * duration_s));
-    let joints: Vec<FollowRow> = follow(recording, &readings, args.frequency, from_s)
+    let joints: Vec<FollowRow> = follow(recording, &readings, asked.plan.frequency_hz, asked.plan.stand_s + RAMP_S)
         .into_iter()
         .map(|f| FollowRow {
             joint: name(f.joint),
@@ -63,14 +68,18 @@ pub(super) fn report(asked: &Asked<'_>, recording: &Recording, provenance: Prove
         let names: Vec<String> = asked.clipped.iter().map(|id| name(id.index())).collect();
         notes.push(format!("Setpoints beyond the software's limits (Table A.3) were clipped: {}.", names.join(", ")));
     }
+    let ground = asked.floor.and_then(|floor| ground::measure(floor, recording, asked.plan.stand_s));
     WalkReport {
         schema: 1,
+        gait: asked.plan.name.clone(),
         robot: model.name().to_owned(),
-        scenario: "air".to_owned(),
-        sentence: sentence(recording, &joints),
+        scenario: if asked.floor.is_some() { "floor" } else { "air" }.to_owned(),
+        sentence: sentence(recording, &joints, ground.as_ref()),
         notes,
         method: in_words(asked.method),
         duration_s,
+        ground,
+        realtime_factor: duration_s / asked.wall_s,
         evaluations: recording.counts.evaluations,
         steps: recording.counts.steps,
         diverged: recording.diverged.as_ref().map(|d| Runaway {
@@ -81,14 +90,27 @@ pub(super) fn report(asked: &Asked<'_>, recording: &Recording, provenance: Prove
         joints,
         speed_warnings,
         legs: legs(asked, recording, &readings),
+        trunk: asked.floor.and_then(|floor| ground::trunk(floor, recording)),
         provenance,
     }
 }
 
-fn sentence(recording: &Recording, joints: &[FollowRow]) -> String {
+fn sentence(recording: &Recording, joints: &[FollowRow], ground: Option<&Ground>) -> String {
     if let Some(diverged) = &recording.diverged {
         let kept = recording.t_s.last().copied().unwrap_or(0.0);
         return format!("{diverged}. What was computed until t = {kept:.3} s is kept.");
+    }
+    if let Some(g) = ground {
+        let side = if g.drift_m < 0.0 { "left" } else { "right" };
+        return format!(
+            "From t = {} s to the end the trunk goes {:.3} m forward ({:.3} m/s) and {:.3} m to the {side}, and bobs by \
+             {:.1} mm.",
+            g.from_s,
+            g.displacement_m,
+            g.speed_m_s,
+            g.drift_m.abs(),
+            1e3 * g.bob_m
+        );
     }
     if joints.is_empty() {
         return "No joint was moved at the gait's frequency.".to_owned();

@@ -27,7 +27,8 @@ pub fn walk_html(report: &WalkReport) -> Result<String, ReportError> {
     };
     let values = context! {
         robot => report.robot.as_str(),
-        scenario => report.scenario.as_str(),
+        title => report.title(),
+        film => !report.legs.is_empty(),
         sentence => report.sentence.as_str(),
         notes => report.notes.clone(),
         cost => cost(report),

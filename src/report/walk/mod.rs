@@ -18,7 +18,9 @@ pub struct WalkReport {
     pub schema: u32,
     /// Name of the robot.
     pub robot: String,
-    /// `air`.
+    /// Name of the gait, motion or table.
+    pub gait: String,
+    /// `floor` or `air`.
     pub scenario: String,
     /// One sentence a colleague would say.
     pub sentence: String,
@@ -28,6 +30,11 @@ pub struct WalkReport {
     pub method: String,
     /// Simulated time \[s\].
     pub duration_s: f64,
+    /// How far the trunk went; absent in the air.
+    #[serde(flatten)]
+    pub ground: Option<Ground>,
+    /// Simulated time over the time that the simulation took; no figure or page shows it.
+    pub realtime_factor: f64,
     /// Evaluations of the equations of motion.
     pub evaluations: u64,
     /// Steps that count.
@@ -41,9 +48,52 @@ pub struct WalkReport {
     /// Legs to be drawn.
     #[serde(skip)]
     pub legs: Vec<LegCurves>,
+    /// The trunk on its floor, to be drawn.
+    #[serde(skip)]
+    pub trunk: Option<TrunkCurves>,
     /// Where it comes from.
     #[serde(skip)]
     pub provenance: Provenance,
+}
+
+impl WalkReport {
+    /// Robot, gait and where.
+    pub fn title(&self) -> String {
+        let place = if self.ground.is_some() { "on the floor" } else { "in the air" };
+        format!("{}: {} {place}", self.robot, self.gait)
+    }
+}
+
+/// How far the trunk went.
+#[derive(Clone, Debug, Serialize)]
+pub struct Ground {
+    /// The walk begins, and is measured from then to the end \[s\].
+    pub from_s: f64,
+    /// Forward, horizontally \[m\].
+    pub displacement_m: f64,
+    /// To the right \[m\].
+    pub drift_m: f64,
+    /// To the left about the vertical \[rad\].
+    pub turn_rad: f64,
+    /// Forward, on average \[m/s\].
+    pub speed_m_s: f64,
+    /// Between the trunk's lowest and highest place over the floor, the walk's first second left out \[m\].
+    pub bob_m: f64,
+    /// Of the trunk's centre over the floor when the walk begins \[m\].
+    pub height_m: f64,
+}
+
+/// The trunk over time.
+#[derive(Clone, Debug)]
+pub struct TrunkCurves {
+    /// \[s\]
+    pub t_s: Vec<f64>,
+    /// From the start \[m\].
+    pub forward_m: Vec<f64>,
+    /// From the start \[m\].
+    pub right_m: Vec<f64>,
+    /// Over the floor \[m\].
+    pub height_m: Vec<f64>,
 }
 
 /// A motion that ran away.

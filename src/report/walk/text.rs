@@ -32,7 +32,8 @@ pub fn walk_text(report: &WalkReport) -> String {
         text.push_str(&wrap(WIDTH, note, "- ", "  "));
         text.push('\n');
     }
-    text.push_str(&wrap(WIDTH, &cost(report), "", ""));
+    let factor = significant(report.realtime_factor, 3);
+    text.push_str(&wrap(WIDTH, &format!("{} {factor} times real time.", cost(report)), "", ""));
     text.push('\n');
     text
 }

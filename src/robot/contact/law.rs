@@ -88,7 +88,7 @@ impl FloorParameters {
         let (k_p, k_d) = (self.stiffness_n_m, self.damping_n_s_m2);
         let along = normal * normal.transpose();
         let sinking_m_s = -velocity_m_s.dot(normal);
-        let power = depth_m.powf(self.exponent);
+        let power = if self.exponent == 1.0 { depth_m } else { depth_m.powf(self.exponent) };
         let steep = k_p + k_d * sinking_m_s;
         // A foot drawn out faster than the floor follows: no force, and none until it sinks again.
         if !(steep > 0.0) {

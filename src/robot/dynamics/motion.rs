@@ -2,8 +2,9 @@
 
 use super::Dynamics;
 use crate::geometry::robot_file::Base;
+use crate::robot::model::BASE_FREEDOMS;
 use crate::robot::spatial::{Pair, sin_cos};
-use crate::robot::{JointId, Model, State};
+use crate::robot::{BodyId, JointId, Model, State};
 use nalgebra::{Matrix3, Vector3};
 
 /// Where a body is and how it moves.
@@ -114,5 +115,32 @@ impl Dynamics<'_> {
         self.check_state(state);
         self.motions.update(self.model, state);
         &self.motions.bodies
+    }
+
+    /// Velocity of a body's point and the body's angular velocity, world axes, that generalised velocities give at the
+    /// places that the latest [`Dynamics::motions`] found: `J v`. Also `J dv/dt` of accelerations.
+    ///
+    /// # Panics
+    /// Where `velocity` has not the model's length.
+    pub fn point_velocity(&self, body: BodyId, at_m: &Vector3<f64>, velocity: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
+        self.check("velocities", velocity.len(), self.freedoms());
+        let base = &self.motions.bodies[0];
+        let from_base_m = at_m - base.position_m;
+        let (mut linear, mut angular) = match self.model.base() {
+            Base::Floating => {
+                let angular = base.rotation * Vector3::from_column_slice(&velocity[3..BASE_FREEDOMS]);
+                (Vector3::from_column_slice(&velocity[..3]) + angular.cross(&from_base_m), angular)
+            }
+            Base::Clamped => (Vector3::zeros(), Vector3::zeros()),
+        };
+        let mut next = body.joint();
+        while let Some(joint) = next {
+            let j = joint.index();
+            let turning = self.motions.axes[j] * velocity[BASE_FREEDOMS + j];
+            angular += turning;
+            linear += turning.cross(&(from_base_m - self.motions.points_m[j]));
+            next = self.model.carrier(joint).joint();
+        }
+        (linear, angular)
     }
 }

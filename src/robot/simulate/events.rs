@@ -31,6 +31,7 @@ impl Stiff<'_> {
         self.stops.fill(0);
         let mut left = h;
         for round in 0.. {
+            self.look(now, commands);
             self.attempt(now, commands, left);
             let mut take = left;
             match self.first_event(&now.body).filter(|_| round < MOST_EVENTS) {
@@ -183,7 +184,7 @@ impl Stiff<'_> {
     }
 
     /// Parts flanks that would have to pull; true where there was one.
-    pub(super) fn part(&mut self, now: &Carried, commands: &[Command<f64>], h: f64) -> bool {
+    pub(super) fn part(&mut self, now: &Carried, h: f64) -> bool {
         let mut any = false;
         for index in 0..self.sides.len() {
             let side = self.sides[index];
@@ -194,8 +195,7 @@ impl Stiff<'_> {
             }
             let drive = &self.scenario.joints.drives()[j];
             let at = Self::at(now, j);
-            let motor_nm = drive.motor_nm(commands[j], at);
-            let gravity_nm = self.world.gravity_nm[j];
+            let (motor_nm, gravity_nm) = (self.motor_nm[j], self.here.gravity_nm[j]);
             match self.modes[j] {
                 Mode::Free | Mode::Slip(_) => {
                     let direction = if let Mode::Slip(direction) = self.modes[j] { direction } else { 1.0 };

@@ -8,7 +8,7 @@
 
 use super::run::{Carried, Method, diverged, suggestion};
 use super::terms::At;
-use super::world::World;
+use super::world::{Around, World};
 use super::{Diverged, JointDrive, Scenario};
 use crate::integrate::{self, Counts, Ode, Solver};
 use crate::pendulum::Command;
@@ -67,6 +67,7 @@ impl<'a> Smooth<'a> {
 struct System<'a> {
     scenario: Scenario<'a>,
     world: World<'a>,
+    around: Around,
     commands: Vec<Command<f64>>,
     diagonal_kg_m2: Vec<f64>,
     torque_nm: Vec<f64>,
@@ -86,6 +87,7 @@ impl<'a> System<'a> {
         Self {
             scenario: *scenario,
             world: World::new(scenario),
+            around: Around::new(scenario),
             commands: vec![Command::Torque(0.0); n],
             diagonal_kg_m2: scenario.joints.drives().iter().map(diagonal).collect(),
             torque_nm: vec![0.0; n],
@@ -117,7 +119,7 @@ impl Ode for System<'_> {
     fn rate(&mut self, t_s: f64, y: &[f64], rate: &mut [f64]) {
         let n = self.commands.len();
         read(y, &mut self.body, &mut self.integral_rad_s);
-        self.world.surround(t_s, &self.body);
+        self.world.surround(t_s, &self.body, &mut self.around);
         let (angles, integrals) = rate[7..7 + 2 * n].split_at_mut(n);
         for (j, drive) in self.scenario.joints.drives().iter().enumerate() {
             let rate_rad_s = if drive.is_rigid { 0.0 } else { self.body.rate_rad_s[j] };
@@ -128,7 +130,7 @@ impl Ode for System<'_> {
             let motor_nm = drive.motor_nm(self.commands[j], at);
             let direction = if rate_rad_s < 0.0 { -1.0 } else { 1.0 };
             let f = &drive.chain.friction;
-            let whole_nm = drive.friction_nm(at, direction, self.world.gravity_nm[j], motor_nm);
+            let whole_nm = drive.friction_nm(at, direction, self.around.gravity_nm[j], motor_nm);
             let viscous_nm = f.viscous_nm_s_rad * rate_rad_s;
             let dry_nm = (whole_nm - viscous_nm.abs()).max(0.0) * (STEEPNESS_S_RAD * rate_rad_s).tanh();
             self.torque_nm[j] = motor_nm + drive.elastic_nm(angle_rad, rate_rad_s) - viscous_nm - dry_nm;
@@ -139,7 +141,7 @@ impl Ode for System<'_> {
         let input = Input {
             torque_nm: &self.torque_nm,
             diagonal_kg_m2: &self.diagonal_kg_m2,
-            forces: &self.world.external.forces,
+            forces: &self.around.external.forces,
         };
         self.world.dynamics.forward(&self.body, &input, &mut self.acceleration);
         for (j, drive) in self.scenario.joints.drives().iter().enumerate() {

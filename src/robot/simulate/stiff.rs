@@ -17,12 +17,12 @@
 use super::run::{Carried, Method, diverged, suggestion};
 use super::side::Side;
 use super::terms::{At, Slopes};
-use super::world::World;
-use super::{Diverged, Scenario};
+use super::world::{Around, World};
+use super::{Diverged, External, Scenario};
 use crate::integrate::Counts;
 use crate::pendulum::{Command, LINK_SHARE};
 use crate::robot::{Input, State};
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 pub(super) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 /// Inertia of the damper that holds a joint, in units of the joint's own.
@@ -49,6 +49,9 @@ pub(super) struct Stiff<'a> {
     pub scenario: Scenario<'a>,
     step_s: f64,
     pub world: World<'a>,
+    /// At the start of a step, and at its second stage.
+    pub here: Around,
+    there: Around,
     pub modes: Vec<Mode>,
     /// How often each joint came to rest in this step.
     pub stops: Vec<u8>,
@@ -57,6 +60,11 @@ pub(super) struct Stiff<'a> {
     pub next_sides: Vec<Side>,
     /// Index into `sides` by joint.
     side_of: Vec<Option<usize>>,
+    /// At the start of a step: torques of motor and of springs, and their slopes.
+    pub motor_nm: Vec<f64>,
+    elastic_nm: Vec<f64>,
+    driven: Vec<Slopes>,
+    elastic: Vec<Slopes>,
     slopes: Vec<Slopes>,
     pub torque_nm: Vec<f64>,
     pub diagonal_kg_m2: Vec<f64>,
@@ -89,11 +97,17 @@ impl<'a> Stiff<'a> {
             scenario: *scenario,
             step_s,
             world,
+            here: Around::new(scenario),
+            there: Around::new(scenario),
             side_of: (0..n).map(place).collect(),
             next_sides: sides.clone(),
             sides,
             modes: drives.iter().zip(&scenario.start.rate_rad_s).map(mode).collect(),
             stops: vec![0; n],
+            motor_nm: zeros.clone(),
+            elastic_nm: zeros.clone(),
+            driven: vec![Slopes::default(); n],
+            elastic: vec![Slopes::default(); n],
             slopes: vec![Slopes::default(); n],
             torque_nm: zeros.clone(),
             diagonal_kg_m2: zeros.clone(),
@@ -138,9 +152,9 @@ impl<'a> Stiff<'a> {
     /// A step of `h` into `next`; joints at rest that are pushed too hard begin to slip.
     pub(super) fn attempt(&mut self, now: &Carried, commands: &[Command<f64>], h: f64) {
         for _ in 0..PASSES {
-            self.first_stage(now, commands, h);
-            let broke_away = self.break_away(now, commands, h);
-            if !self.part(now, commands, h) && !broke_away {
+            self.first_stage(now, h);
+            let broke_away = self.break_away(now, h);
+            if !self.part(now, h) && !broke_away {
                 break;
             }
         }
@@ -160,9 +174,25 @@ impl<'a> Stiff<'a> {
         HOLDING * self.scenario.joints.drives()[j].chain.link.inertia_kg_m2
     }
 
-    fn first_stage(&mut self, now: &Carried, commands: &[Command<f64>], h: f64) {
+    /// What does not depend on the step's length and on which joints stick.
+    pub(super) fn look(&mut self, now: &Carried, commands: &[Command<f64>]) {
+        self.world.surround(now.t_s, &now.body, &mut self.here);
+        for (j, drive) in self.scenario.joints.drives().iter().enumerate() {
+            let at = Self::at(now, j);
+            self.error_rad[j] = drive.error_rad(commands[j], at.t_s, at.angle_rad);
+            if self.modes[j] == Mode::Rigid {
+                continue;
+            }
+            let motor_nm = drive.motor_nm(commands[j], at);
+            self.motor_nm[j] = motor_nm;
+            self.driven[j] = drive.motor_slopes(commands[j], at, motor_nm);
+            self.elastic_nm[j] = drive.elastic_nm(at.angle_rad, at.rate_rad_s);
+            self.elastic[j] = drive.elastic_slopes(at.angle_rad, at.rate_rad_s);
+        }
+    }
+
+    fn first_stage(&mut self, now: &Carried, h: f64) {
         let gh = GAMMA * h;
-        self.world.surround(now.t_s, &now.body);
         for (j, drive) in self.scenario.joints.drives().iter().enumerate() {
             let at = Self::at(now, j);
             let holding = self.holding_kg_m2(j);
@@ -170,20 +200,18 @@ impl<'a> Stiff<'a> {
             let apart = side.map(|side| self.sides[side]).filter(Side::is_apart);
             let share = if apart.is_some() { LINK_SHARE } else { 1.0 };
             self.shift_kg_m2[j] = apart.map_or(0.0, |side| -side.inertia_kg_m2);
-            self.error_rad[j] = drive.error_rad(commands[j], at.t_s, at.angle_rad);
             if self.modes[j] == Mode::Rigid {
                 (self.slopes[j], self.torque_nm[j], self.diagonal_kg_m2[j]) = (Slopes::default(), 0.0, holding);
                 self.shift_kg_m2[j] = 0.0;
                 continue;
             }
-            let motor_nm = drive.motor_nm(commands[j], at);
-            let mut slopes = drive.elastic_slopes(at.angle_rad, at.rate_rad_s);
-            let mut torque_nm = drive.elastic_nm(at.angle_rad, at.rate_rad_s);
+            let (motor_nm, gravity_nm) = (self.motor_nm[j], self.here.gravity_nm[j]);
+            let (mut torque_nm, mut slopes) = (self.elastic_nm[j], self.elastic[j]);
             if apart.is_none() {
-                slopes = slopes.plus(drive.motor_slopes(commands[j], at, motor_nm));
+                slopes = slopes.plus(self.driven[j]);
                 torque_nm += motor_nm;
             } else if let Some(side) = side {
-                self.sides[side].start(drive, at, self.world.gravity_nm[j], motor_nm);
+                self.sides[side].start(drive, at, gravity_nm, motor_nm);
             }
             match self.modes[j] {
                 Mode::Free => {
@@ -192,7 +220,7 @@ impl<'a> Stiff<'a> {
                     slopes.damping += viscous;
                 }
                 Mode::Slip(direction) => {
-                    let whole_nm = drive.friction_nm(at, direction, self.world.gravity_nm[j], motor_nm);
+                    let whole_nm = drive.friction_nm(at, direction, gravity_nm, motor_nm);
                     torque_nm -= direction * share * whole_nm;
                     let speed_rad_s = (at.rate_rad_s * direction).max(0.0);
                     slopes.damping += share * drive.chain.friction.slope_nm_s_rad(speed_rad_s);
@@ -206,12 +234,9 @@ impl<'a> Stiff<'a> {
             self.torque_nm[j] = torque_nm + gh * slopes.per_time - gh * slopes.stiffness * at.rate_rad_s;
             self.diagonal_kg_m2[j] = gh * slopes.damping + gh * gh * slopes.stiffness + self.shift_kg_m2[j];
         }
-        let input = Input {
-            torque_nm: &self.torque_nm,
-            diagonal_kg_m2: &self.diagonal_kg_m2,
-            forces: &self.world.external.forces,
-        };
-        self.world.dynamics.forward_implicit(&now.body, &input, gh, &self.world.external.contacts, &mut self.first);
+        let External { forces, contacts } = &self.here.external;
+        let input = Input { torque_nm: &self.torque_nm, diagonal_kg_m2: &self.diagonal_kg_m2, forces };
+        self.world.dynamics.forward_implicit(&now.body, &input, gh, contacts, &mut self.first);
         self.counts.evaluations += 1;
         for (j, mode) in self.modes.iter().enumerate() {
             if *mode == Mode::Rigid {
@@ -221,7 +246,7 @@ impl<'a> Stiff<'a> {
     }
 
     /// Lets joints go that are pushed harder than they stick; true where there was one.
-    fn break_away(&mut self, now: &Carried, commands: &[Command<f64>], h: f64) -> bool {
+    fn break_away(&mut self, now: &Carried, h: f64) -> bool {
         let mut any = false;
         for (j, drive) in self.scenario.joints.drives().iter().enumerate() {
             if self.modes[j] != Mode::Stuck || self.stops[j] >= MOST_STOPS {
@@ -232,11 +257,10 @@ impl<'a> Stiff<'a> {
             // What friction has to bear: all that the holding damper does.
             let borne_nm = -holding / (GAMMA * h) * at.rate_rad_s - holding * self.first[6 + j];
             let direction = if borne_nm > 0.0 { -1.0 } else { 1.0 };
-            let motor_nm = drive.motor_nm(commands[j], at);
             let at_rest = At { rate_rad_s: 0.0, ..at };
             let apart = self.side_of[j].is_some_and(|side| self.sides[side].is_apart());
             let share = if apart { LINK_SHARE } else { 1.0 };
-            let most_nm = share * drive.friction_nm(at_rest, direction, self.world.gravity_nm[j], motor_nm);
+            let most_nm = share * drive.friction_nm(at_rest, direction, self.here.gravity_nm[j], self.motor_nm[j]);
             if borne_nm.abs() > most_nm * (1.0 + 1e-9) {
                 self.modes[j] = Mode::Slip(direction);
                 any = true;
@@ -250,8 +274,8 @@ impl<'a> Stiff<'a> {
         shift(&mut self.stage, &now.body, h, |j| now.body.rate_rad_s[j] + gh * self.first[6 + j]);
         add_velocity(&mut self.stage, &now.body, h, &self.first);
         let t_s = now.t_s + h;
-        self.world.surround(t_s, &self.stage);
-        self.world.second_stage(&self.stage, h, gh, &self.first);
+        self.world.surround(t_s, &self.stage, &mut self.there);
+        self.world.second_stage(h, gh, &self.first, &mut self.there);
         let stage = &self.stage;
         for (j, drive) in self.scenario.joints.drives().iter().enumerate() {
             let at = At {
@@ -273,14 +297,14 @@ impl<'a> Stiff<'a> {
             match side {
                 None => torque_nm += motor_nm,
                 Some(side) => {
-                    let gravity_nm = self.world.gravity_nm[j];
+                    let gravity_nm = self.there.gravity_nm[j];
                     self.next_sides[side] = self.sides[side].after(drive, at, gravity_nm, motor_nm, h);
                 }
             }
             match self.modes[j] {
                 Mode::Free => torque_nm -= drive.chain.friction.viscous_nm_s_rad * at.rate_rad_s,
                 Mode::Slip(direction) => {
-                    let whole_nm = drive.friction_nm(at, direction, self.world.gravity_nm[j], motor_nm);
+                    let whole_nm = drive.friction_nm(at, direction, self.there.gravity_nm[j], motor_nm);
                     torque_nm -= direction * share * whole_nm;
                 }
                 Mode::Stuck | Mode::Rigid => torque_nm -= self.holding_kg_m2(j) / gh * at.rate_rad_s,
@@ -292,12 +316,9 @@ impl<'a> Stiff<'a> {
                 - gh * slopes.stiffness * (at.rate_rad_s - 2.0 * first_q)
                 - gh * slopes.per_time;
         }
-        let input = Input {
-            torque_nm: &self.torque_nm,
-            diagonal_kg_m2: &self.diagonal_kg_m2,
-            forces: &self.world.external.forces,
-        };
-        self.world.dynamics.forward_implicit(stage, &input, gh, &self.world.external.contacts, &mut self.second);
+        let External { forces, contacts } = &self.there.external;
+        let input = Input { torque_nm: &self.torque_nm, diagonal_kg_m2: &self.diagonal_kg_m2, forces };
+        self.world.dynamics.forward_implicit(stage, &input, gh, contacts, &mut self.second);
         self.counts.evaluations += 1;
         for (second, first) in self.second.iter_mut().zip(&self.first) {
             *second -= 2.0 * first;
@@ -327,10 +348,22 @@ impl<'a> Stiff<'a> {
     }
 }
 
+/// A rotation by an angle about an axis, both in one vector. Steps are small: below 0.02 rad five terms of sine and
+/// cosine are exact to rounding.
+fn turned_by(turn_rad: Vector3<f64>) -> UnitQuaternion<f64> {
+    let square = 0.25 * turn_rad.norm_squared();
+    if square > 1e-4 {
+        return UnitQuaternion::from_scaled_axis(turn_rad);
+    }
+    let sine = 1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0));
+    let cosine = 1.0 - square / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0));
+    UnitQuaternion::new_unchecked(Quaternion::from_parts(cosine, turn_rad * (0.5 * sine)))
+}
+
 /// Places after `h` at the base's velocity and the joints' rates.
 fn shift(out: &mut State, from: &State, h: f64, rate: impl Fn(usize) -> f64) {
     out.base_position_m = from.base_position_m + from.base_velocity_m_s * h;
-    out.base_orientation = from.base_orientation * UnitQuaternion::from_scaled_axis(from.base_rate_rad_s * h);
+    out.base_orientation = from.base_orientation * turned_by(from.base_rate_rad_s * h);
     for (j, angle) in out.angle_rad.iter_mut().enumerate() {
         *angle = from.angle_rad[j] + h * rate(j);
     }
@@ -340,7 +373,7 @@ fn shift(out: &mut State, from: &State, h: f64, rate: impl Fn(usize) -> f64) {
 fn shift_mean(out: &mut State, from: &State, to: &State, h: f64) {
     out.base_position_m = from.base_position_m + (from.base_velocity_m_s + to.base_velocity_m_s) * (0.5 * h);
     let turn = (from.base_rate_rad_s + to.base_rate_rad_s) * (0.5 * h);
-    out.base_orientation = from.base_orientation * UnitQuaternion::from_scaled_axis(turn);
+    out.base_orientation = from.base_orientation * turned_by(turn);
 }
 
 fn add_velocity(out: &mut State, from: &State, h: f64, k: &[f64]) {

@@ -42,7 +42,7 @@ pub fn sweep(
         .iter()
         .enumerate()
         .map(|(j, other)| {
-            let rest_rad = super::setpoints::resting_rad(&other.name);
+            let rest_rad = other.resting_rad();
             let angle_rad =
                 (0..=count).map(|k| if j == joint.index() { place(k.min(count - 1)) } else { rest_rad }).collect();
             Some(Column { angle_rad, on: None })

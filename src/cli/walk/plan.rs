@@ -1,0 +1,89 @@
+//! What is asked of the joints: a gait, a motion file, or a table.
+
+use super::super::CliError;
+use super::{WalkArgs, answer};
+use crate::robot::simulate::Setpoints;
+use crate::robot::{Gait, JointId, Model, Motion, Setpoints as Source};
+use std::path::{Path, PathBuf};
+
+/// Setpoints and what is known of them.
+pub(super) struct Plan {
+    pub name: String,
+    pub setpoints: Setpoints,
+    /// The same as a motion of frames.
+    pub motion: Motion,
+    pub frequency_hz: f64,
+    /// The walk begins then [s].
+    pub stand_s: f64,
+    /// The gait's or motion's file.
+    pub file: Option<PathBuf>,
+}
+
+/// A table stands so long before it walks [s]; motions too.
+const STAND_S: f64 = 2.0;
+
+impl Plan {
+    pub fn of(args: &WalkArgs, model: &Model) -> Result<Self, CliError> {
+        let frame = |source: &dyn Fn(JointId, f64) -> f64, end_s: f64| {
+            let source = By { joints: model.joints().len(), angle_rad: source };
+            let table = Setpoints::sampled(&source, model, end_s, answer::PERIOD_S)?;
+            Ok::<_, CliError>((table, Motion::of(&source, model, Motion::FRAME_MS, end_s)))
+        };
+        let file = (args.gait.contains(['.', '/', '\\'])).then(|| PathBuf::from(&args.gait));
+        let name = args.setpoints.as_ref().or(file.as_ref()).map_or(args.gait.clone(), |file| named(file));
+        if let Some(path) = file.as_ref().filter(|path| path.extension().is_some_and(|end| end == "mot")) {
+            let motion = Motion::read(path, model)?;
+            let end_s = args.duration.unwrap_or(motion.end_s());
+            let (setpoints, motion) = frame(&|joint, t_s| motion.angle_rad(joint, t_s), end_s)?;
+            let frequency_hz = args.frequency.unwrap_or(1.0);
+            return Ok(Self { name, setpoints, motion, frequency_hz, stand_s: STAND_S.min(0.5 * end_s), file });
+        }
+        let mut gait = match &file {
+            Some(file) => Gait::read(file, model)?,
+            None => Gait::built_in(&args.gait, model).map_err(|error| CliError::Usage(error.to_string()))?,
+        };
+        if args.air && gait.amplitudes().iter().any(|set| set == "air") {
+            gait = gait.with_amplitude("air")?;
+        }
+        if let Some(hz) = args.frequency {
+            gait = gait.at_frequency(hz);
+        }
+        let end_s = args.duration.unwrap_or(gait.stand_s() + gait.walk_s());
+        let (setpoints, motion) = frame(&|joint, t_s| gait.angle_rad(joint, t_s), end_s)?;
+        let plan = Self {
+            name,
+            setpoints,
+            motion,
+            frequency_hz: 1.0 / gait.period_s(),
+            stand_s: gait.stand_s().min(0.5 * end_s),
+            file,
+        };
+        let Some(table) = &args.setpoints else { return Ok(plan) };
+        let first: Vec<f64> =
+            plan.setpoints.columns.iter().map(|column| column.as_ref().map_or(0.0, |c| c.angle_rad[0])).collect();
+        let setpoints = Setpoints::read(model, table, &first)?;
+        let (from_s, to_s) = (setpoints.t_s[0], setpoints.t_s[setpoints.t_s.len() - 1]);
+        let stand_s = from_s + STAND_S.min(0.5 * (to_s - from_s));
+        Ok(Self { setpoints, frequency_hz: args.frequency.unwrap_or(1.0), stand_s, ..plan })
+    }
+}
+
+/// Setpoints by a formula.
+struct By<'a> {
+    joints: usize,
+    angle_rad: &'a dyn Fn(JointId, f64) -> f64,
+}
+
+impl Source for By<'_> {
+    fn joints(&self) -> usize {
+        self.joints
+    }
+
+    fn angle_rad(&self, joint: JointId, t_s: f64) -> f64 {
+        (self.angle_rad)(joint, t_s)
+    }
+}
+
+fn named(file: &Path) -> String {
+    file.file_stem().map_or_else(|| "setpoints".to_owned(), |name| name.to_string_lossy().into_owned())
+}
