@@ -10,6 +10,7 @@ mod progress;
 mod provenance;
 mod simulate;
 mod still;
+mod tables;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -33,6 +34,7 @@ enum Command {
     Dynamics(dynamics::DynamicsArgs),
     Gap(gap::GapArgs),
     Simulate(simulate::SimulateArgs),
+    Tables(tables::TablesArgs),
 }
 
 /// Runs the program and answers with its exit code.
@@ -51,6 +53,7 @@ pub fn run() -> ExitCode {
         Command::Dynamics(args) => dynamics::run(&args),
         Command::Gap(args) => gap::run(&args),
         Command::Simulate(args) => simulate::run(&args),
+        Command::Tables(args) => tables::run(&args),
     };
     match result {
         Ok(code) => ExitCode::from(code),

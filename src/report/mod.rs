@@ -19,6 +19,7 @@ mod rows;
 mod sample;
 mod table;
 mod text;
+mod thesis;
 
 pub use assemble::drop_report;
 pub use blind::{BlindReport, blind_figures, blind_html, blind_text};
@@ -36,3 +37,4 @@ pub use plot::{
     Figure, correlation_matrix, figures, friction_curve, optimiser_trace, parameter_intervals, phase_portrait, swing,
 };
 pub use table::drop_text;
+pub use thesis::{ThesisReport, thesis_csv, thesis_json, thesis_markdown, thesis_text};

@@ -1,0 +1,115 @@
+//! Chapter 3 of the thesis as one procedure: swings in, Tables 3.1 to 3.4 out, the printed numbers beside ours.
+//!
+//! A layer between the fits and the reports. What the thesis prints is data (`data/thesis-tables.toml`), the swings are
+//! a folder of logs with sidecars. [`tables`] runs everything in the thesis's order: the simple pendulum with two extra
+//! masses (3.2-3.6), then the extensive one about q3, q2 and q1 (3.8-3.14).
+
+mod chain;
+mod printed;
+mod ratios;
+mod row;
+mod swings;
+
+pub use chain::Weighed;
+pub use printed::{CoulombByLoad, FrictionRow, MassRow, Printed, RatioRow, Rounding};
+pub use ratios::RatioTable;
+pub use row::{Of, Row};
+pub use swings::{JointSwings, Load};
+
+use crate::fit::Rejected;
+use crate::geometry::{GeometryError, LegJoint};
+use crate::identify::{CaseError, DirectiveError};
+use crate::log::LogError;
+use crate::pendulum::Diverged;
+use std::path::{Path, PathBuf};
+
+/// Chapter 3 on a folder of swings.
+#[derive(Clone, Debug)]
+pub struct Tables {
+    /// The swings, q1, q2, q3.
+    pub swings: Vec<JointSwings>,
+    /// Table 3.1, by joint.
+    pub ratios: Vec<RatioTable>,
+    /// Tables 3.2 to 3.4, by joint.
+    pub weighed: Vec<Weighed>,
+}
+
+/// Why the tables cannot be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum TablesError {
+    /// A file or the folder cannot be read.
+    #[error(transparent)]
+    Log(#[from] LogError),
+    /// The logs do not make a case.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    /// The folder lacks swings.
+    #[error("{}: no swings of {joint} with two extra masses; logs NAME.csv with sidecars NAME.toml that state [joint] name and [log.extra] are expected", folder.display())]
+    TooFewSwings {
+        /// The folder.
+        folder: PathBuf,
+        /// The joint.
+        joint: LegJoint,
+    },
+    /// The leg's pose is not known, or the joint is no leg's.
+    #[error(
+        "{joint}: the logs are not of a leg of the ERS-7 whose bodies are known; their sidecars must not state a nominal model"
+    )]
+    NoPose {
+        /// The joint.
+        joint: LegJoint,
+    },
+    /// The geometry is impossible.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
+    /// A parameter cannot be held.
+    #[error(transparent)]
+    Directive(#[from] DirectiveError),
+    /// No motion can be computed.
+    #[error("no fit: {0}")]
+    Rejected(#[from] Rejected),
+    /// A motion runs away.
+    #[error(transparent)]
+    Diverged(#[from] Diverged),
+}
+
+/// Chapter 3 on the swings of a folder. `progress` is told what is being done.
+///
+/// # Errors
+/// [`TablesError`] where the folder has no such swings or a fit cannot be made.
+pub fn tables(folder: &Path, progress: &(dyn Fn(&str) + Sync)) -> Result<Tables, TablesError> {
+    progress("reading");
+    let swings = swings::read(folder)?;
+    progress("simple model");
+    let ratios = swings.iter().map(ratios::table).collect::<Result<_, _>>()?;
+    let weighed = chain::weigh(&swings, progress)?;
+    Ok(Tables { swings, ratios, weighed })
+}
+
+impl Tables {
+    /// Every file that was read.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        self.swings.iter().flat_map(|swings| swings.case.inputs()).collect()
+    }
+
+    /// Table 3.1 from the swings.
+    pub fn table_3_1(&self) -> Vec<&Row> {
+        self.ratios.iter().flat_map(|table| &table.fitted).collect()
+    }
+
+    /// Table 3.2.
+    pub fn table_3_2(&self) -> Vec<&Row> {
+        self.weighed.iter().map(|weighed| &weighed.mass).collect()
+    }
+
+    /// Table 3.3.
+    pub fn table_3_3(&self) -> Vec<&Row> {
+        self.weighed.iter().flat_map(|weighed| &weighed.friction).collect()
+    }
+
+    /// Table 3.4.
+    pub fn table_3_4(&self) -> Vec<&Row> {
+        self.weighed.iter().flat_map(|weighed| &weighed.chosen).collect()
+    }
+}
