@@ -5,7 +5,7 @@ use super::common::{CommonArgs, print, write_outputs};
 use super::progress::Progress;
 use super::provenance::provenance;
 use crate::log::Outputs;
-use crate::report::{ThesisReport, thesis_csv, thesis_json, thesis_markdown, thesis_text};
+use crate::report::{ThesisReport, thesis_csv, thesis_figures, thesis_html, thesis_json, thesis_markdown, thesis_text};
 use crate::thesis::tables;
 use clap::Args;
 use std::path::PathBuf;
@@ -37,12 +37,18 @@ pub(super) fn run(args: &TablesArgs) -> Result<u8, CliError> {
     let mut outputs = Outputs::default();
     outputs.add(folder.join("tables.md"), thesis_markdown(&report));
     outputs.add(folder.join("tables.csv"), thesis_csv(&report));
+    outputs.add(folder.join("robot.toml"), report.tables.robot_toml.as_str());
+    for figure in thesis_figures(&report)? {
+        outputs.add(folder.join(figure.file_name), figure.svg);
+    }
+    let page = folder.join("report.html");
+    outputs.add(&page, thesis_html(&report)?);
     args.common.add_json(&mut outputs, &thesis_json(&report))?;
     write_outputs(outputs, &inputs)?;
     drop(progress);
     if !args.common.quiet {
         print(&thesis_text(&report));
-        print(&format!("\ntables: {}\n", folder.display()));
+        print(&format!("\nreport: {}\n", page.display()));
     }
     Ok(0)
 }

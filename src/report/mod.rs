@@ -37,4 +37,4 @@ pub use plot::{
     Figure, correlation_matrix, figures, friction_curve, optimiser_trace, parameter_intervals, phase_portrait, swing,
 };
 pub use table::drop_text;
-pub use thesis::{ThesisReport, thesis_csv, thesis_json, thesis_markdown, thesis_text};
+pub use thesis::{ThesisReport, thesis_csv, thesis_figures, thesis_html, thesis_json, thesis_markdown, thesis_text};

@@ -5,15 +5,26 @@
 //! masses (3.2-3.6), then the extensive one about q3, q2 and q1 (3.8-3.14).
 
 mod chain;
+mod drop;
+mod knee;
 mod printed;
+mod puzzle;
 mod ratios;
+mod robot;
 mod row;
+mod shoulder;
 mod swings;
 
 pub use chain::Weighed;
+pub use drop::Drop;
+pub use knee::Knee;
 pub use printed::{CoulombByLoad, FrictionRow, MassRow, Printed, RatioRow, Rounding};
+pub use puzzle::{
+    Approach, BARE_FACTOR, Candidate, CoulombSeen, JointPuzzle, LOADED_FACTOR, NEAR, Puzzle, Scan, Setting,
+};
 pub use ratios::RatioTable;
 pub use row::{Of, Row};
+pub use shoulder::{Proposal, Shoulder};
 pub use swings::{JointSwings, Load};
 
 use crate::fit::Rejected;
@@ -32,6 +43,16 @@ pub struct Tables {
     pub ratios: Vec<RatioTable>,
     /// Tables 3.2 to 3.4, by joint.
     pub weighed: Vec<Weighed>,
+    /// Figure 3.6, about q1.
+    pub drop: Option<Drop>,
+    /// What may be behind Table 3.1 and section 3.3.2.
+    pub puzzle: Puzzle,
+    /// Whether the bare lower leg moves.
+    pub knee: Option<Knee>,
+    /// What would find the shoulder's mass.
+    pub shoulder: Option<Shoulder>,
+    /// A robot file with what was found.
+    pub robot_toml: String,
 }
 
 /// Why the tables cannot be made.
@@ -84,7 +105,24 @@ pub fn tables(folder: &Path, progress: &(dyn Fn(&str) + Sync)) -> Result<Tables,
     progress("simple model");
     let ratios = swings.iter().map(ratios::table).collect::<Result<_, _>>()?;
     let weighed = chain::weigh(&swings, progress)?;
-    Ok(Tables { swings, ratios, weighed })
+    let puzzle = puzzle::scan(&swings, progress)?;
+    let of_joint = |joint| swings.iter().zip(&weighed).find(|(swings, _)| swings.joint == joint);
+    let (mut drop, mut knee, mut shoulder) = (None, None, None);
+    if let Some((q1, weighed)) = of_joint(LegJoint::Q1) {
+        let estimates = &weighed.fit.estimates;
+        let masses: Vec<(String, f64)> =
+            estimates.iter().filter(|e| e.name.starts_with("mass_")).map(|e| (e.name.clone(), e.value)).collect();
+        drop = drop::drop(q1, &masses, &weighed.chosen)?;
+        shoulder = shoulder::shoulder(q1)?;
+    }
+    if let Some((q3, weighed)) = of_joint(LegJoint::Q3) {
+        let coulomb = weighed.friction.iter().find(|row| row.quantity == "coulomb");
+        knee = knee::knee(q3, coulomb.and_then(|row| Some((row.ours?, row.interval?))))?;
+    }
+    let masses: Vec<&Row> = weighed.iter().map(|weighed| &weighed.mass).collect();
+    let friction: Vec<&Row> = weighed.iter().flat_map(|weighed| &weighed.chosen).collect();
+    let robot_toml = robot::robot_toml(&masses, &friction);
+    Ok(Tables { swings, ratios, weighed, drop, puzzle, knee, shoulder, robot_toml })
 }
 
 impl Tables {
