@@ -13,8 +13,9 @@ use std::path::PathBuf;
 /// Repeat the thesis's chapter 3 on logged swings: Tables 3.1 to 3.4, printed numbers beside ours
 ///
 /// Reads every log with a sidecar in the folder (joints q1, q2, q3; without and with extra masses), fits the simple
-/// pendulum for Table 3.1 and the extensive one about q3, q2, q1 for Tables 3.2 to 3.4. Writes tables.md, tables.csv,
-/// report.html and the figures as SVG, and robot.toml, a robot with what was found.
+/// pendulum for Table 3.1 and the extensive one about q3, q2, q1 for Tables 3.2 to 3.4, and scans what may be behind the
+/// puzzles that the thesis left. Writes tables.md, tables.csv, report.html, the figures as SVG, and robot.toml: the ERS-7
+/// with what was found.
 #[derive(Args, Debug)]
 #[command(after_help = "Units: kg, N m, N m s/rad, 1/s, 1/s^2.\n\n\
 Example: aibo-fit tables\nExample: aibo-fit tables --data data/sealed-robot --out fits/sealed")]

@@ -104,14 +104,14 @@ pub fn tables(folder: &Path, progress: &(dyn Fn(&str) + Sync)) -> Result<Tables,
     let swings = swings::read(folder)?;
     progress("simple model");
     let ratios = swings.iter().map(ratios::table).collect::<Result<_, _>>()?;
-    let weighed = chain::weigh(&swings, progress)?;
+    let all = chain::weigh(&swings, progress)?;
     let puzzle = puzzle::scan(&swings, progress)?;
-    let of_joint = |joint| swings.iter().zip(&weighed).find(|(swings, _)| swings.joint == joint);
+    let of_joint = |joint| swings.iter().zip(&all).find(|(swings, _)| swings.joint == joint);
     let (mut drop, mut knee, mut shoulder) = (None, None, None);
     if let Some((q1, weighed)) = of_joint(LegJoint::Q1) {
-        let estimates = &weighed.fit.estimates;
-        let masses: Vec<(String, f64)> =
-            estimates.iter().filter(|e| e.name.starts_with("mass_")).map(|e| (e.name.clone(), e.value)).collect();
+        let known = |row: &Row| Some((format!("mass_{}", row.of.name().replace(' ', "_")), row.ours?));
+        let rows = weighed_masses(&all).into_iter().filter(|row| row.identifiable);
+        let masses: Vec<(String, f64)> = rows.filter_map(known).collect();
         drop = drop::drop(q1, &masses, &weighed.chosen)?;
         shoulder = shoulder::shoulder(q1)?;
     }
@@ -119,10 +119,13 @@ pub fn tables(folder: &Path, progress: &(dyn Fn(&str) + Sync)) -> Result<Tables,
         let coulomb = weighed.friction.iter().find(|row| row.quantity == "coulomb");
         knee = knee::knee(q3, coulomb.and_then(|row| Some((row.ours?, row.interval?))))?;
     }
-    let masses: Vec<&Row> = weighed.iter().map(|weighed| &weighed.mass).collect();
-    let friction: Vec<&Row> = weighed.iter().flat_map(|weighed| &weighed.chosen).collect();
-    let robot_toml = robot::robot_toml(&masses, &friction);
-    Ok(Tables { swings, ratios, weighed, drop, puzzle, knee, shoulder, robot_toml })
+    let friction: Vec<&Row> = all.iter().flat_map(|weighed| &weighed.chosen).collect();
+    let robot_toml = robot::robot_toml(&weighed_masses(&all), &friction);
+    Ok(Tables { swings, ratios, weighed: all, drop, puzzle, knee, shoulder, robot_toml })
+}
+
+fn weighed_masses(all: &[Weighed]) -> Vec<&Row> {
+    all.iter().map(|weighed| &weighed.mass).collect()
 }
 
 impl Tables {
@@ -138,7 +141,7 @@ impl Tables {
 
     /// Table 3.2.
     pub fn table_3_2(&self) -> Vec<&Row> {
-        self.weighed.iter().map(|weighed| &weighed.mass).collect()
+        weighed_masses(&self.weighed)
     }
 
     /// Table 3.3.

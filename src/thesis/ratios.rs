@@ -144,7 +144,8 @@ fn arithmetic(row: &super::printed::RatioRow, gravity_m_s2: f64) -> Vec<Row> {
         .enumerate()
         .map(|(i, (name, unit, printed, half_digit))| {
             let row = Row::new(of(), name, "printed ratios", unit, Some(printed)).estimated(exact[i], range[i]);
-            let follows = range[i][0] <= printed + half_digit && printed - half_digit <= range[i][1];
+            let row = Row { half_digit, ..row };
+            let follows = row.inside() == Some(true);
             let remark = if follows { "follows from the ratios" } else { "does not follow from its own ratios" };
             Row { remark: remark.into(), ..row }
         })

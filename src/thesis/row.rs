@@ -33,6 +33,8 @@ pub struct Row {
     pub swings: String,
     /// As printed.
     pub thesis: Option<f64>,
+    /// Half of its last printed digit, where what it is compared with is no better than that; else 0.
+    pub half_digit: f64,
     /// Estimate; `None` where there is none.
     pub ours: Option<f64>,
     /// 95 % interval, or the one that the rounding of printed digits allows.
@@ -55,6 +57,7 @@ impl Row {
             quantity: quantity.into(),
             swings: swings.into(),
             thesis,
+            half_digit: 0.0,
             ours: None,
             interval: None,
             unit: unit.into(),
@@ -74,10 +77,10 @@ impl Row {
         Some(self.ours? - self.thesis?)
     }
 
-    /// Whether the thesis's number lies inside the interval.
+    /// Whether the thesis's number lies inside the interval, as far as its digits say.
     pub fn inside(&self) -> Option<bool> {
         let ([low, high], thesis) = (self.interval?, self.thesis?);
-        Some(low <= thesis && thesis <= high)
+        Some(low <= thesis + self.half_digit && thesis - self.half_digit <= high)
     }
 
     /// Half of the interval over the estimate.

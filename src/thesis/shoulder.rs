@@ -1,8 +1,8 @@
 //! Why can the shoulder mass not be found, and which experiment would find it?
 //!
 //! The shoulder lies on q1's axis: it adds nothing to the gravity torque and little to the inertia. Both are shares of
-//! what turns, and a share is known no better than the bench. The leg's pose is what can be chosen: turned outward and
-//! folded, less of it is far from q1's axis, and the shoulder's share grows. Gravity then hardly moves it, so the motor
+//! what turns, and a share is known no better than the bench. The leg's pose is what can be chosen: turned outward it
+//! lies along q1's axis, and the shoulder's share grows. Gravity then hardly moves it, so the motor
 //! has to. For each experiment the interval that 6 s of readings would leave is computed from the model's sensitivities
 //! (Cramer and Rao), the encoder's noise being that of Appendix B.
 
@@ -86,7 +86,7 @@ pub(super) fn shoulder(swings: &JointSwings) -> Result<Option<Shoulder>, TablesE
     let experiments = vec![
         proposal(swings, "let go, the leg as in the tests", here, false)?,
         proposal(swings, "driven by the motor, the leg as in the tests", here, true)?,
-        proposal(swings, "driven by the motor, the leg turned outward and folded", (best.0, best.1), true)?,
+        proposal(swings, "driven by the motor, the leg turned outward", (best.0, best.1), true)?,
     ];
     let share_of_moment = own.mass_kg * own.distance_m() / bare.moment_kg_m;
     Ok(Some(Shoulder { share_of_moment, share_of_inertia, poses, experiments }))

@@ -117,6 +117,7 @@ fn puzzle_json(report: &ThesisReport) -> Value {
                 "table_3_3": j.as_printed.as_ref().map(approach),
                 "alone": j.alone.iter().map(|s| json!({ "candidate": s.candidate.name, "curve": s.curve,
                     "nearest": approach(&s.nearest) })).collect::<Vec<_>>(),
+                "with_load": j.with_load.iter().map(approach).collect::<Vec<_>>(),
                 "pairs": j.pairs.iter().map(approach).collect::<Vec<_>>() })
         })
         .collect();

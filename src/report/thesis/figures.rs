@@ -73,7 +73,7 @@ pub fn thesis_figures(report: &ThesisReport) -> Result<Vec<Figure>, ReportError>
     }
     if let Some(shoulder) = &tables.shoulder {
         let title = "Share of the shoulder in the bare leg's inertia about q1";
-        let caption = "Over the poses that the software limits of q2 and q3 allow. A bench good to 1 % leaves the shoulder's \
+        let caption = "Per cent; columns: q2 [rad], outward; rows: q3 [rad], within their software limits. A bench good to 1 % leaves the shoulder's \
                        mass open by 1 % over this share.";
         add("shoulder-share", title, caption, share_figure(title, shoulder)?);
     }
@@ -162,7 +162,7 @@ fn share_figure(title: &str, shoulder: &Shoulder) -> Result<String, ReportError>
         title,
         rows: &rows,
         columns: &columns,
-        axes: ["q3 [rad]", "q2 [rad], outward"],
+        axes: ["", ""],
         names_above: true,
         name_room: 60.0,
         cell: [48.0, 24.0],

@@ -75,6 +75,9 @@ const NAMED: [(&str, RGBColor); 6] = [
     ("mass of the second test", CALIBRATED),
 ];
 
+/// Drawn wide, because another lies upon it.
+const WIDE: &str = "release of the second test";
+
 /// What each candidate alone does to the first ratio and to the ratio of both.
 pub(super) fn ratio_plane(title: &str, joint: &JointPuzzle) -> Result<String, ReportError> {
     let [p1, p2] = joint.printed_1_s;
@@ -97,7 +100,7 @@ pub(super) fn ratio_plane(title: &str, joint: &JointPuzzle) -> Result<String, Re
         let colour_of = |name: &str| NAMED.iter().find(|(named, _)| *named == name).map(|(_, colour)| *colour);
         let mut scans: Vec<_> = joint.alone.iter().map(|scan| (scan, colour_of(scan.candidate.name))).collect();
         // Those with a colour are drawn last, above the others.
-        scans.sort_by_key(|(_, colour)| colour.is_some());
+        scans.sort_by_key(|(scan, colour)| (colour.is_some(), scan.candidate.name != WIDE));
         for (scan, colour) in scans {
             let inside =
                 |v1: f64, share: f64| (x.low()..=x.high()).contains(&v1) && (y.low()..=y.high()).contains(&share);
@@ -107,7 +110,13 @@ pub(super) fn ratio_plane(title: &str, joint: &JointPuzzle) -> Result<String, Re
                 .map(|(_, [v1, v2])| (*v1, v2 / v1))
                 .map(|(v1, share)| if inside(v1, share) { (v1, share) } else { (f64::NAN, f64::NAN) })
                 .collect();
-            let style = stroke(colour.unwrap_or(SHADE), if colour.is_some() { 1.75 } else { 0.75 });
+            // Two of them lie on one another: the wider one is drawn first.
+            let width = match (scan.candidate.name, colour) {
+                (WIDE, _) => 5.0,
+                (_, Some(_)) => 1.75,
+                _ => 0.75,
+            };
+            let style = stroke(colour.unwrap_or(SHADE), width);
             line(&mut chart, &points, style)?;
             dots(&mut chart, &points, 1.25, filled(colour.unwrap_or(SHADE), 1.0))?;
         }

@@ -9,10 +9,10 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
 /// Sampling period and length of the swings \[s\].
-const PERIOD_S: f64 = 0.016;
+const PERIOD_S: f64 = 0.012;
 const LENGTH_S: f64 = 5.6;
 /// Ratios that are tried \[1/s\]: from, to, how many. A parabola finds the minimum between them.
-const RATIOS: (f64, f64, usize) = (0.1, 40.0, 140);
+const RATIOS: (f64, f64, usize) = (0.1, 40.0, 110);
 
 /// How two tests are made and read.
 #[derive(Clone, Debug, PartialEq)]

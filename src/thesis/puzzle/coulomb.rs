@@ -23,13 +23,17 @@ const LEAST_RAD: f64 = 0.02;
 
 /// Fits the swings of a setting.
 pub(super) fn seen(bench: &Bench, swings: &JointSwings, setting: &Setting) -> CoulombSeen {
-    let found: Vec<Option<f64>> =
-        bench.experiments(setting).iter().map(|e| e.as_ref().and_then(|e| coulomb_nm(swings, e))).collect();
+    let found: Vec<Option<f64>> = bench
+        .experiments(setting)
+        .iter()
+        .map(|e| coulomb_nm(swings, e.as_ref()?, [setting.coulomb_nm, setting.viscous_nm_s_rad]))
+        .collect();
     let at = |k: usize| found.get(k).copied().flatten();
     CoulombSeen { bare_nm: at(0), loaded_nm: [at(1), at(2)] }
 }
 
-fn coulomb_nm(swings: &JointSwings, e: &Experiment) -> Option<f64> {
+/// The Coulomb friction found in one swing; `made` is the friction that it was made with, where a search starts as well.
+fn coulomb_nm(swings: &JointSwings, e: &Experiment, made: [f64; 2]) -> Option<f64> {
     let moved = e.measured_rad.iter().map(|q| (q - e.measured_rad[0]).abs()).fold(0.0, f64::max);
     if moved < LEAST_RAD {
         return None;
@@ -47,6 +51,7 @@ fn coulomb_nm(swings: &JointSwings, e: &Experiment) -> Option<f64> {
     let problem = Problem::new(&model, one);
     let best = STARTS
         .iter()
+        .chain([&made])
         .map(|start| {
             let mut values: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
             (values[c], values[v]) = (start[0], start[1]);

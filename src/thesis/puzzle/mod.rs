@@ -46,6 +46,9 @@ pub struct JointPuzzle {
     pub alone: Vec<Scan>,
     /// Pairs, the nearest first.
     pub pairs: Vec<Approach>,
+    /// With the Coulomb friction that section 3.3.2 has with extra mass, in both tests: viscous friction alone, then with
+    /// each of the others, the nearest first. Only about q1 and q2, of which that section speaks.
+    pub with_load: Vec<Approach>,
 }
 
 /// One candidate alone.
@@ -76,7 +79,7 @@ pub struct Approach {
 
 /// Sizes of a candidate alone, and of each of a pair.
 const ALONE: usize = 25;
-const EACH: usize = 11;
+const EACH: usize = 9;
 /// Rounds in which the steps around the nearest point are divided by [`FINER`].
 const ROUNDS: usize = 4;
 const FINER: f64 = 2.5;
@@ -102,7 +105,9 @@ pub(super) fn scan(swings: &[JointSwings], progress: &(dyn Fn(&str) + Sync)) -> 
                 pair.coulomb = Some(coulomb::seen(&bench, swings, &scan.setting(&pair.what)));
             });
         }
+        let with_load = if swings.joint == LegJoint::Q3 { Vec::new() } else { scan.with_load() };
         joints.push(JointPuzzle {
+            with_load,
             joint: swings.joint,
             printed_1_s: scan.printed_1_s,
             release_rad: bench.thesis.release_rad[0],
@@ -157,8 +162,28 @@ impl JointScan<'_> {
         Some(self.refined(nearest, EACH))
     }
 
-    /// The nearest point with finer and finer steps around it, within the ranges.
+    /// Coulomb friction as section 3.3.2 has it with extra mass, viscous friction scanned, alone and with the others.
+    fn with_load(&self) -> Vec<Approach> {
+        let coulomb_nm = Printed::embedded().section_3_3_2.coulomb_loaded_nm;
+        let (viscous, others) = OTHERS.split_first().map_or((COULOMB, &[][..]), |(first, others)| (*first, others));
+        let points: Vec<Approach> =
+            viscous.sizes(ALONE).filter_map(|size| self.approach(&[(COULOMB, coulomb_nm), (viscous, size)])).collect();
+        let nearest = points.into_iter().min_by(|a, b| a.misfit.total_cmp(&b.misfit));
+        let with = |other: &Candidate| {
+            let points = viscous.sizes(EACH).flat_map(|a| other.sizes(EACH).map(move |b| [(viscous, a), (*other, b)]));
+            let points = points.filter_map(|[a, b]| self.approach(&[(COULOMB, coulomb_nm), a, b]));
+            let nearest = points.min_by(|a, b| a.misfit.total_cmp(&b.misfit))?;
+            Some(self.refined(nearest, EACH))
+        };
+        let mut with_others: Vec<Approach> = others.par_iter().filter_map(with).collect();
+        with_others.sort_by(|a, b| a.misfit.total_cmp(&b.misfit));
+        nearest.map(|nearest| self.refined(nearest, ALONE)).into_iter().chain(with_others).collect()
+    }
+
+    /// The nearest point with finer and finer steps around it, within the ranges; the last two candidates move, and one
+    /// that stands before them stays.
     fn refined(&self, mut nearest: Approach, count: usize) -> Approach {
+        let held = nearest.what.len().saturating_sub(2).max(usize::from(nearest.what.len() == 2 && count == ALONE));
         let mut share = 1.0 / (count - 1) as f64;
         for _ in 0..ROUNDS {
             share /= FINER;
@@ -170,10 +195,11 @@ impl JointScan<'_> {
                 (candidate, (size + step * share * (to - from)).clamp(from, to))
             };
             for &a in steps {
-                for &b in if middle.len() > 1 { steps } else { &[0.0] } {
-                    let mut what = vec![moved(0, a)];
-                    if middle.len() > 1 {
-                        what.push(moved(1, b));
+                for &b in if middle.len() > held + 1 { steps } else { &[0.0] } {
+                    let mut what = middle[..held].to_vec();
+                    what.push(moved(held, a));
+                    if middle.len() > held + 1 {
+                        what.push(moved(held + 1, b));
                     }
                     if let Some(point) = self.approach(&what).filter(|point| point.misfit < nearest.misfit) {
                         nearest = point;
