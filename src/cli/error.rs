@@ -6,6 +6,7 @@ use crate::log::LogError;
 use crate::report::ReportError;
 use crate::robot::RobotError;
 use crate::robot::simulate::SimulateError;
+use crate::thesis::TablesError;
 use std::path::PathBuf;
 
 /// The answer is "no": the joint never moved.
@@ -88,6 +89,9 @@ pub enum CliError {
         /// The state.
         what: String,
     },
+    /// The tables cannot be made.
+    #[error(transparent)]
+    Tables(#[from] TablesError),
     /// The worker threads cannot be started.
     #[error("cannot start the worker threads: {0}")]
     Threads(String),
@@ -97,9 +101,10 @@ impl CliError {
     /// The exit code of the specification.
     pub fn exit_code(&self) -> u8 {
         match self {
-            CliError::Log(error) | CliError::Case(CaseError::Log(error)) | CliError::Robot(RobotError::File(error)) => {
-                of_file(error)
-            }
+            CliError::Log(error)
+            | CliError::Case(CaseError::Log(error))
+            | CliError::Tables(TablesError::Log(error) | TablesError::Case(CaseError::Log(error)))
+            | CliError::Robot(RobotError::File(error)) => of_file(error),
             CliError::Simulate(error) => match error.as_ref() {
                 SimulateError::File(error) | SimulateError::Robot(RobotError::File(error)) => of_file(error),
                 SimulateError::Value { .. } | SimulateError::NoSet { .. } => USAGE,
@@ -110,10 +115,15 @@ impl CliError {
             CliError::Drop(DropError::NeverMoved) => NO,
             CliError::Gap(GapError::NoNominal) => DATA,
             CliError::Gap(GapError::NeverMoved) => NO,
+            CliError::Tables(TablesError::Rejected(_) | TablesError::Diverged(_)) => NOT_CONVERGED,
             CliError::Gap(_) | CliError::Drop(_) | CliError::Diverged { .. } | CliError::NotFinite { .. } => {
                 NOT_CONVERGED
             }
-            CliError::Case(_) | CliError::FitFile { .. } | CliError::Robot(_) | CliError::States { .. } => DATA,
+            CliError::Tables(_)
+            | CliError::Case(_)
+            | CliError::FitFile { .. }
+            | CliError::Robot(_)
+            | CliError::States { .. } => DATA,
             CliError::Report(_) | CliError::Threads(_) | CliError::Encode(_) => IO,
         }
     }

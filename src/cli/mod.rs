@@ -12,6 +12,7 @@ mod provenance;
 mod sensor_test;
 mod simulate;
 mod still;
+mod tables;
 mod walk;
 
 use clap::{Parser, Subcommand};
@@ -37,6 +38,7 @@ enum Command {
     Gap(gap::GapArgs),
     SensorTest(sensor_test::SensorTestArgs),
     Simulate(simulate::SimulateArgs),
+    Tables(tables::TablesArgs),
     Walk(walk::WalkArgs),
 }
 
@@ -57,6 +59,7 @@ pub fn run() -> ExitCode {
         Command::Gap(args) => gap::run(&args),
         Command::SensorTest(args) => sensor_test::run(&args),
         Command::Simulate(args) => simulate::run(&args),
+        Command::Tables(args) => tables::run(&args),
         Command::Walk(args) => walk::run(&args),
     };
     match result {

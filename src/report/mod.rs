@@ -22,6 +22,7 @@ mod sample;
 mod sensor;
 mod table;
 mod text;
+mod thesis;
 mod walk;
 
 pub use animation::{Animation, Dog, GifOptions, Recording, animation_gif, animation_html};
@@ -43,6 +44,7 @@ pub use plot::{
 };
 pub use sensor::{SensorReport, SweepPart, sensor_figures, sensor_html, sensor_text};
 pub use table::drop_text;
+pub use thesis::{ThesisReport, thesis_csv, thesis_figures, thesis_html, thesis_json, thesis_markdown, thesis_text};
 pub use walk::{
     FollowRow, Ground, JointCurves, LegCurves, Runaway, SpeedRow, TrunkCurves, WalkReport, walk_figures, walk_html,
     walk_text,

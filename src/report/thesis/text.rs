@@ -1,0 +1,50 @@
+//! The tables as text for a terminal.
+
+use comfy_table::Cell;
+
+use super::ThesisReport;
+use super::sections::{Section, sections};
+use super::words::explanations;
+use crate::report::text::{finish, number, one_line, table, wrap};
+
+/// Columns of the text.
+const WIDTH: usize = 100;
+
+/// Writes the tables and the explanation as plain text at most 100 columns wide, ending in a newline.
+pub fn thesis_text(report: &ThesisReport) -> String {
+    let sections = sections(&report.tables);
+    let mut blocks: Vec<String> = sections.iter().filter(|s| !s.rows.is_empty()).map(block).collect();
+    for answer in explanations(report) {
+        let mut text = wrap(WIDTH, &answer.question, "", "");
+        for sentence in &answer.sentences {
+            text += &format!("\n{}", wrap(WIDTH, sentence, "- ", "  "));
+        }
+        if let Some(rows) = &answer.table {
+            let mut lines = table(WIDTH, &rows.columns[..rows.words], &rows.columns[rows.words..]);
+            add_rows(&mut lines, rows.words, &rows.rows);
+            text += &format!("\n{}", finish(&mut lines));
+        }
+        blocks.push(text);
+    }
+    blocks.join("\n\n") + "\n"
+}
+
+fn add_rows(table: &mut comfy_table::Table, words: usize, rows: &[Vec<String>]) {
+    for cells in rows {
+        table.add_row(cells.iter().enumerate().map(|(k, cell)| match k < words {
+            true => Cell::new(one_line(cell)),
+            false => number(one_line(cell)),
+        }));
+    }
+}
+
+fn block(section: &Section<'_>) -> String {
+    let shown = section.shown();
+    let mut table = table(WIDTH, &shown.columns[..shown.words], &shown.columns[shown.words..]);
+    add_rows(&mut table, shown.words, &shown.rows);
+    let mut text = format!("{}\n{}\n{}", section.title, wrap(WIDTH, section.words, "", ""), finish(&mut table));
+    for remark in &shown.remarks {
+        text += &format!("\n{}", wrap(WIDTH, remark, "- ", "  "));
+    }
+    text
+}
