@@ -17,6 +17,7 @@ mod error;
 mod follow;
 mod joints;
 mod log;
+mod places;
 mod recording;
 mod run;
 mod scenario;

@@ -6,7 +6,7 @@ use crate::integrate::{self, Tolerance};
 use crate::joint::{Chain, EffectId, Link, Motor};
 use crate::log::{Hold, MotorSpec};
 use crate::pendulum::{Input as PendulumInput, Start, rollout};
-use crate::robot::{Dynamics, Gait, JointId, Model, Setpoints as _, State};
+use crate::robot::{Dynamics, Gait, JointId, Model, State};
 use nalgebra::Vector3;
 use std::path::Path;
 
