@@ -53,6 +53,13 @@ fn a_motion_that_runs_away_is_kept_and_named() {
     let text = String::from_utf8(output).expect("UTF-8");
     assert!(text.contains("diverged at t =") && text.contains("frames"), "{text}");
     assert!(folder.path().join("log.csv").is_file());
+    // A floor so hard that no explicit step of this length follows it.
+    let words = ["--method", "rk2", "--step", "0.008", "--floor", "stiffness=1e8", "--out"];
+    let assert = on_the_floor(&words).arg(folder.path()).assert();
+    let output = assert.code(4).get_output().stdout.clone();
+    let text = String::from_utf8(output).expect("UTF-8");
+    assert!(text.contains("diverged at t =") && text.contains("shorter"), "{text}");
+    assert!(folder.path().join("log.csv").is_file());
 }
 
 #[test]

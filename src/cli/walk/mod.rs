@@ -74,7 +74,7 @@ pub(super) struct WalkArgs {
     /// How to integrate
     #[arg(long, value_enum, default_value_t = MethodArg::Stiff)]
     method: MethodArg,
-    /// Longest step of stiff, rk2 and rk4 [s] [default: 0.0001 for stiff, 0.001 in the air, 1e-5 for rk2 and rk4]
+    /// Longest step of stiff, rk2 and rk4 [s] [default: 0.0005 for stiff, 0.001 in the air, 1e-5 for rk2 and rk4]
     #[arg(long, value_name = "S")]
     step: Option<f64>,
     /// Tolerance of dormand-prince, adams and bdf [rad, rad/s, and relative]
@@ -118,7 +118,7 @@ impl WalkArgs {
     fn method(&self) -> Method {
         let (step, tolerance) = (|default: f64| self.step.unwrap_or(default), Tolerance::of(self.tolerance));
         match self.method {
-            MethodArg::Stiff => Method::Stiff { step_s: step(if self.air { 1e-3 } else { 1e-4 }) },
+            MethodArg::Stiff => Method::Stiff { step_s: step(if self.air { 1e-3 } else { 5e-4 }) },
             MethodArg::Rk2 => Method::Smooth(integrate::Method::Rk2 { step_s: step(1e-5) }),
             MethodArg::Rk4 => Method::Smooth(integrate::Method::Rk4 { step_s: step(1e-5) }),
             MethodArg::DormandPrince => Method::Smooth(integrate::Method::DormandPrince(tolerance)),

@@ -24,9 +24,10 @@ pub fn walk_figures(report: &WalkReport) -> Result<Vec<Figure>, ReportError> {
         Ok(Figure {
             file_name: format!("walk-{}.svg", leg.name.replace(' ', "-")),
             title: format!("{name}, {} leg", leg.name),
-            caption: "Setpoint and simulated reading. Where only one line is seen the joint follows without delay and \
-                      at full amplitude."
-                .to_owned(),
+            caption: format!(
+                "{name}. Setpoint and simulated reading. Where only one line is seen the joint follows without delay \
+                 and at full amplitude."
+            ),
             svg: draw(leg, place)?,
         })
     };
@@ -34,7 +35,7 @@ pub fn walk_figures(report: &WalkReport) -> Result<Vec<Figure>, ReportError> {
         Ok(Figure {
             file_name: "walk-trunk.svg".to_owned(),
             title: "Figure 4.5, displacement of the trunk".to_owned(),
-            caption: "Where the trunk's centre is: forward and to the right from where it was dropped, and its height \
+            caption: "Figure 4.5. Where the trunk's centre is: forward and to the right from where it was dropped, and its height \
                       over the floor. The robot falls, settles, and walks."
                 .to_owned(),
             svg: draw_trunk(trunk)?,

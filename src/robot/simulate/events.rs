@@ -18,10 +18,6 @@ enum Event {
     Meets(usize, f64),
 }
 
-/// Where in a step a margin passes through zero, to this share of its change.
-const ZERO: f64 = 1e-7;
-/// Rounds of regula falsi.
-const ROUNDS: usize = 4;
 /// Events in one step after which it is taken whole.
 const MOST_EVENTS: usize = 200;
 
@@ -109,9 +105,9 @@ impl Stiff<'_> {
             return 0.0;
         }
         let (mut low, mut high) = ((0.0, before), (whole, self.margin(event, &self.next, &self.next_sides)));
-        let close = ZERO * (before - high.1);
+        let close = self.tuning.zero * (before - high.1);
         let mut take = guess;
-        for _ in 0..ROUNDS {
+        for _ in 0..self.tuning.searches {
             self.attempt(now, commands, take);
             let margin = self.margin(event, &self.next, &self.next_sides);
             // An attempt may change what a joint does, and the event with it.
@@ -211,7 +207,7 @@ impl Stiff<'_> {
                 }
                 Mode::Stuck => {
                     let holding = self.holding_kg_m2(j);
-                    let borne_nm = -holding / (super::stiff::GAMMA * h) * at.rate_rad_s - holding * self.first[6 + j];
+                    let borne_nm = -holding / (self.tuning.gamma * h) * at.rate_rad_s - holding * self.first[6 + j];
                     // What the flank has to do so that the link stays where it is, but for its bearing's friction.
                     let pulls_nm = flank * (motor_nm + borne_nm);
                     let at_rest = super::terms::At { rate_rad_s: 0.0, ..at };

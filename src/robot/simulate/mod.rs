@@ -18,6 +18,7 @@ mod events;
 mod follow;
 mod joints;
 mod log;
+mod places;
 mod recording;
 mod run;
 mod scenario;
