@@ -91,20 +91,30 @@ pub enum CliError {
     },
     /// The tables cannot be made.
     #[error(transparent)]
-    Tables(#[from] TablesError),
+    Tables(Box<TablesError>),
     /// The worker threads cannot be started.
     #[error("cannot start the worker threads: {0}")]
     Threads(String),
+}
+
+impl From<TablesError> for CliError {
+    fn from(error: TablesError) -> Self {
+        CliError::Tables(Box::new(error))
+    }
 }
 
 impl CliError {
     /// The exit code of the specification.
     pub fn exit_code(&self) -> u8 {
         match self {
-            CliError::Log(error)
-            | CliError::Case(CaseError::Log(error))
-            | CliError::Tables(TablesError::Log(error) | TablesError::Case(CaseError::Log(error)))
-            | CliError::Robot(RobotError::File(error)) => of_file(error),
+            CliError::Log(error) | CliError::Case(CaseError::Log(error)) | CliError::Robot(RobotError::File(error)) => {
+                of_file(error)
+            }
+            CliError::Tables(error) => match error.as_ref() {
+                TablesError::Log(error) | TablesError::Case(CaseError::Log(error)) => of_file(error),
+                TablesError::Rejected(_) | TablesError::Diverged(_) => NOT_CONVERGED,
+                _ => DATA,
+            },
             CliError::Simulate(error) => match error.as_ref() {
                 SimulateError::File(error) | SimulateError::Robot(RobotError::File(error)) => of_file(error),
                 SimulateError::Value { .. } | SimulateError::NoSet { .. } => USAGE,
@@ -115,15 +125,10 @@ impl CliError {
             CliError::Drop(DropError::NeverMoved) => NO,
             CliError::Gap(GapError::NoNominal) => DATA,
             CliError::Gap(GapError::NeverMoved) => NO,
-            CliError::Tables(TablesError::Rejected(_) | TablesError::Diverged(_)) => NOT_CONVERGED,
             CliError::Gap(_) | CliError::Drop(_) | CliError::Diverged { .. } | CliError::NotFinite { .. } => {
                 NOT_CONVERGED
             }
-            CliError::Tables(_)
-            | CliError::Case(_)
-            | CliError::FitFile { .. }
-            | CliError::Robot(_)
-            | CliError::States { .. } => DATA,
+            CliError::Case(_) | CliError::FitFile { .. } | CliError::Robot(_) | CliError::States { .. } => DATA,
             CliError::Report(_) | CliError::Threads(_) | CliError::Encode(_) => IO,
         }
     }

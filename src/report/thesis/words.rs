@@ -179,7 +179,9 @@ fn mass(joint: &JointPuzzle, v1: f64, v2: f64) -> Option<f64> {
 }
 
 fn off(point: &Approach) -> String {
-    format!("{} %", significant(100.0 * point.misfit, 2))
+    let percent = 100.0 * point.misfit;
+    // What a search leaves below that depends on where it stopped.
+    if percent < 0.01 { "below 0.01 %".to_owned() } else { format!("{} %", significant(percent, 2)) }
 }
 
 /// Candidates with their sizes.

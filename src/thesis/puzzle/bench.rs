@@ -33,6 +33,9 @@ pub struct Setting {
     pub g_over_l_1_s2: [f64; 2],
 }
 
+/// Swings of simple pendulums, one for each ratio of the grid, by the bits of release angle and `g/L`.
+type Library = BTreeMap<[u64; 2], Arc<Vec<Vec<f64>>>>;
+
 /// The leg of one joint on the bench.
 pub(super) struct Bench {
     model: ExtensiveModel,
@@ -44,7 +47,7 @@ pub(super) struct Bench {
     pub bare: Option<Experiment>,
     t_s: Vec<f64>,
     /// Swings of simple pendulums by release angle and `g/L`.
-    library: Mutex<BTreeMap<[u64; 2], Arc<Vec<Vec<f64>>>>>,
+    library: Mutex<Library>,
     /// As the swings were made, with Table 3.3's friction.
     pub thesis: Setting,
 }
@@ -189,7 +192,7 @@ impl Bench {
     /// Swings of the simple pendulum from an angle, one for each ratio of the grid; made once.
     fn simple_swings(&self, release_rad: f64, g_over_l_1_s2: f64) -> Arc<Vec<Vec<f64>>> {
         let key = [release_rad.to_bits(), g_over_l_1_s2.to_bits()];
-        let kept = |library: &BTreeMap<_, Arc<Vec<Vec<f64>>>>| library.get(&key).cloned();
+        let kept = |library: &Library| library.get(&key).cloned();
         // Whoever holds the lock only reads or inserts: what a panic left behind is whole.
         let lock = || self.library.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         if let Some(found) = kept(&lock()) {

@@ -81,8 +81,11 @@ pub struct Approach {
 const ALONE: usize = 25;
 const EACH: usize = 9;
 /// Rounds in which the steps around the nearest point are divided by [`FINER`].
-const ROUNDS: usize = 4;
-const FINER: f64 = 2.5;
+const ROUNDS: usize = 2;
+const FINER: f64 = 4.0;
+/// Steps of Newton's method before, and the share of a range over which a slope is taken.
+const NEWTON: usize = 6;
+const SLOPE: f64 = 0.04;
 /// Pairs this near the printed ratios count as explaining them.
 pub const NEAR: f64 = 0.02;
 
@@ -180,26 +183,57 @@ impl JointScan<'_> {
         nearest.map(|nearest| self.refined(nearest, ALONE)).into_iter().chain(with_others).collect()
     }
 
+    /// Two sizes for two ratios: Newton's method from a point, as far as it comes nearer.
+    fn newton(&self, mut nearest: Approach, held: usize) -> Approach {
+        let off = |point: &Approach| [0, 1].map(|k: usize| (point.ratios_1_s[k] / self.printed_1_s[k]).ln());
+        for _ in 0..NEWTON {
+            let at = off(&nearest);
+            let slope = |k: usize| -> Option<[f64; 2]> {
+                let mut what = nearest.what.clone();
+                // Away from the nearer end of the range.
+                let [from, to] = what[k].0.range;
+                let share = if what[k].1 > 0.5 * (from + to) { -SLOPE } else { SLOPE };
+                what[k] = moved(what[k], share);
+                let there = off(&self.approach(&what)?);
+                Some([(there[0] - at[0]) / share, (there[1] - at[1]) / share])
+            };
+            let (Some(a), Some(b)) = (slope(held), slope(held + 1)) else { break };
+            let determinant = a[0] * b[1] - a[1] * b[0];
+            let step = [(b[0] * at[1] - b[1] * at[0]) / determinant, (a[1] * at[0] - a[0] * at[1]) / determinant];
+            if !step.iter().all(|share| share.is_finite()) {
+                break;
+            }
+            let better = [1.0, 0.4].into_iter().find_map(|part| {
+                let mut what = nearest.what.clone();
+                for k in 0..2 {
+                    what[held + k] = moved(what[held + k], part * step[k].clamp(-1.0, 1.0));
+                }
+                self.approach(&what).filter(|point| point.misfit < nearest.misfit)
+            });
+            let Some(better) = better else { break };
+            nearest = better;
+        }
+        nearest
+    }
+
     /// The nearest point with finer and finer steps around it, within the ranges; the last two candidates move, and one
     /// that stands before them stays.
     fn refined(&self, mut nearest: Approach, count: usize) -> Approach {
         let held = nearest.what.len().saturating_sub(2).max(usize::from(nearest.what.len() == 2 && count == ALONE));
+        if nearest.what.len() == held + 2 {
+            nearest = self.newton(nearest, held);
+        }
         let mut share = 1.0 / (count - 1) as f64;
         for _ in 0..ROUNDS {
             share /= FINER;
             let middle = nearest.what.clone();
             let steps: &[f64] = &[-2.0, -1.0, 0.0, 1.0, 2.0];
-            let moved = |k: usize, step: f64| {
-                let (candidate, size) = middle[k];
-                let [from, to] = candidate.range;
-                (candidate, (size + step * share * (to - from)).clamp(from, to))
-            };
             for &a in steps {
                 for &b in if middle.len() > held + 1 { steps } else { &[0.0] } {
                     let mut what = middle[..held].to_vec();
-                    what.push(moved(held, a));
+                    what.push(moved(middle[held], a * share));
                     if middle.len() > held + 1 {
-                        what.push(moved(held + 1, b));
+                        what.push(moved(middle[held + 1], b * share));
                     }
                     if let Some(point) = self.approach(&what).filter(|point| point.misfit < nearest.misfit) {
                         nearest = point;
@@ -209,6 +243,12 @@ impl JointScan<'_> {
         }
         nearest
     }
+}
+
+/// A size moved by a share of its range, kept within it.
+fn moved((candidate, size): (Candidate, f64), share: f64) -> (Candidate, f64) {
+    let [from, to] = candidate.range;
+    (candidate, (size + share * (to - from)).clamp(from, to))
 }
 
 /// Bare Coulomb friction up to this many times the thesis's counts as its own, and loaded within this factor of it.
