@@ -100,6 +100,12 @@ impl<T: Real> Motor<T> {
         }
     }
 
+    /// Whether its torque is limited.
+    pub fn is_limited(&self) -> bool {
+        let by_law = self.law.is_some_and(|law| law.torque_limit_nm.is_some());
+        by_law || self.torque_limit_nm.is_some() || self.speed_line.is_some()
+    }
+
     /// Stiffness and damping that the law adds to the joint \[N m/rad, N m s/rad\], for the choice of the step.
     pub(crate) fn stiffness_and_damping(&self) -> (f64, f64) {
         let gain = self.gain.re().abs();

@@ -21,6 +21,7 @@ mod log;
 mod places;
 mod recording;
 mod run;
+mod saturate;
 mod scenario;
 mod sensor;
 mod setpoints;

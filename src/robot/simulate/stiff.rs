@@ -12,14 +12,16 @@
 //!
 //! so a step takes two evaluations of forward dynamics. A joint at rest is held by a damper so stiff that it creeps less
 //! than a millionth of what it would slip; where that damper would have to push harder than the breakaway friction, the
-//! joint slips instead. What ends a step early is in `events`, free play in `side`.
+//! joint slips instead. Motors that run into their limits are in `saturate`, what ends a step early is in `events`, free
+//! play in `side`.
 
 use super::places::{add_velocity, shift, shift_mean};
 use super::run::{Carried, Method, diverged, suggestion};
+use super::saturate::Limited;
 use super::side::Side;
 use super::terms::{At, Slopes};
 use super::world::{Around, World};
-use super::{Diverged, External, Scenario};
+use super::{Diverged, External, JointDrive, Scenario};
 use crate::integrate::Counts;
 use crate::pendulum::{Command, LINK_SHARE};
 use crate::robot::{Input, State};
@@ -80,7 +82,9 @@ pub(super) struct Stiff<'a> {
     /// At the start of a step: torques of motor and of springs, and their slopes.
     pub motor_nm: Vec<f64>,
     elastic_nm: Vec<f64>,
-    driven: Vec<Slopes>,
+    pub driven: Vec<Slopes>,
+    /// Motors with limits.
+    pub limited: Vec<Option<Limited>>,
     elastic: Vec<Slopes>,
     slopes: Vec<Slopes>,
     pub torque_nm: Vec<f64>,
@@ -125,6 +129,7 @@ impl<'a> Stiff<'a> {
             motor_nm: zeros.clone(),
             elastic_nm: zeros.clone(),
             driven: vec![Slopes::default(); n],
+            limited: vec![None; n],
             elastic: vec![Slopes::default(); n],
             slopes: vec![Slopes::default(); n],
             torque_nm: zeros.clone(),
@@ -171,8 +176,9 @@ impl<'a> Stiff<'a> {
     pub(super) fn attempt(&mut self, now: &Carried, commands: &[Command<f64>], h: f64) {
         for _ in 0..PASSES {
             self.first_stage(now, h);
-            let broke_away = self.break_away(now, h);
-            if !self.part(now, h) && !broke_away {
+            let saturated = self.saturate(now, h);
+            let broke_away = !saturated && self.break_away(now, h);
+            if !self.part(now, h) && !broke_away && !saturated {
                 break;
             }
         }
@@ -203,7 +209,11 @@ impl<'a> Stiff<'a> {
             }
             let motor_nm = drive.motor_nm(commands[j], at);
             self.motor_nm[j] = motor_nm;
-            self.driven[j] = drive.motor_slopes(commands[j], at, motor_nm);
+            self.limited[j] = Limited::of(drive, commands[j], at).filter(|_| self.side_of[j].is_none());
+            self.driven[j] = JointDrive::motor_slopes(commands[j], at, |at| match self.limited[j] {
+                Some(_) => drive.unlimited_nm(commands[j], at),
+                None => drive.motor_nm(commands[j], at),
+            });
             self.elastic_nm[j] = drive.elastic_nm(at.angle_rad, at.rate_rad_s);
             self.elastic[j] = drive.elastic_slopes(at.angle_rad, at.rate_rad_s);
         }
@@ -226,7 +236,11 @@ impl<'a> Stiff<'a> {
             let (motor_nm, gravity_nm) = (self.motor_nm[j], self.here.gravity_nm[j]);
             let (mut torque_nm, mut slopes) = (self.elastic_nm[j], self.elastic[j]);
             if apart.is_none() {
-                slopes = slopes.plus(self.driven[j]);
+                let (motor_nm, driven) = match self.limited[j] {
+                    Some(limited) => limited.torque_and_slopes(drive, at, self.driven[j]),
+                    None => (motor_nm, self.driven[j]),
+                };
+                slopes = slopes.plus(driven);
                 torque_nm += motor_nm;
             } else if let Some(side) = side {
                 self.sides[side].start(drive, at, gravity_nm, motor_nm);
@@ -313,7 +327,9 @@ impl<'a> Stiff<'a> {
             let side = self.side_of[j].filter(|side| self.sides[*side].is_apart());
             let share = if side.is_some() { LINK_SHARE } else { 1.0 };
             match side {
-                None => torque_nm += motor_nm,
+                None => {
+                    torque_nm += self.limited[j].map_or(motor_nm, |limited| limited.later_nm(drive, commands[j], at));
+                }
                 Some(side) => {
                     let gravity_nm = self.there.gravity_nm[j];
                     self.next_sides[side] = self.sides[side].after(drive, at, gravity_nm, motor_nm, h);

@@ -1,7 +1,7 @@
 //! What a joint's own stages do at one instant, and how that changes with angle, rate and time.
 
 use super::JointDrive;
-use crate::joint::{Contact, Setpoint};
+use crate::joint::{Contact, Motor, Setpoint};
 use crate::pendulum::Command;
 
 /// Where a joint is.
@@ -14,6 +14,7 @@ pub(super) struct At {
     pub integral_rad_s: f64,
 }
 
+const MORE_THAN_ANY_MOTOR_NM: f64 = 1e12;
 /// Nudges for slopes; the stages are straight lines between their kinks.
 const ANGLE_NUDGE_RAD: f64 = 1e-6;
 const RATE_NUDGE_RAD_S: f64 = 1e-6;
@@ -54,9 +55,31 @@ impl JointDrive {
         command.error_rad(&self.chain, t_s, angle_rad - self.zero_rad)
     }
 
-    /// Slopes of the motor's torque.
-    pub(super) fn motor_slopes(&self, command: Command<f64>, at: At, motor_nm: f64) -> Slopes {
-        let by = |at: At| self.motor_nm(command, at) - motor_nm;
+    /// Whether a law that acts continuously may ask for more than the motor has.
+    pub(super) fn may_saturate(&self, command: Command<f64>) -> bool {
+        matches!(command, Command::Pid { .. }) && self.chain.motor.as_ref().is_some_and(Motor::is_limited)
+    }
+
+    /// Torque that the motor would deliver had it no limits \[N m\].
+    pub(super) fn unlimited_nm(&self, command: Command<f64>, at: At) -> f64 {
+        self.chain.motor.as_ref().map_or(0.0, |motor| self.asked_nm(command, at) * motor.gain)
+    }
+
+    /// All that the motor has in a direction \[N m\], with its sign.
+    pub(super) fn most_nm(&self, direction: f64, rate_rad_s: f64) -> f64 {
+        self.chain.delivered_nm(direction * MORE_THAN_ANY_MOTOR_NM, rate_rad_s)
+    }
+
+    /// How that falls with speed.
+    pub(super) fn most_slopes(&self, direction: f64, rate_rad_s: f64) -> Slopes {
+        let by = self.most_nm(direction, rate_rad_s + RATE_NUDGE_RAD_S) - self.most_nm(direction, rate_rad_s);
+        Slopes { damping: -by / RATE_NUDGE_RAD_S, ..Slopes::default() }.kept()
+    }
+
+    /// Slopes of a torque of the motor.
+    pub(super) fn motor_slopes(command: Command<f64>, at: At, torque_nm: impl Fn(At) -> f64) -> Slopes {
+        let motor_nm = torque_nm(at);
+        let by = |at: At| torque_nm(at) - motor_nm;
         let steady = matches!(command, Command::Torque(_))
             || matches!(command, Command::Pid { slope_rad_s, .. } if slope_rad_s == 0.0);
         Slopes {

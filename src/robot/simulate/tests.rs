@@ -223,6 +223,21 @@ fn every_effect_on_a_leg_changes_something_and_is_refused_out_of_bounds() {
 }
 
 #[test]
+fn motors_in_their_limits_move_alike_in_long_and_short_steps() {
+    // Half of what the knee needs, with a law whose damping is 1e4 times faster than the step.
+    for (effect, values) in [(EffectId::TorqueLimit, &[0.02][..]), (EffectId::SpeedLimit, &[2.0, 0.05])] {
+        let run = |step_s| legs(Some(("lf3", effect, values)), Method::Stiff { step_s });
+        let (fine, free) = (run(5e-5), legs(None, Method::Stiff { step_s: 1e-3 }));
+        let moved = worst(&fine, &free);
+        assert!(moved > 5e-3, "{effect}: {moved:e} rad");
+        for step_s in [2e-3, 1e-3] {
+            let error = worst(&run(step_s), &fine);
+            assert!(error < 0.02 * moved, "{effect}, {step_s} s: {error:e} of {moved:e} rad");
+        }
+    }
+}
+
+#[test]
 fn zero_effects_change_nothing() {
     let plain = legs(None, STIFF);
     for (effect, named) in [
