@@ -7,9 +7,9 @@ use std::path::Path;
 
 use serde::de::DeserializeOwned;
 
-use super::csv::not_text;
 use super::error::LogError;
 use super::place::{Place, Subject};
+use super::rows::not_text;
 use super::schema::{Number, Text};
 
 pub(crate) struct Document<'a> {
@@ -81,6 +81,11 @@ impl<'a> Document<'a> {
             let at = Box::new(Place::in_text(self.file, &self.text, from..from + "[robot]".len(), Subject::Line));
             return Err(LogError::RobotStudy { at });
         }
+        self.parse_any()
+    }
+
+    /// Reads whatever it is.
+    pub(crate) fn parse_any<T: DeserializeOwned>(&self) -> Result<T, LogError> {
         toml::from_str(&self.text).map_err(|source| {
             let message = source.message();
             let hint = if self.file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv")) {

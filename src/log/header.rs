@@ -130,11 +130,8 @@ impl Header {
         let missing = [Column::Time, Column::Angle].into_iter().find(|column| header.cell(*column).is_none());
         let Some(missing) = missing else { return Ok(header) };
 
-        if let Some(found) = other_separator(&header.names) {
-            return Err(LogError::Separator { at: at(Subject::Line, None), found });
-        }
-        if header.names.iter().all(|name| name.parse::<f64>().is_ok()) {
-            return Err(LogError::NoHeader { at: at(Subject::Line, None) });
+        if let Some(error) = no_table(&header.names, || at(Subject::Line, None)) {
+            return Err(error);
         }
         let joints = header.joints();
         if missing == Column::Angle {
@@ -173,6 +170,14 @@ impl Header {
         let joints = self.names.iter().filter_map(|name| name.strip_suffix(".q"));
         joints.filter(|joint| !joint.is_empty()).map(str::to_owned).collect()
     }
+}
+
+/// Whether the first row is no header at all: other separators, or numbers.
+pub(super) fn no_table(names: &[String], at: impl Fn() -> Box<Place>) -> Option<LogError> {
+    if let Some(found) = other_separator(names) {
+        return Some(LogError::Separator { at: at(), found });
+    }
+    names.iter().all(|name| name.parse::<f64>().is_ok()).then(|| LogError::NoHeader { at: at() })
 }
 
 /// The separator that the header seems to use instead of the comma.

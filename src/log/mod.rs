@@ -15,6 +15,9 @@ mod place;
 mod plausible;
 mod pose;
 mod release;
+mod robot_log;
+mod robot_study;
+mod rows;
 mod schema;
 mod study;
 mod thin;
@@ -31,6 +34,11 @@ pub use place::{Place, Subject};
 pub use plausible::check_period;
 pub use pose::{Pose, read_pose_for};
 pub use release::{HeldPhase, Start};
+pub use robot_log::{BaseColumns, JointColumns, RobotLog, read_robot_log};
+pub use robot_study::{
+    ControlSpec, FloorSpec, Forward, LegFrictionSpec, RobotRelease, RobotScenario, RobotSensorSpec, RobotStudy,
+    RobotStudyLog, StudyKind, read_robot_study, read_robot_study_logs, study_kind,
+};
 pub use study::{read_sidecar_for, read_study};
 pub use thin::thinned;
 pub use types::{

@@ -1,6 +1,7 @@
 //! Whether a log's numbers can be radians and seconds.
 
 use std::f64::consts::PI;
+use std::path::Path;
 
 use super::error::{LogError, UnitFault};
 use super::header::Column;
@@ -124,11 +125,15 @@ fn median_moving_speed(t: &[f64], q: &[f64], step_s: f64) -> f64 {
 /// # Errors
 /// [`LogError::Period`].
 pub fn check_period(log: &Log, sensor: &SensorSpec) -> Result<(), LogError> {
-    let Some(period_s) = sensor.period_s else { return Ok(()) };
-    let median_s = median_step(&log.t_s);
+    sensor.period_s.map_or(Ok(()), |period_s| check_stamps(&log.file, &log.t_s, period_s))
+}
+
+/// [`check_period`] of any log.
+pub(super) fn check_stamps(file: &Path, t_s: &[f64], period_s: f64) -> Result<(), LogError> {
+    let median_s = median_step(t_s);
     let ratio = median_s / period_s;
     if (300.0..3000.0).contains(&ratio) || (300.0..3000.0).contains(&ratio.recip()) {
-        return Err(LogError::Period { file: log.file.clone(), median_s, period_s });
+        return Err(LogError::Period { file: file.to_path_buf(), median_s, period_s });
     }
     Ok(())
 }

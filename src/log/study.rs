@@ -9,14 +9,14 @@ use toml::Spanned;
 
 use super::document::{ANGLE, Document, FINITE, NOT_NEGATIVE, PERIOD, POSITIVE, Range64, range};
 use super::error::LogError;
-use super::schema::{RawExtra, RawJoint, RawLog, RawMotor, RawRelease, RawSensor, RawStudy};
+use super::schema::{RawExtra, RawJoint, RawLog, RawMotor, RawRelease, RawSensor, RawStudy, Text};
 use super::types::{
     Derivative, DriveMode, ExtraMass, Hold, JointSpec, MotorSpec, Nominal, Release, Role, SensorSpec, Study, StudyLog,
 };
 
 const INERTIA: Range64 = range(|x| x > 0.0 && x < 1e4, "a number above 0 and below 1e4 (kg m^2)");
 const GRAVITY: Range64 = range(|x| x > 0.0 && x <= 30.0, "a number above 0 and at most 30 (m/s^2), without sign");
-const RESOLUTION: Range64 =
+pub(super) const RESOLUTION: Range64 =
     range(|x| (0.0..0.5).contains(&x), "a step from 0 (unknown) to below 0.5 rad; a larger one looks like degrees");
 const MASS: Range64 =
     range(|x| x > 0.0 && x <= 100.0, "a mass above 0 and at most 100 kg; a larger one looks like grams");
@@ -25,11 +25,12 @@ const DISTANCE: Range64 =
 const SIZE: Range64 =
     range(|x| (0.0..=10.0).contains(&x), "a length from 0 to 10 m; a larger one looks like millimetres");
 
-const ROLES: [(&str, Role); 2] = [("fit", Role::Fit), ("validate", Role::Validate)];
+pub(super) const ROLES: [(&str, Role); 2] = [("fit", Role::Fit), ("validate", Role::Validate)];
 const DRIVES: [(&str, DriveMode); 3] =
     [("off", DriveMode::Off), ("position", DriveMode::Position), ("torque", DriveMode::Torque)];
-const HOLDS: [(&str, Hold); 2] = [("step", Hold::Step), ("linear", Hold::Linear)];
-const DERIVATIVES: [(&str, Derivative); 2] = [("measurement", Derivative::Measurement), ("error", Derivative::Error)];
+pub(super) const HOLDS: [(&str, Hold); 2] = [("step", Hold::Step), ("linear", Hold::Linear)];
+pub(super) const DERIVATIVES: [(&str, Derivative); 2] =
+    [("measurement", Derivative::Measurement), ("error", Derivative::Error)];
 
 /// Reads a joint study: nominal model, sensor, motor, and the logs, which have to exist but are not read yet.
 ///
@@ -40,7 +41,7 @@ const DERIVATIVES: [(&str, Derivative); 2] = [("measurement", Derivative::Measur
 pub fn read_study(path: &Path) -> Result<Study, LogError> {
     let document = Document::open(path)?;
     let raw: RawStudy = document.parse()?;
-    check_schema(&document, &raw)?;
+    check_schema(&document, &raw.schema)?;
     let joint_table =
         raw.joint.as_ref().ok_or_else(|| document.missing("[joint]", "the nominal model of the joint"))?;
     let joint = joint(&document, joint_table, true)?;
@@ -53,25 +54,14 @@ pub fn read_study(path: &Path) -> Result<Study, LogError> {
     if raw.log.is_empty() {
         return Err(document.missing("[[log]]", "at least one log"));
     }
-    let folder = path.parent().unwrap_or(Path::new(""));
     let mut logs = Vec::with_capacity(raw.log.len());
     let mut seen: BTreeMap<PathBuf, usize> = BTreeMap::new();
     for (i, log) in raw.log.into_iter().enumerate() {
         let table = format!("[[log]] {}", i + 1);
-        let key = format!("{table} file");
-        let file = log.file.clone().ok_or_else(|| document.missing(&*key, "the name of a CSV file"))?;
-        let resolved = folder.join(file.get_ref());
-        if let Some(first) = seen.insert(resolved.components().collect(), i + 1) {
-            let found = format!("\"{}\", which is also [[log]] {first}", file.get_ref());
-            return Err(document.wrong(&key, file.span(), found, "every log once"));
-        }
-        is_file(&resolved).map_err(|source| {
-            let at = document.place(&key, file.span());
-            LogError::NamedLog { at, path: resolved.clone(), source }
-        })?;
+        let (file, resolved) = named_log(&document, i, &log.file, &mut seen)?;
         let role = document.needed_word(&format!("{table} role"), &log.role, &ROLES)?;
         let drive = document.needed_word(&format!("{table} drive"), &log.drive, &DRIVES)?;
-        logs.push(study_log(&document, &table, log, &raw.motor, (file.into_inner(), resolved, role, drive))?);
+        logs.push(study_log(&document, &table, log, &raw.motor, (file, resolved, role, drive))?);
     }
     if !logs.iter().any(|log| log.role == Role::Fit) {
         return Err(document.missing("[[log]] role", "at least one log with role = \"fit\""));
@@ -93,7 +83,7 @@ pub fn read_sidecar_for(log_path: &Path) -> Result<Option<Study>, LogError> {
     }
     let document = Document::open(&path)?;
     let mut raw: RawStudy = document.parse()?;
-    check_schema(&document, &raw)?;
+    check_schema(&document, &raw.schema)?;
     let own_name = log_path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let mut joint = joint(&document, raw.joint.as_ref().unwrap_or(&RawJoint::default()), false)?;
     if joint.name.is_empty() {
@@ -126,12 +116,33 @@ pub fn read_sidecar_for(log_path: &Path) -> Result<Option<Study>, LogError> {
     Ok(Some(Study { file: path.clone(), joint, sensor, motor, logs: vec![log], release }))
 }
 
+/// The log that `[[log]]` number `i`, from 0, names: it stands there once, and is there.
+pub(super) fn named_log(
+    document: &Document<'_>,
+    i: usize,
+    file: &Text,
+    seen: &mut BTreeMap<PathBuf, usize>,
+) -> Result<(String, PathBuf), LogError> {
+    let key = format!("[[log]] {} file", i + 1);
+    let file = file.as_ref().ok_or_else(|| document.missing(&*key, "the name of a CSV file"))?;
+    let resolved = document.file.parent().unwrap_or(Path::new("")).join(file.get_ref());
+    if let Some(first) = seen.insert(resolved.components().collect(), i + 1) {
+        let found = format!("\"{}\", which is also [[log]] {first}", file.get_ref());
+        return Err(document.wrong(&key, file.span(), found, "every log once"));
+    }
+    is_file(&resolved).map_err(|source| {
+        let at = document.place(&key, file.span());
+        LogError::NamedLog { at, path: resolved.clone(), source }
+    })?;
+    Ok((file.get_ref().clone(), resolved))
+}
+
 fn is_file(path: &Path) -> io::Result<()> {
     if fs::metadata(path)?.is_dir() { Err(io::ErrorKind::IsADirectory.into()) } else { Ok(()) }
 }
 
-fn check_schema(document: &Document<'_>, raw: &RawStudy) -> Result<(), LogError> {
-    let schema = raw.schema.as_ref().ok_or_else(|| document.missing("schema", "schema = 1 at the top of the file"))?;
+pub(super) fn check_schema(document: &Document<'_>, schema: &Option<Spanned<i64>>) -> Result<(), LogError> {
+    let schema = schema.as_ref().ok_or_else(|| document.missing("schema", "schema = 1 at the top of the file"))?;
     if *schema.get_ref() == 1 {
         return Ok(());
     }
@@ -222,7 +233,7 @@ fn study_log(
     Ok(StudyLog { file, path, role, drive, motor, extra })
 }
 
-fn extra(document: &Document<'_>, table: &str, raw: &RawExtra) -> Result<ExtraMass, LogError> {
+pub(super) fn extra(document: &Document<'_>, table: &str, raw: &RawExtra) -> Result<ExtraMass, LogError> {
     let key = |name: &str| format!("{table} extra.{name}");
     Ok(ExtraMass {
         mass_kg: document.needed(&key("mass"), &raw.mass, MASS)?,

@@ -63,7 +63,7 @@ pub struct Dropped {
 /// Samples of the run, between which the motion is interpolated by cubics \[s\].
 const SAMPLE_S: f64 = 0.004;
 /// Controllers settle under the load for so long before the joint is let go \[s\].
-const SETTLE_S: f64 = 2.0;
+pub(super) const SETTLE_S: f64 = 2.0;
 /// Friction of the joints that do not swing (Table 3.3).
 const FRICTION: &str = "estimated";
 const GAINS: &str = "printed";
@@ -114,7 +114,7 @@ pub fn bench_drop(model: &Model, drop: &BenchDrop<'_>, t_s: &[f64], method: Meth
     let drive = joints.drive(released);
     let reading = |t: &f64| match *t <= drop.release_s {
         true => drop.angle_rad,
-        false => drive.reading_rad(between(&swing, released, *t)),
+        false => drive.reading_rad(swing.angle_at_rad(released, *t)),
     };
     let give = in_leg.iter().filter(|id| **id != released).flat_map(|id| {
         let held_rad = held[id.index()];
@@ -140,9 +140,19 @@ fn on_the_bench(model: &Model, drop: &BenchDrop<'_>) -> Result<Model, SimulateEr
         };
         model = model.with_mass(model.body(&format!("{leg}_{part}"))?, *mass_kg)?;
     }
-    let Some(extra) = &drop.extra else { return Ok(model) };
-    let mounted = drop.leg.mounted(extra)?;
-    let knee = model.joint(&joint_name(leg, LegJoint::Q3))?;
+    match &drop.extra {
+        Some(extra) => loaded(&model, drop.leg, extra),
+        None => Ok(model),
+    }
+}
+
+/// The robot with a mass on the lower leg of a case.
+///
+/// # Errors
+/// [`SimulateError`] where the robot has no such leg, or no point of its lower leg has the mass's distance.
+pub(super) fn loaded(model: &Model, case: &LegCase, extra: &ExtraMass) -> Result<Model, SimulateError> {
+    let mounted = case.mounted(extra)?;
+    let knee = model.joint(&joint_name(case.leg, LegJoint::Q3))?;
     let in_child_m = model.joints()[knee.index()].in_child_m;
     // From the knee through the lower leg's centre, which is its frame's origin.
     let line = nalgebra::Unit::new_normalize(-in_child_m);
@@ -180,20 +190,4 @@ fn simulate(
     let setpoints = Setpoints { t_s, columns, hold: Hold::Linear };
     let scenario = Scenario { model, joints, setpoints: &setpoints, start, surroundings: None, period_s: SAMPLE_S };
     run(&scenario, method)
-}
-
-/// A joint's angle between two samples, by the cubic through angles and rates \[rad\]; NaN beyond the recording.
-fn between(recording: &Recording, joint: JointId, t_s: f64) -> f64 {
-    let k = recording.t_s.partition_point(|t| *t <= t_s);
-    if k == 0 || k >= recording.t_s.len() {
-        return f64::NAN;
-    }
-    let j = joint.index();
-    let (t0, t1) = (recording.t_s[k - 1], recording.t_s[k]);
-    let (q0, q1) = (recording.angle_rad[j][k - 1], recording.angle_rad[j][k]);
-    let h = t1 - t0;
-    let (m0, m1) = (recording.rate_rad_s[j][k - 1] * h, recording.rate_rad_s[j][k] * h);
-    let x = (t_s - t0) / h;
-    let y = 1.0 - x;
-    q0 * (1.0 + 2.0 * x) * y * y + m0 * x * y * y + q1 * x * x * (3.0 - 2.0 * x) - m1 * x * x * y
 }

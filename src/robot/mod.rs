@@ -10,6 +10,7 @@
 //! - [`Floor`]: what stands under it (eqs 2.3-2.6), with what an implicit step needs.
 //! - [`Gait`]: what is asked of its joints (section 4.1).
 //! - [`mod@bench`]: the drop test of 3.4 on the whole robot.
+//! - [`study`]: a robot study, and its logs as scenes of that.
 //! - [`simulate`]: joints with controllers, motors, friction and effects on the tree, moved through time.
 //!
 //! Twists and wrenches (2.1, 2.2) are the inside of [`Dynamics`]; what it takes and gives is in world axes, or in
@@ -28,6 +29,7 @@ mod model;
 pub mod simulate;
 mod spatial;
 mod state;
+pub mod study;
 
 pub use contact::{Contact, Floor, FloorParameters, Touching};
 pub use dynamics::{BodyMotion, ContactDamping, Dynamics, Energy, Force, Input, Momentum};
@@ -35,3 +37,4 @@ pub use error::RobotError;
 pub use gait::{Between, Gait, Motion, Sampled, Setpoints};
 pub use model::{Attached, Body, BodyId, JointId, Model, PidGains};
 pub use state::State;
+pub use study::Nominal;

@@ -3,7 +3,7 @@
 use super::super::CliError;
 use crate::report::{Ground, TrunkCurves};
 use crate::robot::simulate::Recording;
-use crate::robot::{Dynamics, Floor, FloorParameters, Model, State, Touching};
+use crate::robot::{Floor, FloorParameters, Model, State, Touching};
 use clap::{Args, ValueEnum};
 
 /// The lowest foot point hangs so high at first (4.2.2) [m].
@@ -68,7 +68,7 @@ impl GroundArgs {
 
 /// Puts the robot where the drop begins: trunk level, lowest foot point above the floor.
 pub(super) fn lift(floor: &Floor, model: &Model, start: &mut State) {
-    start.base_position_m.y = floor.height_on_m(&mut Dynamics::new(model), start) + DROP_M;
+    crate::robot::study::lift(floor, model, start, DROP_M);
 }
 
 /// How far the trunk went from a time to the end.

@@ -3,6 +3,7 @@
 use crate::geometry::GeometryError;
 use crate::log::LogError;
 use crate::robot::RobotError;
+use std::path::PathBuf;
 
 /// A scenario that cannot be.
 #[derive(Debug, thiserror::Error)]
@@ -57,6 +58,14 @@ pub enum SimulateError {
     /// The bench's geometry is impossible.
     #[error(transparent)]
     Geometry(#[from] GeometryError),
+    /// A log or study that does not fit the robot.
+    #[error("{}: {what}", file.display())]
+    Unfit {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong in it, and what was expected.
+        what: String,
+    },
     /// A table of setpoints that cannot be.
     #[error("setpoints: {what}")]
     Setpoints {

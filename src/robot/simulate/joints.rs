@@ -5,7 +5,7 @@ use crate::geometry::JointSpring;
 use crate::joint::{Chain, Contact, EffectId, EndStop, Friction, Link, Motor, Stribeck};
 use crate::log::{Derivative, Hold, MotorSpec};
 use crate::robot::model::BASE_FREEDOMS;
-use crate::robot::{Dynamics, JointId, Model, State};
+use crate::robot::{Dynamics, JointId, Model, PidGains, State};
 use nalgebra::DMatrix;
 
 /// A joint of the tree: everything but inertia and gravity, which are the tree's.
@@ -40,6 +40,20 @@ impl JointDrive {
     /// The true angle at which the encoder reads an angle \[rad\].
     pub fn true_rad(&self, reading_rad: f64) -> f64 {
         reading_rad / self.chain.sensor_gain + self.zero_rad
+    }
+
+    /// Gives it a controller.
+    pub fn set_control(&mut self, gains: PidGains, control: Control) {
+        self.chain.motor = Some(Motor::new(MotorSpec {
+            kp_nm_rad: gains.kp_nm_rad,
+            ki_nm_rad_s: gains.ki_nm_rad_s,
+            kd_nm_s_rad: gains.kd_nm_s_rad,
+            hold: control.hold,
+            derivative: control.derivative,
+            sample_period_s: control.sample_period_s,
+            torque_limit_nm: None,
+            speed_limit_rad_s: None,
+        }));
     }
 
     /// Torque of springs and stops \[N m\].
@@ -144,16 +158,7 @@ impl Joints {
         for (id, drive) in model.joint_ids().zip(&mut self.drives) {
             let Some(gains) = model.gains(set, id) else { continue };
             found = true;
-            drive.chain.motor = Some(Motor::new(MotorSpec {
-                kp_nm_rad: gains.kp_nm_rad,
-                ki_nm_rad_s: gains.ki_nm_rad_s,
-                kd_nm_s_rad: gains.kd_nm_s_rad,
-                hold: control.hold,
-                derivative: control.derivative,
-                sample_period_s: control.sample_period_s,
-                torque_limit_nm: None,
-                speed_limit_rad_s: None,
-            }));
+            drive.set_control(gains, control);
         }
         if found { Ok(()) } else { Err(no_set(model, "gains", set)) }
     }

@@ -79,3 +79,24 @@ pub struct Recording {
     /// The state at the end.
     pub end: State,
 }
+
+impl Recording {
+    /// A joint's angle between two samples, by the cubic through angles and rates \[rad\]; NaN beyond the recording.
+    pub fn angle_at_rad(&self, joint: JointId, t_s: f64) -> f64 {
+        let j = joint.index();
+        let k = self.t_s.partition_point(|t| *t <= t_s);
+        if k == self.t_s.len() && self.t_s.last() == Some(&t_s) {
+            return self.angle_rad[j][k - 1];
+        }
+        if k == 0 || k >= self.t_s.len() {
+            return f64::NAN;
+        }
+        let (t0, t1) = (self.t_s[k - 1], self.t_s[k]);
+        let (q0, q1) = (self.angle_rad[j][k - 1], self.angle_rad[j][k]);
+        let h = t1 - t0;
+        let (m0, m1) = (self.rate_rad_s[j][k - 1] * h, self.rate_rad_s[j][k] * h);
+        let x = (t_s - t0) / h;
+        let y = 1.0 - x;
+        q0 * (1.0 + 2.0 * x) * y * y + m0 * x * y * y + q1 * x * x * (3.0 - 2.0 * x) - m1 * x * x * y
+    }
+}

@@ -140,6 +140,31 @@ impl Setpoints {
         (clipped, joints)
     }
 
+    /// Switches a joint's motor off from a time on; before the table's first time: all along.
+    pub fn switch_off(&mut self, joint: JointId, from_s: f64) {
+        let k = self.t_s.partition_point(|t| *t < from_s);
+        if k > 0 && k < self.t_s.len() && self.t_s[k] > from_s {
+            // A row of its own for the instant.
+            let share = (from_s - self.t_s[k - 1]) / (self.t_s[k] - self.t_s[k - 1]);
+            self.t_s.insert(k, from_s);
+            for column in self.columns.iter_mut().flatten() {
+                let (before, after) = (column.angle_rad[k - 1], column.angle_rad[k]);
+                let between = match self.hold {
+                    Hold::Step => before,
+                    Hold::Linear => before + (after - before) * share,
+                };
+                column.angle_rad.insert(k, between);
+                if let Some(on) = &mut column.on {
+                    on.insert(k, on[k - 1]);
+                }
+            }
+        }
+        if let Some(column) = self.columns.get_mut(joint.index()).and_then(Option::as_mut) {
+            let on = column.on.get_or_insert_with(|| vec![true; self.t_s.len()]);
+            on[k.min(self.t_s.len())..].fill(false);
+        }
+    }
+
     /// A joint's setpoint at a time \[rad\]; `None` where it has no column.
     pub fn at(&self, joint: JointId, t_s: f64) -> Option<f64> {
         let column = self.columns.get(joint.index())?.as_ref()?;
