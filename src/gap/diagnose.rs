@@ -10,7 +10,7 @@ use super::model::BASELINE;
 use super::next::next;
 use super::numbers::numbers;
 use super::place::place;
-use super::rates::{probability, share_out, standing};
+use super::rates::{Rates, probability, share_out, standing};
 use super::sentence::sentence;
 use super::trial::{Trial, loss};
 use super::twins::measure;
@@ -67,7 +67,7 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &(dyn Fn(&str) + Sy
     let rivals = rivals(&attribution, &decision);
     let next = if named { next(&evidence, &attribution, decision.answer, &rivals) } else { None };
     let standing = standing(&decision);
-    let (mut probability, mut probability_source) = probability(&standing);
+    let (mut probability, mut probability_source) = probability(&standing, &Rates::shipped());
     let twins = (options.twins > 0).then(|| {
         let answer = (decision.verdict, decision.effect.filter(|_| named));
         measure(&evidence, &attribution, &effects, answer, (options.twins, options.seed), progress)

@@ -35,6 +35,7 @@ mod rates;
 mod reach;
 mod residual_torque;
 mod rest;
+pub mod robot;
 mod sentence;
 mod sight;
 mod smoother;

@@ -32,9 +32,14 @@ pub struct Rate {
 }
 
 impl Rates {
-    /// The rates that come with the program.
-    fn shipped() -> Self {
+    /// The rates that come with the program, for joints.
+    pub(super) fn shipped() -> Self {
         toml::from_str(include_str!("../../data/rates.toml")).unwrap_or_default()
+    }
+
+    /// The same for whole robots.
+    pub(super) fn shipped_for_robots() -> Self {
+        toml::from_str(include_str!("../../data/rates-robot.toml")).unwrap_or_default()
     }
 
     /// Counts a trial's answers by their standing.
@@ -85,8 +90,7 @@ pub(super) fn standing(decision: &Decision<'_>) -> String {
 }
 
 /// The measured rate for a standing, by the rule of succession, and where it was measured.
-pub(super) fn probability(standing: &str) -> (f64, String) {
-    let rates = Rates::shipped();
+pub(super) fn probability(standing: &str, rates: &Rates) -> (f64, String) {
     let kind = standing.split(',').next().unwrap_or(standing);
     let wider = standing.rsplit_once(',').map_or(kind, |(wider, _)| wider);
     let counted = [standing, wider, kind].map(|beginning| (beginning, rates.of(beginning)));

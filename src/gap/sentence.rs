@@ -5,7 +5,7 @@ use super::diagnosis::{Gap, Number, Verdict};
 use crate::joint::EffectId;
 
 /// Words for an effect.
-fn words(effect: EffectId) -> &'static str {
+pub(super) fn words(effect: EffectId) -> &'static str {
     match effect {
         EffectId::Stribeck => "static friction above Coulomb's (Stribeck)",
         EffectId::LoadFriction => "friction that grows with the load",

@@ -1,0 +1,306 @@
+//! Where hypotheses about a robot are tried: the study, the vector of all samples, and simulations of them.
+
+use super::case::RobotCase;
+use super::cause::Change;
+use super::forward::{Predicted, floor_of, predict};
+use super::layout::{Channel, FORWARD_SD_M, Layout};
+use super::noise::Noise;
+use super::scatter::{self, Scatter};
+use crate::joint::{DrivenReach, Reach, Setpoint};
+use crate::robot::FloorParameters;
+use rayon::prelude::*;
+
+/// Steps of the simulations \[s\].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Steps {
+    /// For changes against the study's robot at the same step.
+    pub coarse: f64,
+    /// For the study's robot itself and for what is reported.
+    pub fine: f64,
+}
+
+/// In the air joints are the same to 0.01 mrad at all these steps; on the floor feet land a little differently.
+const CLAMPED: Steps = Steps { coarse: 2e-3, fine: 1e-3 };
+const ON_THE_FLOOR: Steps = Steps { coarse: 5e-4, fine: 2.5e-4 };
+/// Robots that are drawn to see how much a walk changes with numbers that are never quite right.
+const DRAWN: u64 = 24;
+/// Share of their variance that is taken as common shapes; the rest, and more, is taken as each sample's own.
+const COMMON: f64 = 0.7;
+const OWN: f64 = 0.5;
+
+/// A study with what hypotheses about it are weighed by.
+pub(super) struct Bench<'a> {
+    pub case: &'a RobotCase,
+    pub layout: Layout,
+    pub steps: Steps,
+    /// What the logs read.
+    pub measured: Vec<f64>,
+    /// The study's robot as given, at the fine and at the coarse step.
+    pub given: Vec<f64>,
+    pub given_coarse: Vec<f64>,
+    pub given_logs: Vec<Predicted>,
+    /// Joints that influence each other; one group where the trunk is free.
+    pub groups: Vec<Vec<usize>>,
+    /// By joint of the robot.
+    pub reach: Vec<Reach>,
+    pub floor: FloorParameters,
+    /// Standard deviation of a joint's reading \[rad\].
+    pub sigma_rad: f64,
+    /// Samples that fits see, weighed.
+    pub noise: Noise,
+    /// All of them.
+    pub noise_of_all: Noise,
+}
+
+/// The robot as given runs away.
+#[derive(Debug)]
+pub(super) struct RanAway;
+
+impl<'a> Bench<'a> {
+    pub fn new(case: &'a RobotCase) -> Result<Self, RanAway> {
+        let layout = Layout::of(case);
+        let steps = if case.is_clamped() { CLAMPED } else { ON_THE_FLOOR };
+        let none = Scatter::none(case.model());
+        let given_logs = simulate_all(case, &none, &[], steps.fine, None).ok_or(RanAway)?;
+        let coarse = simulate_all(case, &none, &[], steps.coarse, None).ok_or(RanAway)?;
+        let (measured, given) = (layout.measured(case), layout.predicted(case, &given_logs));
+        let given_coarse = layout.predicted(case, &coarse);
+        let groups = groups(case, &layout.moving());
+        let reach = (0..case.names.len()).map(|joint| reach_of(case, &given_logs, joint)).collect();
+        let sigma_rad = sigma_rad(case, &layout, &measured, &given);
+        let blank = || Noise::new(Vec::new(), Vec::new());
+        let floor = floor_of(case);
+        let mut bench = Self {
+            case,
+            layout,
+            steps,
+            measured,
+            given,
+            given_coarse,
+            given_logs,
+            groups,
+            reach,
+            floor,
+            sigma_rad,
+            noise: blank(),
+            noise_of_all: blank(),
+        };
+        let (columns, extra) = if case.is_clamped() { bench.uncertain() } else { bench.drawn() };
+        let variance = |row: &super::layout::Row| match row.channel {
+            Channel::Joint(_) => sigma_rad.powi(2),
+            Channel::Base(_) => rough(&bench.measured[row.range.clone()]).max(1e-4).powi(2),
+            Channel::Forward => FORWARD_SD_M.powi(2),
+        };
+        let mut weight = vec![0.0; bench.layout.len];
+        for row in &bench.layout.rows {
+            let own = variance(row);
+            for k in row.range.clone() {
+                weight[k] = if bench.layout.compared[k] { 1.0 / (own + extra[k]) } else { 0.0 };
+            }
+        }
+        bench.noise_of_all = Noise::new(weight, columns);
+        bench.noise = bench.noise_of_all.only(|k| !bench.layout.held[k]);
+        Ok(bench)
+    }
+
+    /// Readings with changes; NaN beyond `until_s`, `None` where the motion runs away.
+    pub fn simulate(
+        &self,
+        scatter: &Scatter,
+        changes: &[Change],
+        step_s: f64,
+        until_s: Option<f64>,
+    ) -> Option<Vec<f64>> {
+        let logs = simulate_all(self.case, scatter, changes, step_s, until_s)?;
+        Some(self.layout.predicted(self.case, &logs))
+    }
+
+    /// Difference that changes make at the coarse step; 0 beyond `until_s`.
+    pub fn difference(&self, scatter: &Scatter, changes: &[Change], until_s: Option<f64>) -> Option<Vec<f64>> {
+        let there = self.simulate(scatter, changes, self.steps.coarse, until_s)?;
+        let pairs = there.iter().zip(&self.given_coarse);
+        Some(pairs.map(|(there, given)| if there.is_finite() { there - given } else { 0.0 }).collect())
+    }
+
+    /// Measured less given.
+    pub fn residual(&self) -> Vec<f64> {
+        self.measured.iter().zip(&self.given).map(|(measured, given)| measured - given).collect()
+    }
+
+    /// Keeps the rows of some joints, all else 0.
+    pub fn restricted(&self, mut column: Vec<f64>, joints: &[usize]) -> Vec<f64> {
+        for row in &self.layout.rows {
+            if !matches!(row.channel, Channel::Joint(joint) if joints.contains(&joint)) {
+                column[row.range.clone()].fill(0.0);
+            }
+        }
+        column
+    }
+
+    /// Clamped: what each mass and friction changes, at one standard deviation.
+    fn uncertain(&self) -> (Vec<Vec<f64>>, Vec<f64>) {
+        #[derive(Clone, Copy)]
+        enum Number {
+            Mass(usize),
+            Coulomb(usize),
+            Viscous(usize),
+        }
+        let model = self.case.model();
+        let root = |joint: usize| root_of(self.case, joint);
+        let mut by_group: Vec<Vec<Number>> = Vec::new();
+        for group in &self.groups {
+            let bodies = model.body_ids().filter(|body| {
+                let hangs = body.joint().is_some_and(|joint| root(joint.index()) == root(group[0]));
+                hangs && model.bodies()[body.index()].mass_kg > 0.0
+            });
+            let masses = bodies.map(|body| Number::Mass(body.index()));
+            let friction = group.iter().flat_map(|joint| [Number::Coulomb(*joint), Number::Viscous(*joint)]);
+            by_group.push(masses.chain(friction).collect());
+        }
+        let longest = by_group.iter().map(Vec::len).max().unwrap_or(0);
+        let together = |k: usize| -> Vec<Vec<f64>> {
+            let mut scatter = Scatter::none(model);
+            for number in by_group.iter().filter_map(|numbers| numbers.get(k)) {
+                match *number {
+                    Number::Mass(body) => scatter.mass[body] += scatter::MASS,
+                    Number::Coulomb(joint) => scatter.friction[joint][0] += scatter::FRICTION,
+                    Number::Viscous(joint) => scatter.friction[joint][1] += scatter::FRICTION,
+                }
+            }
+            let Some(column) = self.difference(&scatter, &[], None) else { return Vec::new() };
+            let groups = self.groups.iter().zip(&by_group).filter(|(_, numbers)| numbers.len() > k);
+            groups.map(|(group, _)| self.restricted(column.clone(), group)).collect()
+        };
+        let mut columns: Vec<Vec<f64>> = (0..longest).into_par_iter().flat_map(together).collect();
+        columns.push(self.common_offset());
+        (columns, vec![0.0; self.layout.len])
+    }
+
+    /// On the floor: robots drawn at random. Where and when feet land changes with anything, and not in proportion.
+    fn drawn(&self) -> (Vec<Vec<f64>>, Vec<f64>) {
+        let one = |number: u64| self.difference(&Scatter::drawn(self.case.model(), number), &[], None);
+        let robots: Vec<Vec<f64>> = (0..DRAWN).into_par_iter().filter_map(one).collect();
+        let count = robots.len().max(1) as f64;
+        let mean_square = |k: usize| robots.iter().map(|robot: &Vec<f64>| robot[k].powi(2)).sum::<f64>() / count;
+        let extra = (0..self.layout.len).map(|k| OWN * mean_square(k)).collect();
+        let share = (COMMON / count).sqrt();
+        let mut columns: Vec<Vec<f64>> =
+            robots.iter().map(|robot| robot.iter().map(|difference| share * difference).collect()).collect();
+        columns.push(self.common_offset());
+        (columns, extra)
+    }
+
+    /// A sensor that reads up or down by half a step, all joints alike (section B.1).
+    fn common_offset(&self) -> Vec<f64> {
+        let half = 0.5 * self.case.study.sensor.resolution_rad.unwrap_or(0.0);
+        let mut column = vec![0.0; self.layout.len];
+        for (_, row) in self.layout.joints() {
+            column[row.range.clone()].fill(half);
+        }
+        column
+    }
+}
+
+fn simulate_all(
+    case: &RobotCase,
+    scatter: &Scatter,
+    changes: &[Change],
+    step_s: f64,
+    until_s: Option<f64>,
+) -> Option<Vec<Predicted>> {
+    let one = |log: &super::case::CaseLog| {
+        predict(case, log, scatter, changes, step_s, until_s.unwrap_or(f64::INFINITY)).ok().flatten()
+    };
+    case.logs.iter().map(one).collect()
+}
+
+/// The joint of a chain that hangs on the base.
+fn root_of(case: &RobotCase, joint: usize) -> usize {
+    let model = case.model();
+    let mut at = joint;
+    while let Some(above) = model.joint_ids().nth(at).and_then(|id| model.carrier(id).joint()) {
+        at = above.index();
+    }
+    at
+}
+
+fn groups(case: &RobotCase, moving: &[usize]) -> Vec<Vec<usize>> {
+    if !case.is_clamped() {
+        return vec![moving.to_vec()];
+    }
+    let mut roots: Vec<usize> = moving.iter().map(|joint| root_of(case, *joint)).collect();
+    roots.sort_unstable();
+    roots.dedup();
+    let of = |root: usize| moving.iter().copied().filter(|joint| root_of(case, *joint) == root).collect();
+    roots.into_iter().map(of).collect()
+}
+
+/// Standard deviation of a reading: what the study says, or the roughness of what the study's robot leaves.
+fn sigma_rad(case: &RobotCase, layout: &Layout, measured: &[f64], given: &[f64]) -> f64 {
+    let rounding = case.study.sensor.resolution_rad.unwrap_or(0.0) / 12f64.sqrt();
+    if let Some(noise_rad) = case.study.sensor.noise_rad {
+        return noise_rad.hypot(rounding).max(1e-6);
+    }
+    let left = |range: std::ops::Range<usize>| -> Vec<f64> { range.map(|k| measured[k] - given[k]).collect() };
+    let mut by_row: Vec<f64> = layout.joints().map(|(_, row)| rough(&left(row.range.clone()))).collect();
+    by_row.sort_by(f64::total_cmp);
+    by_row.get(by_row.len() / 2).copied().unwrap_or(0.0).max(rounding).max(1e-6)
+}
+
+/// Standard deviation of white noise in a column, by second differences: the median of short blocks, which impacts do
+/// not move.
+fn rough(column: &[f64]) -> f64 {
+    const BLOCK: usize = 24;
+    let of = |block: &[f64]| {
+        let sum: f64 = block.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).powi(2)).sum();
+        sum / (6.0 * (block.len() - 2) as f64)
+    };
+    let mut blocks: Vec<f64> = column.chunks_exact(BLOCK).map(of).collect();
+    blocks.sort_by(f64::total_cmp);
+    blocks.get(blocks.len() / 2).copied().unwrap_or(0.0).sqrt()
+}
+
+/// A torque that so small a share of the time exceeds is no more than a kink of the setpoint \[0 to 1\].
+const KINKS: f64 = 0.01;
+
+/// How far a joint goes in the logs, by the study's robot.
+fn reach_of(case: &RobotCase, given: &[Predicted], joint: usize) -> Reach {
+    let id = case.model().joint_ids().nth(joint);
+    let drive = id.map(|id| case.nominal.joints.drive(id));
+    let motor = drive.and_then(|drive| drive.chain.motor.as_ref());
+    let mut torques: Vec<f64> = Vec::new();
+    let (mut speed_rad_s, mut angle_rad) = (0.1_f64, [f64::INFINITY, f64::NEG_INFINITY]);
+    let mut duration_s = 0.1_f64;
+    for (log, predicted) in case.logs.iter().zip(given) {
+        let begin = log.log.t_s.partition_point(|t| *t < log.log.t_s[0] + 0.4);
+        let readings = &predicted.reading_rad[joint][begin..];
+        for q in readings {
+            angle_rad = [angle_rad[0].min(*q), angle_rad[1].max(*q)];
+        }
+        speed_rad_s = predicted.rate_rad_s[joint].iter().fold(speed_rad_s, |most, w| most.max(w.abs()));
+        duration_s = duration_s.max(log.end_s() - log.log.t_s[0]);
+        let Some((motor, id)) = motor.zip(id) else { continue };
+        let t_s = &log.log.t_s[begin..];
+        let is_on = |t: f64| log.release.is_none_or(|(released, at_s)| released != joint || t < at_s);
+        let asked = |k: usize| log.scene.setpoints.at(id, t_s[k]).unwrap_or(readings[k]);
+        for k in (1..t_s.len()).filter(|k| is_on(t_s[*k])) {
+            let dt_s = t_s[k] - t_s[k - 1];
+            let setpoint = Setpoint { angle_rad: asked(k), rate_rad_s: (asked(k) - asked(k - 1)) / dt_s };
+            let rate_rad_s = (readings[k] - readings[k - 1]) / dt_s;
+            torques.push(motor.command_nm(setpoint, readings[k], rate_rad_s, 0.0).abs());
+        }
+    }
+    torques.sort_by(f64::total_cmp);
+    let command_nm = torques.get(((1.0 - KINKS) * torques.len() as f64) as usize).copied().unwrap_or(0.0);
+    let period_s = case.logs.first().map_or(0.008, |log| (log.end_s() - log.log.t_s[0]) / (log.log.len() - 1) as f64);
+    Reach {
+        torque_nm: command_nm.max(1e-3),
+        coulomb_nm: drive.map_or(0.0, |drive| drive.chain.friction.coulomb_nm),
+        inertia_kg_m2: drive.map_or(1e-4, |drive| drive.chain.link.inertia_kg_m2),
+        speed_rad_s,
+        angle_rad,
+        duration_s,
+        resolution_rad: case.study.sensor.resolution_rad.unwrap_or(0.0).max(1e-5),
+        driven: (command_nm > 0.0).then_some(DrivenReach { command_nm, speed_rad_s, period_s, by_setpoint: true }),
+    }
+}

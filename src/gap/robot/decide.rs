@@ -1,0 +1,147 @@
+//! From everything that was tried to one answer.
+
+use super::attribute::Attribution;
+use super::bench::Bench;
+use super::cause::Cause;
+use super::place::Place;
+use super::refine::Hypothesis;
+use crate::gap::Verdict;
+
+/// What the thresholds are where the trunk is clamped, and where the robot walks: there, where and when feet happen to
+/// land is told from a cause by size only. Set on studies of the program's own making.
+struct Limits {
+    /// A first cause gains more than this ...
+    first: f64,
+    /// ... a second more than this, and more than this share of the first's gain.
+    second: f64,
+    second_share: f64,
+    /// Explained: no more than this is left of a noise variance per sample.
+    explained: f64,
+    /// Causes stand equally well that are no farther apart.
+    equal: f64,
+}
+
+const CLAMPED: Limits = Limits { first: 40.0, second: 60.0, second_share: 0.002, explained: 0.15, equal: 9.0 };
+const ON_THE_FLOOR: Limits = Limits { first: 250.0, second: 400.0, second_share: 0.01, explained: 0.3, equal: 120.0 };
+/// Explained, too: so much of what is left by the robot as given is gone, on fitted and on held-out samples.
+const CLOSES: f64 = 0.8;
+
+/// An answer before it is put in words.
+pub(super) struct Decision<'a> {
+    pub verdict: Verdict,
+    /// What the answer adds to the robot; as given where nothing is named and nothing comes near.
+    pub answer: &'a Hypothesis,
+    /// Its first cause alone.
+    pub first: &'a Hypothesis,
+    /// Which part of the answer is named first, where there are two.
+    pub leading: usize,
+    pub equivalent: Vec<Cause>,
+    pub places: Vec<Place>,
+    /// What is left per sample, above a noise variance.
+    pub excess: f64,
+    /// How much the answer gains on the robot as given.
+    pub gain: f64,
+    /// How far the next cause is behind.
+    pub margin: f64,
+}
+
+impl Decision<'_> {
+    pub fn is_explained(&self, bench: &Bench<'_>) -> bool {
+        self.excess < limits(bench).explained
+    }
+}
+
+fn limits(bench: &Bench<'_>) -> &'static Limits {
+    if bench.case.is_clamped() { &CLAMPED } else { &ON_THE_FLOOR }
+}
+
+/// Gain from which on a cause would have been named.
+pub(super) fn threshold(bench: &Bench<'_>) -> f64 {
+    limits(bench).first
+}
+
+/// Weighs what was tried.
+pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> {
+    let limits = limits(bench);
+    let samples = bench.noise.count().max(1) as f64;
+    let excess_of = |hypothesis: &Hypothesis| hypothesis.loss / samples - 1.0;
+    let best = a.firsts.first().filter(|first| a.given.loss - first.loss > limits.first);
+    let Some(best) = best else {
+        let excess = excess_of(&a.given);
+        let verdict = if excess < limits.explained { Verdict::None } else { Verdict::Unexplained };
+        return Decision {
+            verdict,
+            answer: &a.given,
+            first: &a.given,
+            leading: 0,
+            equivalent: Vec::new(),
+            places: Vec::new(),
+            excess,
+            gain: 0.0,
+            margin: f64::INFINITY,
+        };
+    };
+    // Of those that stand equally well the one with the fewest values, then joints.
+    let equal: Vec<&Hypothesis> = a.firsts.iter().filter(|other| other.loss - best.loss < limits.equal).collect();
+    let first = *equal.iter().min_by_key(|h| (h.free(), h.parts[0].place.joints.len())).unwrap_or(&best);
+    let gain = a.given.loss - best.loss;
+    let needed = limits.second.max(limits.second_share * gain);
+    let second = a.seconds.first().filter(|pair| best.loss - pair.loss > needed);
+    let answer = second.unwrap_or(first);
+    let leading = match answer.parts.as_slice() {
+        // A number that is off beside an effect: the effect is the answer.
+        [a, b] if a.cause.is_calibration() && !b.cause.is_calibration() => 1,
+        _ => 0,
+    };
+    let (mut equivalent, mut places) = (Vec::new(), Vec::new());
+    if second.is_none() {
+        let mut equal = equal.clone();
+        equal.sort_by_key(|h| !std::ptr::eq(*h, first));
+        for other in equal {
+            let part = &other.parts[0];
+            if !equivalent.contains(&part.cause) {
+                equivalent.push(part.cause);
+            }
+            if part.cause == first.parts[0].cause && !places.contains(&part.place) {
+                places.push(part.place.clone());
+            }
+        }
+    } else {
+        equivalent.push(answer.parts[leading].cause);
+        places.push(answer.parts[leading].place.clone());
+    }
+    let rivals = if second.is_some() { &a.seconds } else { &a.firsts };
+    let is_rival =
+        |h: &&Hypothesis| h.parts.iter().zip(&answer.parts).any(|(a, b)| (a.cause, &a.place) != (b.cause, &b.place));
+    let margin = rivals.iter().find(is_rival).map_or(f64::INFINITY, |rival| rival.loss - answer.loss);
+    let excess = excess_of(answer);
+    let closes = |given: f64, left: f64| given > 0.0 && left < (1.0 - CLOSES) * given;
+    let held_excess = |hypothesis: &Hypothesis| held_out_excess(bench, hypothesis);
+    let explained = excess < limits.explained
+        || closes(excess_of(&a.given), excess) && closes(held_excess(&a.given), held_excess(answer));
+    let calibration = answer.parts.iter().all(|part| part.cause.is_calibration());
+    Decision {
+        verdict: match (explained, calibration) {
+            (false, _) => Verdict::Unexplained,
+            (true, true) => Verdict::Calibration,
+            (true, false) => Verdict::Effect,
+        },
+        answer,
+        first,
+        leading,
+        equivalent,
+        places,
+        excess,
+        gain,
+        margin,
+    }
+}
+
+/// What a hypothesis leaves on the samples that no fit saw, per sample above a noise variance.
+fn held_out_excess(bench: &Bench<'_>, hypothesis: &Hypothesis) -> f64 {
+    let left = bench.noise.adapted(&hypothesis.residual);
+    let weight = &bench.noise_of_all.weight;
+    let held = (0..left.len()).filter(|k| bench.layout.held[*k] && weight[*k] > 0.0);
+    let (sum, count) = held.fold((0.0, 0.0), |(sum, count), k| (sum + weight[k] * left[k].powi(2), count + 1.0));
+    sum / f64::max(count, 1.0) - 1.0
+}

@@ -1,0 +1,270 @@
+//! A diagnosis of a robot from beginning to end.
+
+use super::attribute::{Attribution, attribute};
+use super::bench::Bench;
+use super::case::RobotCase;
+use super::cause::Cause;
+use super::decide::{Decision, decide, threshold};
+use super::diagnosis::{
+    Found, GaitCell, GaitPhase, JointTrace, RobotAnswer, RobotCandidate, RobotDetectable, RobotDiagnosis, RobotGap,
+    RobotOptions, RobotWhere,
+};
+use super::map::{cells, dependence};
+use super::measure::{gap, held_out_rms_rad};
+use super::next::next;
+use super::numbers::found;
+use super::phases::phases;
+use super::screen::{detectable, suspects};
+use super::sentence::{Said, sentence};
+use super::standing::standing;
+use super::torque::residual_torque_nm;
+use crate::gap::held_out::closed;
+use crate::gap::rates::{Rates, probability};
+use crate::gap::{Next, Verdict};
+
+/// Why no diagnosis of a robot can be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RobotGapError {
+    /// No joint of a log is asked to move, or let go.
+    #[error("no joint of the study moves: expected setpoints (`<joint>.q_ref`) that change, or a joint that is let go")]
+    NeverMoved,
+    /// The study's robot has no motion that stays finite.
+    #[error("the robot as given runs away on the logs; check friction, gains and floor of the study")]
+    Diverged,
+}
+
+/// Joints with at least this share of the gap are named where no cause is.
+const HAS_MUCH: f64 = 0.1;
+const NAMED_AT_MOST: usize = 4;
+
+/// Diagnoses the gap of a robot study. `progress` is told what is being tried.
+///
+/// # Errors
+/// [`RobotGapError`] where there is nothing to diagnose.
+pub fn diagnose_robot(
+    case: &RobotCase,
+    options: &RobotOptions,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<RobotDiagnosis, RobotGapError> {
+    if !case.logs.iter().any(|log| (0..case.names.len()).any(|joint| log.moves(joint))) {
+        return Err(RobotGapError::NeverMoved);
+    }
+    progress("simulating the robot as given");
+    let bench = Bench::new(case).map_err(|_| RobotGapError::Diverged)?;
+    let floor_or_trunk = |cause: Cause| !case.is_clamped() || !cause.is_of_robot();
+    let considered = |cause: Cause| {
+        let is_asked_for = options.only.is_empty() || options.only.contains(&cause);
+        !options.without.contains(&cause) && is_asked_for && floor_or_trunk(cause)
+    };
+    let tried = attribute(&bench, &considered, progress);
+    progress("weighing");
+    let decision = decide(&bench, &tried);
+    let gap = gap(&bench, &tried.given, &decision);
+    let standing = standing(&bench, &decision);
+    let (probability, probability_source) = probability(&standing, &Rates::shipped_for_robots());
+    let part = |k: usize| decision.answer.parts.get(k).map(|_| found(&bench, decision.answer, k));
+    let (leading, other) = (part(decision.leading), part(1 - decision.leading));
+    let is_named = matches!(decision.verdict, Verdict::Effect | Verdict::Calibration);
+    let (first, second) = if is_named { (leading.clone(), other) } else { (None, None) };
+    let partial = if decision.verdict == Verdict::Unexplained { leading } else { None };
+    let equivalent = if is_named { decision.equivalent.clone() } else { Vec::new() };
+    let places: Vec<Vec<String>> = if is_named && !decision.answer.parts[decision.leading].cause.is_of_robot() {
+        decision.places.iter().map(|place| place.names(&case.names)).collect()
+    } else {
+        Vec::new()
+    };
+    let said = Said {
+        robot: case.robot(),
+        verdict: decision.verdict,
+        first: first.as_ref(),
+        second: second.as_ref(),
+        partial: partial.as_ref(),
+        equivalent: &equivalent,
+        places: &places,
+    };
+    let sentence = sentence(&said, &gap);
+    let phases: Vec<_> = case.logs.iter().map(|log| phases(case, log)).collect();
+    let location = location(&bench, &decision, &phases, first.as_ref());
+    progress("what these logs could have shown");
+    let ranking = ranking(&bench, &tried, &decision, &gap, probability);
+    let detectable = Cause::all().filter(|cause| considered(*cause)).map(|cause| {
+        let (name, unit) = cause.named()[0];
+        RobotDetectable { cause, value: detectable(&bench, &tried.columns, cause, threshold(&bench)), name, unit }
+    });
+    let detectable = detectable.collect();
+    let next: Option<Next> = next(&bench, &tried, &decision);
+    Ok(RobotDiagnosis {
+        robot: case.robot().to_owned(),
+        scenario: case.study.scenario,
+        answer: RobotAnswer {
+            verdict: decision.verdict,
+            intervals_trusted: decision.is_explained(&bench),
+            first,
+            second,
+            equivalent,
+            places,
+            probability,
+            probability_source,
+            standing,
+            sentence,
+            partial,
+        },
+        location,
+        ranking,
+        detectable,
+        next,
+        changes: decision.answer.changes(&bench),
+        traces: traces(&bench, &decision, &phases),
+        notes: notes(&bench, &decision, &gap),
+        withheld: options.without.clone(),
+        gap,
+    })
+}
+
+/// Where the gap lies: of a named cause its joints, else those that have most.
+fn location(
+    bench: &Bench<'_>,
+    decision: &Decision<'_>,
+    phases: &[Vec<Vec<GaitPhase>>],
+    first: Option<&Found>,
+) -> RobotWhere {
+    let left = bench.noise_of_all.adapted(&bench.residual());
+    // What the map shows is the gap itself where a cause is named, for the uncertain numbers would take some of it.
+    let shown = if first.is_some() { bench.residual() } else { left };
+    let cells = cells(bench, phases, &shown);
+    let of_joint = |name: &str| cells.iter().filter(|cell| cell.joint == name).map(|cell| cell.share).sum::<f64>();
+    let has_gap = decision.verdict != Verdict::None;
+    let joints: Vec<usize> = match (first, has_gap) {
+        (_, false) => Vec::new(),
+        (Some(_), _) => decision.answer.parts[decision.leading].place.joints.clone(),
+        (None, true) => {
+            let mut joints = suspects(bench, &bench.residual());
+            joints.retain(|joint| of_joint(&bench.case.names[*joint]) > HAS_MUCH);
+            joints.truncate(NAMED_AT_MOST);
+            joints
+        }
+    };
+    let names: Vec<String> = joints.iter().map(|joint| bench.case.names[*joint].clone()).collect();
+    let looked_at = if joints.is_empty() { bench.layout.moving() } else { joints };
+    let (variable, range) = match dependence(bench, &looked_at, &shown).filter(|_| has_gap) {
+        Some((variable, range)) => (Some(variable), Some(range)),
+        None => (None, None),
+    };
+    let in_phase = |phase: GaitPhase| {
+        let those = |cell: &&GaitCell| cell.phase == phase && (names.is_empty() || names.contains(&cell.joint));
+        cells.iter().filter(those).map(|cell| cell.share).sum::<f64>()
+    };
+    let phase = GaitPhase::ALL.into_iter().filter(|_| has_gap).max_by(|a, b| in_phase(*a).total_cmp(&in_phase(*b)));
+    let mean = bench.case.logs.len() as f64;
+    let energy = |index: usize| -> f64 {
+        let rows = bench.layout.joints().filter(|(_, row)| row.log == index);
+        rows.flat_map(|(_, row)| row.range.clone()).map(|k| shown[k].powi(2)).sum()
+    };
+    let all: f64 = (0..bench.case.logs.len()).map(energy).sum();
+    let logs = bench.case.logs.iter().enumerate().filter(|(index, _)| has_gap && energy(*index) >= all / mean);
+    let share = names.iter().map(|name| of_joint(name)).sum::<f64>();
+    RobotWhere {
+        joints: names,
+        stage: first.map(|found| found.cause.stage()),
+        variable,
+        range,
+        phase,
+        logs: logs.map(|(_, log)| log.file.clone()).collect(),
+        share,
+        cells,
+    }
+}
+
+fn ranking(
+    bench: &Bench<'_>,
+    tried: &Attribution,
+    decision: &Decision<'_>,
+    gap: &RobotGap,
+    probability: f64,
+) -> Vec<RobotCandidate> {
+    let best = tried.firsts.first().map_or(0.0, |first| first.loss);
+    let is_answer = |cause: Cause| decision.verdict == Verdict::Effect && decision.equivalent.contains(&cause);
+    let shared = decision.equivalent.len().max(1) as f64;
+    let candidate = |hypothesis: &super::refine::Hypothesis| {
+        let after = held_out_rms_rad(bench, hypothesis);
+        let found = found(bench, hypothesis, 0);
+        let stands = is_answer(found.cause)
+            && (found.cause.is_of_robot() || decision.places.contains(&hypothesis.parts[0].place));
+        RobotCandidate {
+            probability: if stands { probability / shared } else { 0.0 },
+            after,
+            closed: closed(gap.before, after, gap.floor),
+            behind: hypothesis.loss - best,
+            found,
+        }
+    };
+    tried.firsts.iter().map(candidate).collect()
+}
+
+fn traces(bench: &Bench<'_>, decision: &Decision<'_>, phases: &[Vec<Vec<GaitPhase>>]) -> Vec<JointTrace> {
+    let model = bench.case.model();
+    let torques: Vec<Vec<Vec<f64>>> = match bench.case.is_clamped() {
+        true => (0..bench.case.logs.len()).map(|index| residual_torque_nm(bench, index)).collect(),
+        false => Vec::new(),
+    };
+    let after: Vec<f64> =
+        bench.measured.iter().zip(&decision.answer.residual).map(|(measured, left)| measured - left).collect();
+    let trace = |(joint, row): (usize, &super::layout::Row)| {
+        let log = &bench.case.logs[row.log];
+        let id = model.joint_ids().nth(joint);
+        let is_off = |t: f64| log.release.is_some_and(|(released, at_s)| released == joint && t >= at_s);
+        let setpoint = |t: &f64| {
+            let asked = id.filter(|_| !is_off(*t)).and_then(|id| log.scene.setpoints.at(id, *t));
+            asked.unwrap_or(f64::NAN)
+        };
+        JointTrace {
+            file: log.file.clone(),
+            joint: bench.case.names[joint].clone(),
+            t_s: log.log.t_s.clone(),
+            measured_rad: bench.measured[row.range.clone()].to_vec(),
+            setpoint_rad: log.log.t_s.iter().map(setpoint).collect(),
+            before_rad: bench.given[row.range.clone()].to_vec(),
+            after_rad: after[row.range.clone()].to_vec(),
+            residual_torque_nm: torques.get(row.log).map_or_else(Vec::new, |of| of[joint].clone()),
+            phase: phases[row.log][joint].clone(),
+            held: bench.layout.held[row.range.clone()].to_vec(),
+        }
+    };
+    bench.layout.joints().map(trace).collect()
+}
+
+fn notes(bench: &Bench<'_>, decision: &Decision<'_>, gap: &RobotGap) -> Vec<String> {
+    let mut notes = Vec::new();
+    let mrad = |rad: f64| format!("{:.2} mrad", 1e3 * rad);
+    if decision.verdict == Verdict::Effect && decision.excess > 0.15 {
+        notes.push(format!(
+            "More than noise is left ({} against {}): the answer closes most of the gap and not all of it.",
+            mrad(gap.after),
+            mrad(gap.floor)
+        ));
+    }
+    if !bench.case.is_clamped() {
+        notes.push(
+            "On the floor a foot lands a little earlier or later with anything that changes, and all joints feel it: \
+             causes are weighed against robots whose masses, friction and floor are off by some percent."
+                .to_owned(),
+        );
+    }
+    for displacement in &gap.displacement {
+        let cm = |m: f64| format!("{:.1} cm", 100.0 * m);
+        notes.push(format!(
+            "{}: the trunk went {} forward; as given {}, with the answer {}.",
+            displacement.file,
+            cm(displacement.measured),
+            cm(displacement.before),
+            cm(displacement.after)
+        ));
+    }
+    let unused: Vec<&str> =
+        bench.case.logs.iter().flat_map(|log| log.log.ignored_columns.iter().map(String::as_str)).collect();
+    if !unused.is_empty() {
+        notes.push(format!("Columns that are not used: {}.", unused.join(", ")));
+    }
+    notes
+}

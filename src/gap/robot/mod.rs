@@ -1,0 +1,42 @@
+//! The gap of a whole robot: where it lies, which cause, how far it closes.
+//!
+//! A robot study says what its engineer believes; logs of all joints say what the robot did. [`diagnose_robot`] simulates
+//! the robot as given, then with every cause on every joint, pair or set of joints that may have it, refits what comes
+//! near in full, and weighs hypotheses on gait cycles that no fit saw.
+//!
+//! Masses, friction and floor of a real robot are off by some percent everywhere. What that does is part of the noise: with
+//! the trunk clamped to first order, on the floor by robots drawn at random, for there any change makes feet land a
+//! little differently.
+
+mod attribute;
+mod bench;
+mod case;
+mod cause;
+mod decide;
+mod diagnose;
+mod diagnosis;
+mod forward;
+mod layout;
+mod map;
+mod measure;
+mod next;
+mod noise;
+mod numbers;
+mod phases;
+mod place;
+mod refine;
+mod scatter;
+mod screen;
+mod sentence;
+mod standing;
+mod start;
+mod torque;
+
+pub use case::RobotCase;
+pub use cause::{Cause, Change, RobotStage, UnknownCause};
+pub use diagnose::{RobotGapError, diagnose_robot};
+pub use diagnosis::{
+    Displacement, Found, GaitCell, GaitPhase, JointGap, JointTrace, RobotAnswer, RobotCandidate, RobotDetectable,
+    RobotDiagnosis, RobotGap, RobotOptions, RobotWhere,
+};
+pub use place::Place;

@@ -1,0 +1,109 @@
+//! Residuals, weighed by what the sensor and numbers that are never quite right make of them.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+/// The covariance `C = D + U U'` of what is left where nothing is the matter: each sample's own variance, and what is
+/// uncertain everywhere, to first order.
+pub(super) struct Noise {
+    /// `1 / variance`; 0 where a sample does not count.
+    pub weight: Vec<f64>,
+    columns: Vec<Vec<f64>>,
+    inner: Cholesky<f64, Dyn>,
+}
+
+/// A vector over all samples, with what [`Noise::dot`] needs of it.
+pub(super) struct Weighed {
+    pub column: Vec<f64>,
+    /// `U' D^-1 a`, solved by the lower factor of the inner matrix.
+    low: DVector<f64>,
+}
+
+impl Noise {
+    /// Of each sample's weight and the columns of `U`.
+    pub fn new(weight: Vec<f64>, columns: Vec<Vec<f64>>) -> Self {
+        let n = columns.len();
+        let mut inner = DMatrix::identity(n, n);
+        for a in 0..n {
+            for b in 0..=a {
+                let dot = weighted(&weight, &columns[a], &columns[b]);
+                inner[(a, b)] += dot;
+                if a != b {
+                    inner[(b, a)] += dot;
+                }
+            }
+        }
+        let identity = || Cholesky::new(DMatrix::identity(n, n)).expect("the identity is positive definite");
+        let inner = Cholesky::new(inner).unwrap_or_else(identity);
+        Self { weight, columns, inner }
+    }
+
+    /// The same where fewer samples count.
+    pub fn only(&self, counts: impl Fn(usize) -> bool) -> Self {
+        let weight = self.weight.iter().enumerate().map(|(k, w)| if counts(k) { *w } else { 0.0 }).collect();
+        Self::new(weight, self.columns.clone())
+    }
+
+    fn along(&self, column: &[f64]) -> DVector<f64> {
+        DVector::from_iterator(self.columns.len(), self.columns.iter().map(|u| weighted(&self.weight, u, column)))
+    }
+
+    pub fn weigh(&self, column: Vec<f64>) -> Weighed {
+        let along = self.along(&column);
+        let low = self.inner.l().solve_lower_triangular(&along).unwrap_or(along);
+        Weighed { column, low }
+    }
+
+    /// `a' C^-1 b`
+    pub fn dot(&self, a: &Weighed, b: &Weighed) -> f64 {
+        weighted(&self.weight, &a.column, &b.column) - a.low.dot(&b.low)
+    }
+
+    /// Samples that count.
+    pub fn count(&self) -> usize {
+        self.weight.iter().filter(|w| **w > 0.0).count()
+    }
+
+    /// A residual less what the uncertain numbers make of it, as the samples that count tell.
+    pub fn adapted(&self, residual: &[f64]) -> Vec<f64> {
+        let sizes = self.inner.solve(&self.along(residual));
+        let mut adapted = residual.to_vec();
+        for (u, size) in self.columns.iter().zip(sizes.iter()) {
+            for (left, u) in adapted.iter_mut().zip(u) {
+                *left -= size * u;
+            }
+        }
+        adapted
+    }
+}
+
+fn weighted(weight: &[f64], a: &[f64], b: &[f64]) -> f64 {
+    weight.iter().zip(a).zip(b).map(|((w, a), b)| w * a * b).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn the_metric_is_the_inverse_of_the_covariance() {
+        let (weight, u) = (vec![4.0, 1.0, 0.25], vec![vec![1.0, 0.5, -0.5], vec![0.0, 2.0, 1.0]]);
+        let mut covariance = DMatrix::from_diagonal(&DVector::from_iterator(3, weight.iter().map(|w| 1.0 / w)));
+        for column in &u {
+            let column = DVector::from_column_slice(column);
+            covariance += &column * column.transpose();
+        }
+        let inverse = covariance.try_inverse().unwrap();
+        let noise = Noise::new(weight, u);
+        let (a, b) = (vec![1.0, -2.0, 0.3], vec![0.2, 0.1, 4.0]);
+        let expected = (DVector::from_column_slice(&a).transpose() * inverse * DVector::from_column_slice(&b))[0];
+        assert_relative_eq!(noise.dot(&noise.weigh(a), &noise.weigh(b)), expected, max_relative = 1e-12);
+    }
+
+    #[test]
+    fn what_is_uncertain_is_taken_out_as_far_as_the_samples_that_count_tell() {
+        let noise = Noise::new(vec![1e6, 1e6, 0.0], vec![vec![1.0, 1.0, 1.0]]);
+        let left = noise.adapted(&[0.5, 0.5, 0.7]);
+        assert!(left[0].abs() < 1e-5 && (left[2] - 0.2).abs() < 1e-5, "{left:?}");
+    }
+}

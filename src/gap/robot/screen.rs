@@ -1,0 +1,267 @@
+//! Which cause, on which joints, looks most like what is left? Every cause is simulated on every joint that may have it,
+//! and what it changes is held against the residual in the metric of [`Noise`](super::noise::Noise).
+
+use super::bench::Bench;
+use super::cause::{Cause, Change};
+use super::place::{Place, places};
+use super::scatter::Scatter;
+use super::start::{Grid, Start};
+use crate::joint::EffectId;
+use rayon::prelude::*;
+
+/// What a cause changes on a place.
+pub(super) struct Column {
+    pub cause: Cause,
+    pub place: Place,
+    /// Which start of the cause.
+    number: usize,
+    start: Start,
+    change: Vec<f64>,
+}
+
+/// A candidate by its first-order gain.
+#[derive(Clone, Debug)]
+pub(super) struct Candidate {
+    pub cause: Cause,
+    pub place: Place,
+    /// Values as they are searched.
+    pub values: Vec<f64>,
+    /// By how much it would lower the weighed sum of squares.
+    pub gain: f64,
+}
+
+/// How long a walk is simulated to screen a cause: from the begin of the motion on \[s\].
+const WINDOW_S: f64 = 4.6;
+/// Joints that are looked at closely where every try costs a walk, and joints whose sets are.
+const SUSPECTS: usize = 3;
+const IN_SETS: usize = 6;
+/// Free play is slow to simulate: it is tried on the joints that have most left only.
+const PLAYS: usize = 3;
+
+/// Columns of all causes that are considered.
+pub(super) fn columns(bench: &Bench<'_>, considered: &(dyn Fn(Cause) -> bool + Sync), residual: &[f64]) -> Vec<Column> {
+    let suspects = suspects(bench, residual);
+    if bench.case.is_clamped() { clamped(bench, considered, &suspects) } else { free(bench, considered, &suspects) }
+}
+
+/// Joints by what they have left beyond what noise and uncertain numbers leave, most first.
+pub(super) fn suspects(bench: &Bench<'_>, residual: &[f64]) -> Vec<usize> {
+    let adapted = bench.noise.adapted(residual);
+    let excess = |joint: usize| {
+        let rows = bench.layout.joints().filter(|(of, _)| *of == joint);
+        let samples = rows.flat_map(|(_, row)| row.range.clone()).filter(|k| bench.noise.weight[*k] > 0.0);
+        let (sum, count) =
+            samples.fold((0.0, 0.0), |(s, n), k| (s + bench.noise.weight[k] * adapted[k].powi(2), n + 1.0));
+        sum / f64::max(count, 1.0)
+    };
+    let mut joints: Vec<(f64, usize)> = bench.layout.moving().into_iter().map(|joint| (excess(joint), joint)).collect();
+    joints.sort_by(|a, b| b.0.total_cmp(&a.0));
+    joints.into_iter().map(|(_, joint)| joint).collect()
+}
+
+fn joint_causes(considered: &dyn Fn(Cause) -> bool) -> Vec<Cause> {
+    Cause::all().filter(|cause| !cause.is_of_robot() && considered(*cause)).collect()
+}
+
+fn starts(bench: &Bench<'_>, cause: Cause, joint: usize, grid: Grid) -> Vec<Start> {
+    let model = bench.case.model();
+    let friction = model.joint_ids().nth(joint).map_or([0.0; 2], |id| {
+        let law = &bench.case.nominal.joints.drive(id).chain.friction;
+        [law.coulomb_nm, law.viscous_nm_s_rad]
+    });
+    cause.starts(&bench.reach[joint], friction, &bench.floor, grid)
+}
+
+pub(super) fn change(bench: &Bench<'_>, cause: Cause, place: &Place, values: &[f64]) -> Change {
+    let coulomb_nm = place.joints.first().map_or(0.0, |joint| bench.reach[*joint].coulomb_nm);
+    Change { cause, place: place.clone(), values: cause.to_named(values, coulomb_nm) }
+}
+
+/// Legs of a clamped robot do not feel each other: the same number of start is tried on all of them at once.
+fn clamped(bench: &Bench<'_>, considered: &dyn Fn(Cause) -> bool, suspects: &[usize]) -> Vec<Column> {
+    type Try = (Cause, usize, usize, Start);
+    let mut by_group: Vec<Vec<Try>> = Vec::new();
+    for group in &bench.groups {
+        let mut tries = Vec::new();
+        for cause in joint_causes(considered) {
+            for joint in group {
+                let is_play = cause == Cause::Effect(EffectId::Backlash);
+                if is_play && !suspects.iter().take(PLAYS).any(|suspect| suspect == joint) {
+                    continue;
+                }
+                let starts = starts(bench, cause, *joint, Grid::Fine).into_iter().enumerate();
+                tries.extend(starts.map(|(number, start)| (cause, *joint, number, start)));
+            }
+        }
+        by_group.push(tries);
+    }
+    let column = |(cause, joint, number, start): Try, change: Vec<f64>| Column {
+        cause,
+        place: Place::joint(joint),
+        number,
+        start,
+        change,
+    };
+    let none = Scatter::none(bench.case.model());
+    let window = window_s(bench);
+    let all_at_once = |k: usize| -> Vec<Column> {
+        let tries: Vec<(&Vec<usize>, &Try)> =
+            bench.groups.iter().zip(&by_group).filter_map(|(group, tries)| Some((group, tries.get(k)?))).collect();
+        let changes: Vec<Change> = tries
+            .iter()
+            .map(|(_, (cause, joint, _, start))| change(bench, *cause, &Place::joint(*joint), &start.values))
+            .collect();
+        let until = |changes: &[Change]| {
+            changes.iter().any(|change| change.cause == Cause::Effect(EffectId::Backlash)).then_some(window)
+        };
+        if let Some(all) = bench.difference(&none, &changes, until(&changes)) {
+            let of = |(group, of): &(&Vec<usize>, &Try)| column((*of).clone(), bench.restricted(all.clone(), group));
+            return tries.iter().map(of).collect();
+        }
+        // One of them runs away: each on its own.
+        let alone = |((group, of), change): (&(&Vec<usize>, &Try), &Change)| {
+            let changes = std::slice::from_ref(change);
+            let difference = bench.difference(&none, changes, until(changes))?;
+            Some(column((*of).clone(), bench.restricted(difference, group)))
+        };
+        tries.iter().zip(&changes).filter_map(alone).collect()
+    };
+    let longest = by_group.iter().map(Vec::len).max().unwrap_or(0);
+    (0..longest).into_par_iter().flat_map(all_at_once).collect()
+}
+
+/// With the trunk free every try is a walk: closely on the joints that have most left, coarsely on sets of them, and the
+/// causes of the whole robot.
+fn free(bench: &Bench<'_>, considered: &dyn Fn(Cause) -> bool, suspects: &[usize]) -> Vec<Column> {
+    let few = &suspects[..suspects.len().min(SUSPECTS)];
+    let more = &suspects[..suspects.len().min(IN_SETS)];
+    let named: Vec<(usize, &str)> =
+        bench.layout.moving().into_iter().map(|joint| (joint, bench.case.names[joint].as_str())).collect();
+    let all = named.len();
+    let is_close = |place: &Place| {
+        let members = place.joints.iter().filter(|joint| more.contains(joint)).count();
+        match place.joints.len() {
+            1 => few.contains(&place.joints[0]),
+            2 => members == 2 && place.joints.iter().any(|joint| few.contains(joint)),
+            n if n == all => true,
+            n => 4 * members >= 3 * n,
+        }
+    };
+    let mut tries: Vec<(Cause, Place, usize, Start)> = Vec::new();
+    for place in places(&named).into_iter().filter(is_close) {
+        let grid = if place.joints.len() == 1 { Grid::Fine } else { Grid::Coarse };
+        for cause in joint_causes(considered) {
+            if place.joints.len() > 4 && cause == Cause::Effect(EffectId::Backlash) {
+                continue;
+            }
+            // Of the set the joint that is asked for most.
+            let most = |joint: &&usize| (bench.reach[**joint].torque_nm * 1e9) as u64;
+            let Some(joint) = place.joints.iter().max_by_key(most) else { continue };
+            let starts = starts(bench, cause, *joint, grid).into_iter().enumerate();
+            tries.extend(starts.map(|(number, start)| (cause, place.clone(), number, start)));
+        }
+    }
+    for cause in Cause::OF_ROBOT.into_iter().filter(|cause| considered(*cause)) {
+        let starts = starts(bench, cause, 0, Grid::Fine).into_iter().enumerate();
+        tries.extend(starts.map(|(number, start)| (cause, Place::robot(), number, start)));
+    }
+    let none = Scatter::none(bench.case.model());
+    let window = window_s(bench);
+    let one = |(cause, place, number, start): (Cause, Place, usize, Start)| {
+        let changes = [change(bench, cause, &place, &start.values)];
+        let change = bench.difference(&none, &changes, Some(window))?;
+        Some(Column { cause, place, number, start, change })
+    };
+    tries.into_par_iter().filter_map(one).collect()
+}
+
+/// Until when the screening simulates \[s\].
+pub(super) fn window_s(bench: &Bench<'_>) -> f64 {
+    bench.case.logs.iter().map(|log| log.motion_begins_s() + WINDOW_S).fold(0.0, f64::max)
+}
+
+/// Candidates by gain, best first. In the clamped robot sets of joints are sums of their joints.
+pub(super) fn rank(bench: &Bench<'_>, columns: &[Column], residual: &[f64]) -> Vec<Candidate> {
+    let is_clamped = bench.case.is_clamped();
+    let windowed = (!is_clamped).then(|| {
+        let window = window_s(bench);
+        let mut seen = vec![false; bench.layout.len];
+        for row in &bench.layout.rows {
+            let t_s = &bench.case.logs[row.log].log.t_s;
+            for (k, t) in row.range.clone().zip(t_s) {
+                seen[k] = *t <= window + 1e-9;
+            }
+        }
+        bench.noise.only(|k| seen[k])
+    });
+    let noise = windowed.as_ref().unwrap_or(&bench.noise);
+    let residual = noise.weigh(residual.to_vec());
+    let judge = |members: &[&Column], place: &Place| {
+        let mut change = members.first()?.change.clone();
+        for member in &members[1..] {
+            for (sum, other) in change.iter_mut().zip(&member.change) {
+                *sum += other;
+            }
+        }
+        let change = noise.weigh(change);
+        let (along, size) = (noise.dot(&residual, &change), noise.dot(&change, &change));
+        if !(size > 1e-9) {
+            return None;
+        }
+        let start = &members[0].start;
+        let amplitude = (along / size).clamp(start.amplitude[0], start.amplitude[1]);
+        let gain = amplitude * (2.0 * along - amplitude * size);
+        Some(Candidate { cause: members[0].cause, place: place.clone(), values: start.at(amplitude), gain })
+    };
+    let mut candidates: Vec<Candidate> = if is_clamped {
+        let named: Vec<(usize, &str)> =
+            bench.layout.moving().into_iter().map(|joint| (joint, bench.case.names[joint].as_str())).collect();
+        let places = places(&named);
+        let mut kinds: Vec<(Cause, usize)> = columns.iter().map(|column| (column.cause, column.number)).collect();
+        kinds.sort_unstable();
+        kinds.dedup();
+        let of_kind = |(cause, number): (Cause, usize)| -> Vec<Candidate> {
+            let those: Vec<&Column> =
+                columns.iter().filter(|column| (column.cause, column.number) == (cause, number)).collect();
+            let on = |place: &Place| {
+                let members: Vec<&Column> =
+                    those.iter().copied().filter(|column| place.joints.contains(&column.place.joints[0])).collect();
+                (members.len() == place.joints.len()).then(|| judge(&members, place)).flatten()
+            };
+            places.iter().filter_map(on).collect()
+        };
+        kinds.into_par_iter().flat_map(of_kind).collect()
+    } else {
+        columns.par_iter().filter_map(|column| judge(&[column], &column.place)).collect()
+    };
+    candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    candidates
+}
+
+/// The smallest size of a cause that would have been named, on the joint where it shows best: value and name of its
+/// first parameter. Proportional causes are scaled; of the others the least one that was tried and shows is taken.
+pub(super) fn detectable(bench: &Bench<'_>, columns: &[Column], cause: Cause, threshold: f64) -> Option<f64> {
+    let sizes =
+        columns.iter().filter(|column| column.cause == cause && column.place.joints.len() <= 1).filter_map(|column| {
+            let weighed = bench.noise.weigh(column.change.clone());
+            let seen = bench.noise.dot(&weighed, &weighed);
+            let amplitude = (threshold / seen.max(1e-12)).sqrt();
+            let is_proportional = column.start.amplitude != [1.0, 1.0];
+            let within = amplitude <= column.start.amplitude[1].abs().max(1.0);
+            if !(within && (is_proportional || amplitude <= 1.0)) {
+                return None;
+            }
+            let values = column.start.at(if is_proportional { amplitude } else { 1.0 });
+            let named = change(bench, cause, &column.place, &values).values[0];
+            // How far from nothing the matter: the smaller, the harder to see.
+            Some((column.strength(seen, threshold), named))
+        });
+    sizes.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, named)| named)
+}
+
+impl Column {
+    /// What is to be smallest: the amplitude of a proportional cause, else how much more than needed is seen.
+    fn strength(&self, seen: f64, threshold: f64) -> f64 {
+        if self.start.amplitude == [1.0, 1.0] { seen / threshold } else { (threshold / seen).sqrt() }
+    }
+}

@@ -1,0 +1,106 @@
+//! The answer as a sentence that a colleague would say.
+
+use super::cause::Cause;
+use super::diagnosis::{Found, RobotGap};
+use crate::gap::Verdict;
+use crate::gap::sentence::words as effect_words;
+
+/// Words for a cause.
+pub(super) fn words(cause: Cause) -> &'static str {
+    match cause {
+        Cause::Effect(effect) => effect_words(effect),
+        Cause::Coulomb => "another Coulomb friction than the study's",
+        Cause::Viscous => "another viscous friction than the study's",
+        Cause::Payload => "a mass on the trunk that the study does not know",
+        Cause::FloorFriction => "another friction of the floor",
+        Cause::FloorSlope => "a floor that is not level",
+        Cause::FloorStiffness => "another stiffness of the floor",
+    }
+}
+
+fn place(found: &Found) -> String {
+    match found.joints.as_slice() {
+        [] => String::new(),
+        [one] => format!(" in {one}"),
+        [a, b] => format!(" in {a} and {b}"),
+        many if many.len() > 4 => format!(" in all {} joints", many.len()),
+        many => format!(" in {}", many.join(", ")),
+    }
+}
+
+fn sized(found: &Found) -> String {
+    let number = found.parameters.first().map_or(String::new(), |n| {
+        let unit = if n.unit.is_empty() { String::new() } else { format!(" {}", n.unit) };
+        format!(" ({} = {:.3e}{unit})", n.name, n.value)
+    });
+    format!("{}{}{number}", words(found.cause), place(found))
+}
+
+fn mrad(rad: f64) -> String {
+    if rad >= 0.0995 { format!("{:.0} mrad", 1e3 * rad) } else { format!("{:.2} mrad", 1e3 * rad) }
+}
+
+fn share(gap: &RobotGap) -> String {
+    match (gap.closed, gap.closed_interval) {
+        (Some(closed), Some([low, high])) => {
+            format!("{:.0} % [{:.0}, {:.0}] of the gap", 100.0 * closed, 100.0 * low, 100.0 * high)
+        }
+        (Some(closed), None) => format!("{:.0} % of the gap", 100.0 * closed),
+        _ => "the gap".into(),
+    }
+}
+
+/// What is said of a robot.
+pub(super) struct Said<'a> {
+    pub robot: &'a str,
+    pub verdict: Verdict,
+    pub first: Option<&'a Found>,
+    pub second: Option<&'a Found>,
+    pub partial: Option<&'a Found>,
+    pub equivalent: &'a [Cause],
+    pub places: &'a [Vec<String>],
+}
+
+/// The sentence of an answer.
+pub(super) fn sentence(said: &Said<'_>, gap: &RobotGap) -> String {
+    let Said { robot, verdict, first, second, partial, equivalent, places } = said;
+    match (verdict, first) {
+        (Verdict::None, _) => format!(
+            "{robot}: nothing is missing. With masses, friction and floor off by no more than some percent it explains the held-out samples ({} against the sensor's {}).",
+            mrad(gap.calibrated),
+            mrad(gap.floor)
+        ),
+        (Verdict::Effect | Verdict::Calibration, Some(first)) => {
+            let mut text = format!("{robot}: the gap is {}", sized(first));
+            if let Some(second) = second {
+                text += &format!(", together with {}", sized(second));
+            }
+            text += &format!("; adding it closes {}, from {} to {}.", share(gap), mrad(gap.before), mrad(gap.after));
+            let others: Vec<&str> =
+                equivalent.iter().filter(|cause| **cause != first.cause).map(|cause| words(*cause)).collect();
+            if !others.is_empty() {
+                text += &format!(" These logs cannot tell it apart from {}.", others.join(", nor from "));
+            }
+            let elsewhere: Vec<String> =
+                places.iter().filter(|place| **place != first.joints).map(|place| place.join(", ")).collect();
+            if !elsewhere.is_empty() {
+                text += &format!(" It could as well be in {}.", elsewhere.join("; or in "));
+            }
+            text
+        }
+        _ => {
+            let nearest = partial.map_or(String::new(), |found| {
+                format!(
+                    " The nearest is {}, which closes {} and leaves structure in the rest.",
+                    sized(found),
+                    share(gap)
+                )
+            });
+            format!(
+                "{robot}: none of the causes I know explains this gap; {} stay above the sensor's {}.{nearest}",
+                mrad(gap.after),
+                mrad(gap.floor)
+            )
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! From where a cause's values are searched, and within which bounds.
+
+use super::cause::Cause;
+use crate::joint::{EffectId, EffectParameter, Reach, Scan};
+use crate::robot::FloorParameters;
+use std::f64::consts::FRAC_PI_2;
+
+/// Values from which a search starts.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Start {
+    /// As they are searched.
+    pub values: Vec<f64>,
+    /// The response grows about in proportion to the distance of the first `sizes` values from here.
+    zero: f64,
+    sizes: usize,
+    /// Amplitudes that are allowed, in units of that distance; from 1 to 1 where the response is not proportional.
+    pub amplitude: [f64; 2],
+}
+
+impl Start {
+    fn at_size(values: &[f64], zero: f64, amplitude: [f64; 2]) -> Self {
+        Self { values: values.to_vec(), zero, sizes: 1, amplitude }
+    }
+
+    fn fixed(values: &[f64]) -> Self {
+        Self { values: values.to_vec(), zero: 0.0, sizes: 0, amplitude: [1.0, 1.0] }
+    }
+
+    /// The values at an amplitude.
+    pub fn at(&self, amplitude: f64) -> Vec<f64> {
+        let mut values = self.values.clone();
+        for value in values.iter_mut().take(self.sizes) {
+            *value = self.zero + amplitude * (*value - self.zero);
+        }
+        values
+    }
+}
+
+/// How many starts are tried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Grid {
+    /// So many that none is far from the truth.
+    Fine,
+    /// Fewer, where every try is a walk of the whole robot.
+    Coarse,
+}
+
+const EITHER_WAY: [f64; 2] = [-20.0, 20.0];
+const GROWN: [f64; 2] = [0.0, 20.0];
+
+impl Cause {
+    /// Values at which it is tried first, on a joint of a reach and a friction (Coulomb, viscous), on a floor.
+    pub(super) fn starts(
+        self,
+        reach: &Reach,
+        [coulomb, viscous]: [f64; 2],
+        floor: &FloorParameters,
+        grid: Grid,
+    ) -> Vec<Start> {
+        use EffectId as E;
+        let is_coarse = grid == Grid::Coarse;
+        let size = |values: &[f64], amplitude| Start::at_size(values, 0.0, amplitude);
+        let [low, high] = reach.angle_rad;
+        let span = (high - low).max(1e-3);
+        let (speed, most) = (reach.speed_rad_s, reach.driven.map_or(reach.torque_nm, |driven| driven.command_nm));
+        let period_s = reach.driven.map_or(0.008, |driven| driven.period_s);
+        match self {
+            Cause::Effect(E::Stribeck) => [0.05, 0.4].map(|speed| size(&[0.01, speed], GROWN)).to_vec(),
+            Cause::Effect(E::LoadFriction) => vec![size(&[0.2], GROWN)],
+            Cause::Effect(E::GearFriction) => vec![size(&[0.1], [0.0, 5.0])],
+            Cause::Effect(E::QuadraticDrag) => vec![size(&[0.003], GROWN)],
+            Cause::Effect(E::AsymmetricFriction) => vec![size(&[0.3 * coulomb.max(1e-3)], EITHER_WAY)],
+            Cause::Effect(E::PositionFriction) => {
+                [0.0, 1.0, 2.0, -1.0].map(|quarters| size(&[0.5, quarters * FRAC_PI_2], [0.0, 2.0])).to_vec()
+            }
+            Cause::Effect(E::FrictionDrift) => vec![size(&[0.02], EITHER_WAY)],
+            Cause::Effect(E::Backlash) => [0.004, 0.012, 0.035].map(|play| Start::fixed(&[play, 0.25])).to_vec(),
+            Cause::Effect(E::JointSpring) => [low - 0.1, high + 0.1].map(|rest| size(&[0.05, rest], GROWN)).to_vec(),
+            Cause::Effect(E::EndStop) => {
+                let shares: &[f64] = if is_coarse { &[0.04, 0.2] } else { &[0.01, 0.04, 0.1, 0.2, 0.35] };
+                let stiffness = 30.0 * most / span;
+                let damping = 0.1 * (stiffness * reach.inertia_kg_m2).sqrt();
+                let places = shares.iter().flat_map(|share| [(high - share * span, 1.0), (low + share * span, -1.0)]);
+                places.map(|(angle, side)| Start::fixed(&[angle, side, stiffness, damping])).collect()
+            }
+            Cause::Effect(E::AngleOffset | E::SensorGain) => vec![size(&[0.02], [-8.0, 8.0])],
+            Cause::Effect(E::Delay) => [0.006, 0.02, 0.06].map(|late| size(&[late], [0.3, 2.0])).to_vec(),
+            Cause::Effect(E::SetpointHold) => {
+                let periods: &[f64] = if is_coarse {
+                    &[3.0, 6.0, 10.0, 16.0]
+                } else {
+                    &[2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0]
+                };
+                periods.iter().map(|n| Start::fixed(&[n * period_s])).collect()
+            }
+            Cause::Effect(E::TorqueLimit) => {
+                let shares: &[f64] = if is_coarse {
+                    &[0.9, 0.75, 0.6, 0.45, 0.3]
+                } else {
+                    &[0.97, 0.92, 0.86, 0.8, 0.74, 0.67, 0.6, 0.52, 0.44, 0.35, 0.25]
+                };
+                shares.iter().map(|share| Start::fixed(&[share * most])).collect()
+            }
+            Cause::Effect(E::SpeedLimit) => {
+                let all = [(1.1, 1.0), (1.1, 0.5), (1.6, 1.0), (1.6, 0.5), (3.0, 0.9), (3.0, 0.6)];
+                let some = if is_coarse { &all[1..4] } else { &all[..] };
+                some.iter().map(|(no_load, stall)| Start::fixed(&[no_load * speed, stall * most])).collect()
+            }
+            Cause::Effect(E::MotorGain) => vec![Start::at_size(&[0.8], 1.0, [-10.0, 4.5])],
+            Cause::Coulomb => vec![Start::at_size(&[coulomb + 0.003], coulomb, [-coulomb / 0.003, 30.0])],
+            Cause::Viscous => vec![Start::at_size(&[viscous + 0.004], viscous, [-viscous / 0.004, 40.0])],
+            Cause::Payload => [[0.0, 0.0], [0.0, -0.07], [0.0, 0.07], [0.04, 0.0], [-0.04, 0.0]]
+                .map(|[right, rear]| size(&[0.15, right, rear], [0.1, 5.0]))
+                .to_vec(),
+            Cause::FloorFriction => [0.3, 0.5, 0.7, 1.5].map(|share| Start::fixed(&[share * floor.coulomb])).to_vec(),
+            Cause::FloorSlope => [[0.02, 0.0], [-0.02, 0.0], [0.0, 0.02], [0.0, -0.02]]
+                .map(|slope| Start { sizes: 2, ..size(&slope, [0.2, 4.0]) })
+                .to_vec(),
+            Cause::FloorStiffness => {
+                [0.15, 0.4, 2.5].map(|share| Start::fixed(&[share * floor.stiffness_n_m])).to_vec()
+            }
+        }
+    }
+
+    /// How its values are searched.
+    pub(super) fn parameters(self, reach: &Reach, floor: &FloorParameters) -> Vec<EffectParameter> {
+        let linear = |name, unit, [lower, upper]: [f64; 2], scale| EffectParameter {
+            name,
+            unit,
+            lower,
+            upper,
+            scan: Scan::Linear(scale),
+        };
+        let logarithm =
+            |name, unit, [lower, upper]: [f64; 2]| EffectParameter { name, unit, lower, upper, scan: Scan::Logarithm };
+        match self {
+            Cause::Effect(effect) => effect.parameters(reach),
+            Cause::Coulomb => vec![linear("mu_c", "N m", [0.0, 0.5], 0.005)],
+            Cause::Viscous => vec![linear("mu_v", "N m s/rad", [0.0, 1.0], 0.01)],
+            Cause::Payload => vec![
+                linear("mass", "kg", [0.0, 2.0], 0.1),
+                linear("right", "m", [-0.1, 0.1], 0.03),
+                linear("rear", "m", [-0.15, 0.15], 0.05),
+            ],
+            Cause::FloorFriction => vec![logarithm("mu", "", [0.03, 3.0])],
+            Cause::FloorSlope => {
+                vec![linear("forward", "rad", [-0.4, 0.4], 0.03), linear("right", "rad", [-0.4, 0.4], 0.03)]
+            }
+            Cause::FloorStiffness => {
+                vec![logarithm("stiffness", "N/m", [0.02 * floor.stiffness_n_m, 50.0 * floor.stiffness_n_m])]
+            }
+        }
+    }
+
+    /// The values under the names of [`Cause::named`], of those that are searched.
+    pub(super) fn to_named(self, searched: &[f64], coulomb_nm: f64) -> Vec<f64> {
+        match self {
+            Cause::Effect(effect) => effect.named(searched, coulomb_nm),
+            _ => searched.to_vec(),
+        }
+    }
+}
