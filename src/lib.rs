@@ -16,7 +16,7 @@
 //! # Layers, each using only those above it
 //! [`log`] reads and checks · [`geometry`] lumps a leg into a pendulum · [`joint`] has the stages · [`integrate`] and
 //! [`pendulum`] move them · [`fit`] minimises and says how sure it is · [`identify`] brings logs and models together ·
-//! [`robot`] moves a whole tree of bodies · [`blind`] tests the diagnosis on sealed studies · [`thesis`] repeats the
+//! [`robot`] moves a whole tree of bodies · [`blind`] tests the diagnosis on sealed studies · [`synth`] makes logs from a known truth · [`thesis`] repeats the
 //! thesis's chapter 3 · [`report`] draws · [`cli`] is the program.
 //!
 //! # A swing, fitted
@@ -49,6 +49,7 @@ pub mod log;
 pub mod pendulum;
 pub mod report;
 pub mod robot;
+pub mod synth;
 pub mod thesis;
 
 pub use fit::{Budget, Method, Stop};

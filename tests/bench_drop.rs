@@ -60,3 +60,14 @@ fn every_swing_of_the_thesis_robot_lies_within_1_2_times_the_noise_floor() {
     }
     println!("{} swings: mean {:.3}, worst {worst:.3} of the noise floor", logs.len(), sum / logs.len() as f64);
 }
+
+#[test]
+fn the_gap_is_split_at_a_zero_that_has_not_taken_in_the_droop() {
+    let found = support::drop_json(root(), &["data/q1.csv"]);
+    let row = &found["whole_robot"][0];
+    let rms = |held: &str| row[held]["rms"].as_f64().expect("a number");
+    // The zero is the best for joints that give, and so no longer for rigid ones.
+    assert!(rms("controlled_apart") < rms("controlled") && rms("rigid_apart") > rms("rigid"), "{row}");
+    let zero_rad = row["zero_apart"].as_f64().expect("a number");
+    assert!((-0.004..-5e-4).contains(&zero_rad), "{zero_rad}");
+}

@@ -1,6 +1,8 @@
-//! No evaluation of the robot's dynamics allocates memory.
+//! No evaluation of the robot's dynamics allocates memory, and no step of a simulation does.
 
-use aibo_fit::robot::{Dynamics, Force, Input, Model, State};
+use aibo_fit::robot::simulate::{Joints, Method, Scenario, Setpoints, Surroundings, run};
+use aibo_fit::robot::study::{lift, standing};
+use aibo_fit::robot::{Dynamics, Floor, FloorParameters, Force, Gait, Input, Model, State, Touching};
 use nalgebra::{DMatrix, Vector3};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -47,4 +49,28 @@ fn no_evaluation_allocates() {
         [dynamics.energy(&state).total_j(), dynamics.momentum(&state).mass_kg, dynamics.motions(&state).len() as f64];
     let made = ALLOCATIONS.with(Cell::get) - before;
     assert_eq!(made, 0, "{sums:?}");
+}
+
+/// Allocations of a walk of so many seconds with 21 samples, whatever its length.
+fn allocations_of_a_walk(duration_s: f64) -> usize {
+    let model = Model::ers7();
+    let joints = Joints::of_thesis(model).expect("the thesis's sets");
+    let trot = Gait::built_in("trot", model).expect("built in");
+    let setpoints = Setpoints::sampled(&trot, model, duration_s, 0.008).expect("a table");
+    let floor = Floor::new(FloorParameters::default(), model, Touching::Marked).expect("a floor");
+    let mut start = standing(model, &joints, &setpoints);
+    lift(&floor, model, &mut start, 0.02);
+    let (setpoints, start, surroundings) = (&setpoints, &start, Some(&floor as &dyn Surroundings));
+    let scenario = Scenario { model, joints: &joints, setpoints, start, surroundings, period_s: duration_s / 20.0 };
+    let before = ALLOCATIONS.with(Cell::get);
+    let answer = run(&scenario, Method::Stiff { step_s: 5e-4 }).expect("a run");
+    let made = ALLOCATIONS.with(Cell::get) - before;
+    assert!(answer.diverged.is_none() && answer.t_s.len() == 21);
+    made
+}
+
+#[test]
+fn no_step_of_a_walk_allocates() {
+    // Touch-down and standing are in both, 4000 steps of walking in the second only.
+    assert_eq!(allocations_of_a_walk(2.0), allocations_of_a_walk(4.0));
 }

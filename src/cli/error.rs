@@ -6,6 +6,7 @@ use crate::log::LogError;
 use crate::report::ReportError;
 use crate::robot::RobotError;
 use crate::robot::simulate::SimulateError;
+use crate::synth::SynthError;
 use crate::thesis::TablesError;
 use std::path::PathBuf;
 
@@ -89,6 +90,9 @@ pub enum CliError {
         /// The state.
         what: String,
     },
+    /// No logs can be made.
+    #[error(transparent)]
+    Synth(Box<SynthError>),
     /// The tables cannot be made.
     #[error(transparent)]
     Tables(Box<TablesError>),
@@ -100,6 +104,12 @@ pub enum CliError {
 impl From<TablesError> for CliError {
     fn from(error: TablesError) -> Self {
         CliError::Tables(Box::new(error))
+    }
+}
+
+impl From<SynthError> for CliError {
+    fn from(error: SynthError) -> Self {
+        CliError::Synth(Box::new(error))
     }
 }
 
@@ -118,6 +128,12 @@ impl CliError {
             CliError::Simulate(error) => match error.as_ref() {
                 SimulateError::File(error) | SimulateError::Robot(RobotError::File(error)) => of_file(error),
                 SimulateError::Value { .. } | SimulateError::NoSet { .. } => USAGE,
+                _ => DATA,
+            },
+            CliError::Synth(error) => match error.as_ref() {
+                SynthError::File(error) => of_file(error),
+                SynthError::Diverged { .. } => NOT_CONVERGED,
+                SynthError::Threads(_) => IO,
                 _ => DATA,
             },
             CliError::Case(CaseError::JointsDiffer { .. }) | CliError::Usage(_) | CliError::Overwrites { .. } => USAGE,

@@ -12,6 +12,7 @@ mod provenance;
 mod sensor_test;
 mod simulate;
 mod still;
+mod synth;
 mod tables;
 mod walk;
 
@@ -38,6 +39,7 @@ enum Command {
     Gap(gap::GapArgs),
     SensorTest(sensor_test::SensorTestArgs),
     Simulate(simulate::SimulateArgs),
+    Synth(synth::SynthArgs),
     Tables(tables::TablesArgs),
     Walk(walk::WalkArgs),
 }
@@ -59,6 +61,7 @@ pub fn run() -> ExitCode {
         Command::Gap(args) => gap::run(&args),
         Command::SensorTest(args) => sensor_test::run(&args),
         Command::Simulate(args) => simulate::run(&args),
+        Command::Synth(args) => synth::run(&args),
         Command::Tables(args) => tables::run(&args),
         Command::Walk(args) => walk::run(&args),
     };

@@ -141,7 +141,7 @@ fn is_file(path: &Path) -> io::Result<()> {
     if fs::metadata(path)?.is_dir() { Err(io::ErrorKind::IsADirectory.into()) } else { Ok(()) }
 }
 
-pub(super) fn check_schema(document: &Document<'_>, schema: &Option<Spanned<i64>>) -> Result<(), LogError> {
+pub(crate) fn check_schema(document: &Document<'_>, schema: &Option<Spanned<i64>>) -> Result<(), LogError> {
     let schema = schema.as_ref().ok_or_else(|| document.missing("schema", "schema = 1 at the top of the file"))?;
     if *schema.get_ref() == 1 {
         return Ok(());

@@ -28,6 +28,14 @@ pub(crate) struct RawRobot {
     pub drop_height: Number,
 }
 
+impl RawRobot {
+    /// The embedded robot on the bench.
+    pub(crate) fn on_the_bench() -> Self {
+        let word = |word: &str| Some(Spanned::new(0..0, word.to_owned()));
+        Self { model: word("ers7"), scenario: word("drop"), drop_height: None }
+    }
+}
+
 /// Three numbers, by joint 1, 2, 3 of a leg.
 pub(super) type Triple = Option<Spanned<Vec<f64>>>;
 

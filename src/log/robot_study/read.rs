@@ -27,7 +27,7 @@ const DROP_HEIGHT_M: f64 = 0.02;
 const HEIGHT: Range64 =
     range(|x| (0.0..=1.0).contains(&x), "a height from 0 to 1 m; a larger one looks like millimetres");
 /// Friction of a joint, in N m or N m s/rad.
-pub(crate) const JOINT_FRICTION: Range64 = range(|x| (0.0..=10.0).contains(&x), "a number from 0 to 10");
+const JOINT_FRICTION: Range64 = range(|x| (0.0..=10.0).contains(&x), "a number from 0 to 10");
 const EXPONENT: Range64 = range(|x| (1.0..=5.0).contains(&x), "a number from 1 to 5");
 const NOISE: Range64 =
     range(|x| (0.0..0.5).contains(&x), "a standard deviation from 0 to below 0.5 rad; a larger one looks like degrees");
@@ -72,7 +72,7 @@ pub fn read_robot_study(path: &Path) -> Result<RobotStudy, LogError> {
     }
     let raw: RawRobotStudy = document.parse_any()?;
     check_schema(&document, &raw.schema)?;
-    let Sections { model, model_path, scenario, drop_height_m, friction, control, floor, sensor } = sections(
+    let Sections { model, model_path, scenario, drop_height_m, friction, control, floor, sensor } = robot_sections(
         &document,
         &raw.robot,
         (raw.friction.as_ref(), raw.control.as_ref(), raw.floor.as_ref(), raw.sensor.as_ref()),
@@ -121,7 +121,7 @@ type RawSections<'a> =
     (Option<&'a RawFriction>, Option<&'a RawControl>, Option<&'a Spanned<RawFloor>>, Option<&'a RawRobotSensor>);
 
 /// Checks everything but the logs.
-pub(crate) fn sections(
+pub(crate) fn robot_sections(
     document: &Document<'_>,
     robot: &RawRobot,
     (friction, control, floor, sensor): RawSections<'_>,

@@ -15,6 +15,10 @@ pub struct FullDrop {
     pub rows: Vec<FullRow>,
     /// Their curves, in the same order.
     pub curves: Vec<FullCurves>,
+    /// The encoder's zero as it was fitted with the other joints rigid \[rad\].
+    pub zero_rad: f64,
+    /// The zero that suits the robot whose other joints give \[rad\].
+    pub refitted_rad: f64,
 }
 
 /// Numbers of one log.
@@ -30,6 +34,15 @@ pub struct FullRow {
     pub controlled: HeldRow,
     /// How far another joint of the leg gives way there \[rad\].
     pub give: f64,
+    /// The encoder's zero that suits the robot whose other joints give \[rad\], the same for all logs.
+    #[serde(default)]
+    pub zero_apart: f64,
+    /// Rigid, with the zero refitted to joints that give: the gap that has not been taken in by the zero.
+    #[serde(default)]
+    pub rigid_apart: HeldRow,
+    /// By controllers, with that zero: what remains when the held joints have done their part.
+    #[serde(default)]
+    pub controlled_apart: HeldRow,
 }
 
 /// The full model against the measurement, with the other joints held in one way.

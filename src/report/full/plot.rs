@@ -15,8 +15,9 @@ pub(in crate::report) fn full_figures(joint: &str, full: &FullDrop) -> Result<Ve
         Ok(Figure {
             file_name: format!("full-{:02}-{}.svg", k + 1, plain(&curves.file)),
             title: format!("Figure 3.6, {}", curves.file),
-            caption: "The measured drop, the fitted pendulum, and the whole robot with the fitted values; below, \
-                      measured minus model."
+            caption: "The measured drop, the fitted pendulum, and the whole robot with the fitted values and the zero \
+                      that suits joints that give; below, measured minus model. Between the two robots: what the held \
+                      joints do. Between the last one and zero: what remains."
                 .to_owned(),
             svg: draw(joint, curves)?,
         })

@@ -41,6 +41,7 @@ pub use log::{log_csv, readings};
 pub use recording::{BaseSample, Diverged, Recording, SpeedWarning};
 pub use run::{Method, run};
 pub use scenario::{External, Scenario, Still, Surroundings};
+pub(crate) use sensor::standard_normal;
 pub use sensor::{Accelerometer, PositionSensor};
 pub use setpoints::{Column, Setpoints};
 pub use sweep::{SweepPoint, sweep};

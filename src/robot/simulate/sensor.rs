@@ -12,6 +12,13 @@ pub enum PositionSensor {
     Ideal,
     /// Uniform noise of half a step either way, then rounded: as the reference swings were read.
     Centred(Encoder),
+    /// Normal noise, then rounded: what a study's `[sensor]` states.
+    Normal {
+        /// Step \[rad\]; 0: continuous.
+        step_rad: f64,
+        /// Standard deviation before rounding \[rad\].
+        sigma_rad: f64,
+    },
     /// Never below the angle, as section B.1 saw it: noise of up to one step upwards, then rounded up.
     Upward {
         /// Step \[rad\].
@@ -35,12 +42,22 @@ impl PositionSensor {
         match *self {
             Self::Ideal => angle_rad,
             Self::Centred(encoder) => encoder.read(angle_rad, rng),
+            Self::Normal { step_rad, sigma_rad } => {
+                let noisy = angle_rad + if sigma_rad > 0.0 { sigma_rad * standard_normal(rng) } else { 0.0 };
+                if step_rad > 0.0 { (noisy / step_rad).round() * step_rad } else { noisy }
+            }
             Self::Upward { step_rad, variation_rad } => {
                 let noise = (variation_rad - step_rad).max(0.0) * rng.random::<f64>();
                 if step_rad > 0.0 { ((angle_rad + noise) / step_rad).ceil() * step_rad } else { angle_rad + noise }
             }
         }
     }
+}
+
+/// A draw of the standard normal distribution (Box and Muller 1958).
+pub(crate) fn standard_normal(rng: &mut impl Rng) -> f64 {
+    let (u, v) = (1.0 - rng.random::<f64>(), rng.random::<f64>());
+    (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
 }
 
 /// The accelerometers: what the base feels, cut off at their range.

@@ -1,0 +1,88 @@
+//! `aibo-fit synth`: logs from a known truth.
+
+use super::CliError;
+use super::common::{CommonArgs, json_text, log_name, print, write_outputs};
+use super::progress::Progress;
+use crate::log::Outputs;
+use crate::synth::{Spec, make};
+use clap::Args;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Make logs from a known truth with the full simulator: any scenario, any effects, payload, floor, extra masses
+///
+/// SPEC.toml has what the engineer believes (the sections of a robot study, or [joint] for a joint of a leg on the bench),
+/// [truth] and [[effect]] with what is true instead, and a [[log]] for each log. Writes the logs and study.toml, which
+/// `gap` reads and which says nothing of the truth, to --out, and the truth beside that folder.
+#[derive(Args, Debug)]
+#[command(after_help = "Example: aibo-fit synth data/examples/synth/weak-knees.toml")]
+pub(super) struct SynthArgs {
+    /// What is believed, what is true, and which logs to make; format in data/README.md
+    #[arg(value_name = "SPEC.toml")]
+    spec: PathBuf,
+    /// Where the truth goes [default: <out>-truth.json]
+    #[arg(long, value_name = "FILE")]
+    truth: Option<PathBuf>,
+    /// Seed of scatter and sensors' noise [default: the spec's]
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    #[command(flatten)]
+    common: CommonArgs,
+}
+
+/// What `--json` says: what was made, and not what is true.
+#[derive(Serialize)]
+struct Answer {
+    schema: u32,
+    study: String,
+    truth: String,
+    logs: Vec<LogAnswer>,
+}
+
+#[derive(Serialize)]
+struct LogAnswer {
+    file: String,
+    samples: usize,
+}
+
+/// Runs the command.
+pub(super) fn run(args: &SynthArgs) -> Result<u8, CliError> {
+    let progress = Progress::new(args.common.quiet);
+    progress.say("reading");
+    let mut spec = Spec::read(&args.spec)?;
+    spec.seed = args.seed.unwrap_or(spec.seed);
+    progress.say("simulating");
+    let made = make(&spec, args.common.threads.map(usize::from))?;
+    let folder = args.common.folder(&log_name(&args.spec));
+    let truth = args.truth.clone().unwrap_or_else(|| {
+        let name = folder.file_name().map_or_else(|| "synth".into(), |name| name.to_string_lossy().into_owned());
+        folder.with_file_name(format!("{name}-truth.json"))
+    });
+    let study = folder.join("study.toml");
+    let answer = Answer {
+        schema: 1,
+        study: study.display().to_string(),
+        truth: truth.display().to_string(),
+        logs: made
+            .logs
+            .iter()
+            .map(|(file, text)| LogAnswer { file: file.clone(), samples: text.lines().count().saturating_sub(1) })
+            .collect(),
+    };
+    let mut outputs = Outputs::default();
+    outputs.add(&study, made.study_toml);
+    for (name, text) in made.robot.into_iter().chain(made.logs) {
+        outputs.add(folder.join(name), text);
+    }
+    outputs.add(&truth, json_text(&made.truth)?);
+    args.common.add_json(&mut outputs, &answer)?;
+    write_outputs(outputs, std::slice::from_ref(&args.spec))?;
+    drop(progress);
+    if !args.common.quiet {
+        for log in &answer.logs {
+            print(&format!("{}: {} samples\n", folder.join(&log.file).display(), log.samples));
+        }
+        print(&format!("study: {}\ntruth: {}\n", answer.study, answer.truth));
+    }
+    Ok(0)
+}

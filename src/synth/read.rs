@@ -1,0 +1,91 @@
+//! Reads a spec from TOML.
+
+use super::spec::{Believed, EffectSpec, JointBench, LogSpec, Spec, TruthSpec};
+use crate::log::{
+    Document, LogError, RawControl, RawFloor, RawFriction, RawRobot, RawRobotSensor, RobotScenario, RobotStudy,
+    Sections, check_schema, robot_sections,
+};
+use serde::Deserialize;
+use std::path::Path;
+use toml::Spanned;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawSpec {
+    schema: Option<Spanned<i64>>,
+    #[serde(default)]
+    seed: u64,
+    robot: Option<RawRobot>,
+    joint: Option<Spanned<JointBench>>,
+    friction: Option<RawFriction>,
+    control: Option<RawControl>,
+    floor: Option<Spanned<RawFloor>>,
+    sensor: Option<RawRobotSensor>,
+    #[serde(default)]
+    truth: TruthSpec,
+    #[serde(default)]
+    effect: Vec<EffectSpec>,
+    #[serde(default)]
+    log: Vec<LogSpec>,
+}
+
+impl Spec {
+    /// Reads a spec.
+    ///
+    /// # Errors
+    /// [`LogError`] with file and key: no TOML, unknown or missing keys, wrong types, and what a robot study's sections
+    /// refuse. Whether truth, effects and logs can be is found when they are made.
+    pub fn read(path: &Path) -> Result<Self, LogError> {
+        Self::of(&Document::open(path)?)
+    }
+
+    /// Reads a spec that is at hand; `file` is its name in errors, and its folder that of paths in it.
+    ///
+    /// # Errors
+    /// As [`Spec::read`].
+    pub fn from_toml(file: &Path, text: &str) -> Result<Self, LogError> {
+        Self::of(&Document::of_text(file, text))
+    }
+
+    fn of(document: &Document<'_>) -> Result<Self, LogError> {
+        let raw: RawSpec = document.parse_any()?;
+        check_schema(document, &raw.schema)?;
+        let rest = (raw.friction.as_ref(), raw.control.as_ref(), raw.floor.as_ref(), raw.sensor.as_ref());
+        let believed = match (&raw.robot, raw.joint) {
+            (Some(robot), None) => Believed::Robot(Box::new(study(document, robot_sections(document, robot, rest)?))),
+            (None, Some(joint)) => {
+                let mut study = study(document, robot_sections(document, &RawRobot::on_the_bench(), rest)?);
+                study.scenario = RobotScenario::Drop;
+                Believed::Joint(Box::new(study), joint.into_inner())
+            }
+            (Some(_), Some(joint)) => {
+                return Err(document.wrong("[joint]", joint.span(), "[joint] beside [robot]", "one of the two"));
+            }
+            (None, None) => return Err(document.missing("[robot]", "the robot that is believed in, or a [joint]")),
+        };
+        Ok(Self {
+            file: document.file.to_path_buf(),
+            seed: raw.seed,
+            believed,
+            truth: raw.truth,
+            effects: raw.effect,
+            logs: raw.log,
+        })
+    }
+}
+
+fn study(document: &Document<'_>, sections: Sections) -> RobotStudy {
+    let Sections { model, model_path, scenario, drop_height_m, friction, control, floor, sensor } = sections;
+    RobotStudy {
+        file: document.file.to_path_buf(),
+        model,
+        model_path,
+        scenario,
+        drop_height_m,
+        friction,
+        control,
+        floor,
+        sensor,
+        logs: Vec::new(),
+    }
+}

@@ -1,0 +1,225 @@
+//! What `aibo-fit synth` promises: logs from a known truth, in which an effect changes what it should and nothing else, a
+//! study that says nothing of it, and one clear error for what cannot be.
+
+mod support;
+
+use aibo_fit::log::{RobotLog, RobotScenario, read_robot_log, read_robot_study, read_robot_study_logs, read_study};
+use aibo_fit::robot::Nominal;
+use aibo_fit::robot::simulate::{Method, run};
+use aibo_fit::synth::{Made, Spec, make};
+use std::path::Path;
+use support::{everything_in, expect_code, json, root, run_in, stderr};
+
+const AIR: &str = r#"
+schema = 1
+seed = 5
+[robot]
+model = "ers7"
+scenario = "air"
+[sensor]
+period = 0.008
+[truth]
+step = 1e-3
+[[log]]
+file = "a.csv"
+duration = 3.0
+"#;
+
+const FLOOR: &str = r#"
+schema = 1
+[robot]
+model = "ers7"
+scenario = "floor"
+[truth]
+step = 5e-4
+[[log]]
+file = "a.csv"
+duration = 4.0
+base = true
+forward = [2.0, 4.0]
+"#;
+
+const DROP: &str = r#"
+schema = 1
+[robot]
+model = "ers7"
+scenario = "drop"
+[sensor]
+resolution = 0.006
+[truth]
+step = 1e-3
+[[log]]
+file = "a.csv"
+released = "rf2"
+angles = { rf2 = 0.9 }
+duration = 2.0
+gravity = [5.127562, -8.363266, 0.0]
+"#;
+
+fn made(text: &str) -> Made {
+    let spec = Spec::from_toml(Path::new("spec.toml"), text).expect("a spec");
+    make(&spec, None).expect("logs")
+}
+
+fn write(made: &Made, folder: &Path) {
+    for (name, text) in made.logs.iter().chain([&("study.toml".to_owned(), made.study_toml.clone())]) {
+        std::fs::write(folder.join(name), text).expect("written");
+    }
+}
+
+fn log(text: &str) -> RobotLog {
+    let folder = tempfile::tempdir().expect("a folder");
+    write(&made(text), folder.path());
+    read_robot_log(&folder.path().join("a.csv")).expect("a log")
+}
+
+fn largest_change(a: &RobotLog, b: &RobotLog, joint: &str) -> f64 {
+    let (a, b) = (&a.joint(joint).expect("there").q_rad, &b.joint(joint).expect("there").q_rad);
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn same_spec_same_bytes_on_any_number_of_threads() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let spec = root().join("data/examples/synth/weak-knees.toml");
+    let spec = spec.to_str().expect("UTF-8");
+    for (out, threads) in [("one", "1"), ("two", "2"), ("again", "2")] {
+        expect_code(folder.path(), &["synth", spec, "--out", out, "--threads", threads], 0);
+    }
+    let read = |out: &str, file: &str| std::fs::read(folder.path().join(out).join(file)).expect("written");
+    for file in ["study.toml", "trot.csv", "fast.csv"] {
+        assert_eq!(read("one", file), read("two", file), "{file}");
+        assert_eq!(read("again", file), read("two", file), "{file}");
+    }
+    expect_code(folder.path(), &["synth", spec, "--out", "other", "--seed", "8"], 0);
+    assert_ne!(read("one", "trot.csv"), read("other", "trot.csv"));
+    // The truth is beside the folder, not in it, and nothing in the folder hints at it.
+    let truth = json(&folder.path().join("one-truth.json"));
+    assert_eq!(truth["effects"][0]["id"], "torque_limit");
+    assert_eq!(truth["effects"][0]["joints"], serde_json::json!(["lr3", "rr3"]));
+    assert!((truth["friction"]["lf3"]["viscous"].as_f64().expect("a number") / 0.012 - 1.0).abs() < 0.03);
+    assert_eq!(everything_in(&folder.path().join("one")).len(), 3);
+    let study = String::from_utf8(read("one", "study.toml")).expect("UTF-8");
+    assert!(!study.contains("truth") && !study.contains("torque_limit") && !study.contains("weak"), "{study}");
+}
+
+#[test]
+fn the_study_is_read_back_and_the_believed_robot_follows_logs_without_an_effect() {
+    for (text, scenario, within_rad) in [
+        (AIR, RobotScenario::Air, 1e-4),
+        // The clock of a log has six digits: where a step ends, and so how a foot meets the floor, differs by rounding.
+        (FLOOR, RobotScenario::Floor, 0.015),
+        (DROP, RobotScenario::Drop, 0.0035),
+    ] {
+        let folder = tempfile::tempdir().expect("a folder");
+        write(&made(text), folder.path());
+        let study = read_robot_study(&folder.path().join("study.toml")).expect("a study");
+        assert_eq!(study.scenario, scenario);
+        let logs = read_robot_study_logs(&study).expect("logs");
+        let nominal = Nominal::of(&study).expect("a robot");
+        let scene = nominal.scene(&study.logs[0], &logs[0]).expect("a scene");
+        let answer = run(&nominal.scenario(&scene, 0.008), Method::Stiff { step_s: 5e-4 }).expect("a run");
+        for joint in &logs[0].joints {
+            let id = nominal.model.joint(&joint.name).expect("a joint");
+            let worst = joint.q_rad.iter().zip(&logs[0].t_s).map(|(q, t)| (q - answer.angle_at_rad(id, *t)).abs());
+            let worst = worst.fold(0.0, f64::max);
+            assert!(worst <= within_rad, "{scenario:?} {}: {worst}", joint.name);
+        }
+        if scenario == RobotScenario::Floor {
+            let forward = study.logs[0].forward.expect("stated");
+            let z = logs[0].base.as_ref().and_then(|base| base.z_m.clone()).expect("there");
+            assert!((forward.distance_m - (z[250] - z[500])).abs() <= 5.1e-4 && forward.distance_m > 0.05);
+        }
+    }
+}
+
+#[test]
+fn an_effect_changes_its_joint_and_no_other() {
+    let plain = log(AIR);
+    let weak = log(&format!("{AIR}[[effect]]\nid = \"torque_limit\"\njoints = \"rr2\"\ntau_max = 0.03\n"));
+    assert!(largest_change(&plain, &weak, "rr2") > 0.02);
+    for joint in ["lf2", "rf2", "lr2", "neck_pan"] {
+        // The trunk is clamped: no other leg can know of it.
+        assert!(largest_change(&plain, &weak, joint) < 1e-6, "{joint}");
+    }
+    let late = log(&format!("{AIR}[[effect]]\nid = \"delay\"\njoints = [\"q1\"]\nT = 0.02\n"));
+    for joint in ["lf1", "rr1"] {
+        assert!(largest_change(&plain, &late, joint) > 0.01, "{joint}");
+    }
+}
+
+#[test]
+fn payload_friction_and_slope_change_the_walk() {
+    let swap = |truth: &str| log(&FLOOR.replace("step = 5e-4", &format!("step = 5e-4\n{truth}")));
+    let end = |log: &RobotLog| {
+        let base = log.base.as_ref().expect("there");
+        (*base.y_m.as_ref().expect("y").last().expect("a sample"), *base.z_m.as_ref().expect("z").last().expect("one"))
+    };
+    let plain = end(&log(FLOOR));
+    let heavy = end(&swap("payload = [{ mass = 0.5, at = [0.0, 0.03, 0.0] }]"));
+    assert!(heavy.0 < plain.0 - 1e-4, "{} {}", heavy.0, plain.0);
+    let uphill = end(&swap("slope = 0.1"));
+    assert!(uphill.0 > plain.0 + 5e-3, "{} {}", uphill.0, plain.0);
+    let slippery = end(&swap("floor = { static = 0.1, coulomb = 0.05 }"));
+    assert!((slippery.1 - plain.1).abs() > 1e-3, "{} {}", slippery.1, plain.1);
+}
+
+#[test]
+fn a_joint_on_the_bench_makes_a_joint_study_that_drop_reads() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let spec = root().join("data/examples/synth/bench.toml");
+    expect_code(folder.path(), &["synth", spec.to_str().expect("UTF-8"), "--out", "bench", "--quiet"], 0);
+    let study = read_study(&folder.path().join("bench/study.toml")).expect("a joint study");
+    assert_eq!((study.joint.name.as_str(), study.logs.len()), ("q2", 3));
+    assert_eq!(study.logs[1].extra.map(|extra| extra.mass_kg), Some(0.22));
+    let nominal = study.joint.nominal.expect("stated");
+    assert_eq!(nominal.coulomb_nm, 0.007);
+    let out = expect_code(folder.path(), &["drop", "--study", "bench/study.toml", "--out", "fit"], 0);
+    assert!(out.contains("coulomb") || out.contains("Coulomb"), "{out}");
+}
+
+#[test]
+fn what_cannot_be_is_one_error_with_exit_code_3() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let effect = |effect: &str| format!("{AIR}[[effect]]\n{effect}\n");
+    for (text, expected) in [
+        (AIR.replace("schema = 1", "schema = 3"), "key `schema`: found 3"),
+        (AIR.replace("\"air\"", "\"moon\""), "key `[robot] scenario`"),
+        (AIR.replace("step = 1e-3", "scatter = 2.0"), "key `[truth] scatter`: found 2"),
+        (AIR.replace("step = 1e-3", "mass_scale = { wing = 1.1 }"), "ers7 has no body wing"),
+        (AIR.replace("step = 1e-3", "mass_scale = -1.0"), "key `[truth] mass_scale`: found -1"),
+        (AIR.replace("step = 1e-3", "slope = 0.1"), "it with scenario = \"floor\" only"),
+        (AIR.replace("step = 1e-3", "stepp = 1e-3"), "unknown field `stepp`"),
+        (AIR.replace("step = 1e-3", "friction = { q9 = { coulomb = 0.1 } }"), "key `[truth] friction.q9`"),
+        (AIR.replace("duration = 3.0", "duration = -3.0"), "key `[[log]] 1 duration`: found -3"),
+        (AIR.replace("duration = 3.0", "gait = \"gallop\""), "no gait gallop"),
+        (AIR.replace("duration = 3.0", "released = \"lf2\""), "key `[[log]] 1 released`"),
+        (AIR.replace("\"a.csv\"", "\"../a.csv\""), "key `[[log]] 1 file`"),
+        (effect("id = \"magic\""), "`magic` is not an effect"),
+        (effect("id = \"torque_limit\"\njoints = \"lf9\"\ntau_max = 0.1"), "key `[[effect]] 1 joints`: found \"lf9\""),
+        (effect("id = \"torque_limit\"\njoints = \"lf1\"\ntau = 0.1"), "key `[[effect]] 1 tau`"),
+        (effect("id = \"torque_limit\"\njoints = \"lf1\""), "key `[[effect]] 1 tau_max`: found nothing"),
+        (effect("id = \"torque_limit\"\njoints = \"lf1\"\ntau_max = -0.1"), "tau_max is -0.1"),
+        (effect("id = \"delay\"\njoints = \"ear_l_pan\"\nT = 0.01"), "joints with a controller"),
+        (FLOOR.replace("step = 5e-4", "floor = { stiffness = -1.0 }"), "floor: stiffness = -1"),
+        (
+            FLOOR.replace("step = 5e-4", "payload = [{ mass = -1.0, at = [0.0, 0.0, 0.0] }]"),
+            "payload]] 1 mass`: found -1",
+        ),
+        (DROP.replace("rf2 = 0.9", "rf2 = 9.0"), "key `[[log]] 1 angles.rf2`: found 9"),
+        (DROP.replace("5.127562", "1.0"), "key `[[log]] 1 gravity`"),
+        (DROP.replace("released = \"rf2\"", ""), "key `[[log]] 1 released`: found nothing"),
+        (
+            AIR.replace("[robot]\nmodel = \"ers7\"\nscenario = \"air\"", "[joint]\nname = \"neck\""),
+            "key `[joint] name`",
+        ),
+    ] {
+        std::fs::write(folder.path().join("spec.toml"), &text).expect("written");
+        let output = run_in(folder.path(), &["synth", "spec.toml", "--out", "out"]);
+        let message = stderr(&output);
+        assert!(message.contains(expected) && message.contains("spec.toml"), "{expected}: {message}");
+        assert_eq!(output.status.code(), Some(3), "{message}");
+        assert!(!folder.path().join("out").exists());
+    }
+}
