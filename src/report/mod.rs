@@ -46,6 +46,6 @@ pub use sensor::{SensorReport, SweepPart, sensor_figures, sensor_html, sensor_te
 pub use table::drop_text;
 pub use thesis::{ThesisReport, thesis_csv, thesis_figures, thesis_html, thesis_json, thesis_markdown, thesis_text};
 pub use walk::{
-    FollowRow, Ground, JointCurves, LegCurves, Runaway, SpeedRow, TrunkCurves, WalkReport, walk_figures, walk_html,
-    walk_text,
+    FollowRow, Footfalls, Ground, JointCurves, LegCurves, Pose, Runaway, SpeedRow, TrunkCurves, WalkReport,
+    walk_figures, walk_html, walk_text,
 };

@@ -23,15 +23,12 @@ pub(super) fn add(
     let (mut dynamics, mut state) = (Dynamics::new(model), State::at_rest(model));
     let mut film = report::Recording::new(model);
     let mut next_s = f64::NEG_INFINITY;
-    for (k, (t_s, base)) in recording.t_s.iter().zip(&recording.base).enumerate() {
+    for (k, t_s) in recording.t_s.iter().enumerate() {
         if *t_s < next_s - 1e-9 {
             continue;
         }
         next_s = t_s + PICTURE_S;
-        (state.base_position_m, state.base_orientation) = (base.position_m, base.orientation);
-        for (angle, column) in state.angle_rad.iter_mut().zip(&recording.angle_rad) {
-            *angle = column[k];
-        }
+        recording.state_at(k, &mut state);
         film.push(*t_s, dynamics.motions(&state));
     }
     let animation = Animation::new(title, note).with(model.name(), film);

@@ -37,8 +37,8 @@ pub struct WalkReport {
     pub realtime_factor: f64,
     /// Evaluations of the equations of motion.
     pub evaluations: u64,
-    /// Steps that count.
-    pub steps: u64,
+    /// Steps of the method that count.
+    pub integration_steps: u64,
     /// Where the motion ran away, if it did.
     pub diverged: Option<Runaway>,
     /// Joints that were moved.
@@ -51,9 +51,27 @@ pub struct WalkReport {
     /// The trunk on its floor, to be drawn.
     #[serde(skip)]
     pub trunk: Option<TrunkCurves>,
+    /// The feet on their floor, to be drawn.
+    #[serde(skip)]
+    pub footfalls: Option<Footfalls>,
+    /// The robot at times of one cycle, to be drawn.
+    #[serde(skip)]
+    pub poses: Vec<Pose>,
+    /// Time of one cycle of the gait \[s\].
+    #[serde(skip)]
+    pub cycle_s: f64,
     /// Where it comes from.
     #[serde(skip)]
     pub provenance: Provenance,
+}
+
+/// The robot at one time.
+#[derive(Clone, Debug)]
+pub struct Pose {
+    /// \[s\]
+    pub t_s: f64,
+    /// Outlines of its parts from its right side, those behind first; closed polygons of forward and up \[m\].
+    pub outlines_m: Vec<Vec<[f64; 2]>>,
 }
 
 impl WalkReport {
@@ -81,6 +99,19 @@ pub struct Ground {
     pub bob_m: f64,
     /// Of the trunk's centre over the floor when the walk begins \[m\].
     pub height_m: f64,
+    /// Steps: how often the first part that may touch the floor, the left front foot, came down on it.
+    pub steps: usize,
+    /// Largest angle between the trunk's vertical axis and the floor's normal since the walk began \[rad\].
+    pub tilt_rad: f64,
+}
+
+/// Which feet are on the floor.
+#[derive(Clone, Debug)]
+pub struct Footfalls {
+    /// \[s\]
+    pub t_s: Vec<f64>,
+    /// Each foot's name, and whether it is down at each time.
+    pub feet: Vec<(String, Vec<bool>)>,
 }
 
 /// The trunk over time.

@@ -79,3 +79,17 @@ pub struct Recording {
     /// The state at the end.
     pub end: State,
 }
+
+impl Recording {
+    /// Places at a sample; the velocities of `state` stay.
+    ///
+    /// # Panics
+    /// Where there is no such sample, or the state is another model's.
+    pub fn state_at(&self, sample: usize, state: &mut State) {
+        let base = &self.base[sample];
+        (state.base_position_m, state.base_orientation) = (base.position_m, base.orientation);
+        for (angle, column) in state.angle_rad.iter_mut().zip(&self.angle_rad) {
+            *angle = column[sample];
+        }
+    }
+}
