@@ -92,7 +92,7 @@ pub(super) fn report(asked: &Asked<'_>, recording: &Recording, provenance: Prove
         legs: legs(asked, recording, &readings),
         trunk: asked.floor.and_then(|floor| ground::trunk(floor, recording)),
         footfalls: asked.floor.map(|floor| ground::footfalls(floor, model, recording)),
-        poses: Vec::new(),
+        cycle: None,
         cycle_s: 1.0 / asked.plan.frequency_hz,
         provenance,
     }

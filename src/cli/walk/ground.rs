@@ -39,8 +39,8 @@ enum TouchArg {
 }
 
 impl GroundArgs {
-    /// The floor that was asked for.
-    pub fn floor(&self, model: &Model) -> Result<Floor, CliError> {
+    /// The floor's parameters that were asked for.
+    pub fn parameters(&self) -> Result<FloorParameters, CliError> {
         let mut parameters = FloorParameters::default();
         for word in &self.floor {
             let wrong =
@@ -61,12 +61,16 @@ impl GroundArgs {
             };
             *place = value.trim().parse().map_err(|_| wrong())?;
         }
+        Ok(parameters.sloped(self.slope, 0.0))
+    }
+
+    /// The floor that was asked for.
+    pub fn floor(&self, model: &Model) -> Result<Floor, CliError> {
         let touching = match self.touch {
             TouchArg::Legs => Touching::Marked,
             TouchArg::All => Touching::All,
         };
-        Floor::new(parameters.sloped(self.slope, 0.0), model, touching)
-            .map_err(|error| CliError::Usage(error.to_string()))
+        Floor::new(self.parameters()?, model, touching).map_err(|error| CliError::Usage(error.to_string()))
     }
 }
 

@@ -1,15 +1,25 @@
 //! The report of a walk: what was asked of the joints and what they did.
 
 mod html;
+mod panels;
 mod plot;
+mod study;
+mod study_plot;
 mod text;
 
 pub use html::walk_html;
 pub use plot::walk_figures;
+pub use study::{StudyReport, StudyTable, study_html, study_text};
+pub use study_plot::{Comparison, PairedCurves, comparison_figure, joints_figure, sensitivity_figure, trunk_figure};
 pub use text::walk_text;
 
-use super::Provenance;
+use super::plot::canvas::{EXTENSIVE, POSITIVE, SETPOINT, SIMPLE};
+use super::{Figure, Provenance};
+use plotters::style::RGBColor;
 use serde::Serialize;
+
+/// Colours of curves that stand beside each other.
+pub(super) const COLOURS: [RGBColor; 4] = [EXTENSIVE, SIMPLE, SETPOINT, POSITIVE];
 
 /// Everything that the report of `aibo-fit walk` shows.
 #[derive(Clone, Debug, Serialize)]
@@ -54,24 +64,15 @@ pub struct WalkReport {
     /// The feet on their floor, to be drawn.
     #[serde(skip)]
     pub footfalls: Option<Footfalls>,
-    /// The robot at times of one cycle, to be drawn.
+    /// The robot at times of one cycle (Figure 4.4).
     #[serde(skip)]
-    pub poses: Vec<Pose>,
+    pub cycle: Option<Figure>,
     /// Time of one cycle of the gait \[s\].
     #[serde(skip)]
     pub cycle_s: f64,
     /// Where it comes from.
     #[serde(skip)]
     pub provenance: Provenance,
-}
-
-/// The robot at one time.
-#[derive(Clone, Debug)]
-pub struct Pose {
-    /// \[s\]
-    pub t_s: f64,
-    /// Outlines of its parts from its right side, those behind first; closed polygons of forward and up \[m\].
-    pub outlines_m: Vec<Vec<[f64; 2]>>,
 }
 
 impl WalkReport {
