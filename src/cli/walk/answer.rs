@@ -132,13 +132,13 @@ fn sentence(recording: &Recording, joints: &[FollowRow], ground: Option<&Ground>
 pub(super) fn in_words(method: Method) -> String {
     use integrate::Method as Smooth;
     let of = match method {
-        Method::Stiff { step_s } => return format!("Stiff method, steps of {step_s} s"),
+        Method::Stiff { step_s } => return format!("Stiff method, steps of {step_s:e} s"),
         Method::Smooth(of) => of,
         Method::Explicit(of) => return format!("{}, explicit throughout", in_words(Method::Smooth(of))),
     };
     match of {
-        Smooth::Rk2 { step_s } => format!("Runge-Kutta 2, steps of {step_s} s"),
-        Smooth::Rk4 { step_s } => format!("Runge-Kutta 4, steps of {step_s} s"),
+        Smooth::Rk2 { step_s } => format!("Runge-Kutta 2, steps of {step_s:e} s"),
+        Smooth::Rk4 { step_s } => format!("Runge-Kutta 4, steps of {step_s:e} s"),
         Smooth::DormandPrince(of) => format!("Dormand-Prince 5(4), tolerance {:e}", of.relative),
         Smooth::Adams(of) => format!("Adams, tolerance {:e}", of.relative),
         Smooth::Bdf(of) => format!("Backward differentiation, tolerance {:e}", of.relative),

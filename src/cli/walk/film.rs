@@ -2,9 +2,7 @@
 
 use super::super::CliError;
 use crate::log::Outputs;
-use crate::report::{
-    self, Animation, Figure, GifOptions, ReportError, animation_gif, animation_html, animation_strip,
-};
+use crate::report::{self, Animation, Figure, GifOptions, ReportError, animation_gif, animation_html, animation_strip};
 use crate::robot::simulate::Recording;
 use crate::robot::{Dynamics, Model, State};
 use std::path::Path;

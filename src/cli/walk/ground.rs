@@ -83,10 +83,12 @@ pub(super) fn lift(floor: &Floor, model: &Model, start: &mut State) {
 pub(super) fn footfalls(floor: &Floor, model: &Model, recording: &Recording) -> Footfalls {
     let (mut dynamics, mut state) = (Dynamics::new(model), State::at_rest(model));
     let name = |body: BodyId| model.bodies()[body.index()].name.clone();
-    let mut feet: Vec<(String, Vec<bool>)> = floor.bodies().map(|body| (name(body), Vec::new())).collect();
+    let is_foot = |body: &BodyId| model.bodies()[body.index()].touches_floor;
+    let mut feet: Vec<(String, Vec<bool>)> =
+        floor.bodies().filter(is_foot).map(|body| (name(body), Vec::new())).collect();
     for k in 0..recording.t_s.len() {
         recording.state_at(k, &mut state);
-        let points = floor.lowest_points(dynamics.motions(&state));
+        let points = floor.lowest_points(dynamics.motions(&state)).filter(|(body, _)| is_foot(body));
         for ((_, down), (_, point)) in feet.iter_mut().zip(points) {
             down.push(floor.depth_m(&point) > 0.0);
         }

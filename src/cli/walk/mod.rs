@@ -41,8 +41,8 @@ pub(super) struct WalkArgs {
     /// Clamp the trunk, so that no foot touches the floor (C.2); gaits take their amplitudes for the air
     #[arg(long)]
     air: bool,
-    /// A gait that is built in (trot, trot-2hz, crawl, pace, turn-left, sideways-right, fall), a gait's file (.toml), or
-    /// a motion file of Tekkotsu (.mot) [default: trot; fall for --falls]
+    /// A gait that is built in (trot, trot-2hz, crawl, pace, turn-left, sideways-right, fall, topple), a gait's file (.toml), or
+    /// a motion file of Tekkotsu (.mot) [default: trot; topple for --falls]
     #[arg(long, value_name = "NAME|FILE")]
     gait: Option<String>,
     /// Setpoints: CSV with t [s] and a column [rad] for each joint [default: the gait's]
@@ -90,7 +90,8 @@ pub(super) struct WalkArgs {
     /// How to integrate
     #[arg(long, value_enum, default_value_t = MethodArg::Stiff)]
     method: MethodArg,
-    /// Longest step of stiff, rk2 and rk4 [s] [default: 0.0005 for stiff, 0.001 in the air, 1e-5 for rk2 and rk4]
+    /// Longest step of stiff, rk2 and rk4 [s] [default: 0.0005 for stiff, 0.001 in the air,
+    /// 0.0001 for --falls, 1e-5 for rk2 and rk4]
     #[arg(long, value_name = "S")]
     step: Option<f64>,
     /// Tolerance of dormand-prince, adams and bdf [rad, rad/s, and relative]
@@ -145,9 +146,14 @@ impl WalkArgs {
     }
 
     fn method(&self) -> Method {
+        self.method_by(if self.air { 1e-3 } else { 5e-4 })
+    }
+
+    /// With another step of the stiff method where none was asked for [s].
+    fn method_by(&self, stiff_s: f64) -> Method {
         let (step, tolerance) = (|default: f64| self.step.unwrap_or(default), Tolerance::of(self.tolerance));
         match self.method {
-            MethodArg::Stiff => Method::Stiff { step_s: step(if self.air { 1e-3 } else { 5e-4 }) },
+            MethodArg::Stiff => Method::Stiff { step_s: step(stiff_s) },
             MethodArg::Rk2 => Method::Smooth(integrate::Method::Rk2 { step_s: step(1e-5) }),
             MethodArg::Rk4 => Method::Smooth(integrate::Method::Rk4 { step_s: step(1e-5) }),
             MethodArg::DormandPrince => Method::Smooth(integrate::Method::DormandPrince(tolerance)),
@@ -201,8 +207,16 @@ pub(super) fn run(args: &WalkArgs) -> Result<u8, CliError> {
         SensorArg::B1 => PositionSensor::of(model),
     };
     let inputs: Vec<PathBuf> = args.robot.iter().chain(&args.setpoints).chain(&plan.file).cloned().collect();
-    let asked =
-        answer::Asked { args, scenario: &scenario, method, sensor, clipped: &setting.clipped, plan: &plan, floor, wall_s };
+    let asked = answer::Asked {
+        args,
+        scenario: &scenario,
+        method,
+        sensor,
+        clipped: &setting.clipped,
+        plan: &plan,
+        floor,
+        wall_s,
+    };
     let mut report = answer::report(&asked, &recording, provenance(inputs.iter().cloned())?);
     let film = film::Film::of(model, &recording, (&report.title(), &report.sentence, 1.0 / plan.frequency_hz));
     report.cycle = film.cycle()?;

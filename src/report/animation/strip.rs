@@ -68,9 +68,10 @@ pub fn animation_strip(animation: &Animation, from_s: f64, cycle_s: f64) -> Resu
     Ok(Figure {
         file_name: "walk-cycle.svg".to_owned(),
         title: "Figure 4.4, one step cycle".to_owned(),
-        caption: "Figure 4.4. The robot at eight times of one step cycle [s], from its right side; it walks to the right. \
+        caption:
+            "Figure 4.4. The robot at eight times of one step cycle [s], from its right side; it walks to the right. \
                   Parts are the ellipsoids of Table A.2; the far legs are pale."
-            .to_owned(),
+                .to_owned(),
         svg,
     })
 }

@@ -100,7 +100,7 @@ pub struct Ground {
     pub bob_m: f64,
     /// Of the trunk's centre over the floor when the walk begins \[m\].
     pub height_m: f64,
-    /// Steps: how often the first part that may touch the floor, the left front foot, came down on it.
+    /// Steps: how often the robot's first foot, the left front one, came down on the floor.
     pub steps: usize,
     /// Largest angle between the trunk's vertical axis and the floor's normal since the walk began \[rad\].
     pub tilt_rad: f64,

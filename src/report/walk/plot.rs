@@ -2,12 +2,13 @@
 //! the joints make of it.
 
 use super::panels::{Curve, Panel, stacked};
+use super::study_plot::{at, plane};
 use super::{Footfalls, JointCurves, LegCurves, TrunkCurves, WalkReport};
 use crate::report::plot::axis::Axis;
-use crate::report::plot::canvas::{EXTENSIVE, INK, Look, SETPOINT, Sign, block, chart, filled, sketch, text};
+use crate::report::plot::canvas::{EXTENSIVE, INK, SETPOINT, Sign, filled, px};
 use crate::report::{Figure, ReportError};
+use plotters::prelude::Rectangle;
 use plotters::style::Color;
-use plotters::style::text_anchor::HPos;
 
 /// A run of so long is the one of section C.1 \[s\].
 const LONG_S: f64 = 60.0;
@@ -124,7 +125,7 @@ fn draw_setpoints(gait: &str, legs: &[LegCurves]) -> Result<String, ReportError>
             .enumerate()
             .filter_map(|(k, (leg, colour))| {
                 // Diagonal legs often do the same: the first is drawn wider.
-                let width = if k < 2 { 3.5 } else { 1.25 };
+                let width = if k < 2 { 5.0 } else { 1.5 };
                 Some(Curve { x: &leg.t_s, y: &leg.joints.get(joint)?.setpoint_rad, colour, width })
             })
             .collect(),
@@ -138,7 +139,8 @@ pub(super) fn draw_trunk(trunk: &TrunkCurves) -> Result<String, ReportError> {
         label: String::from(label),
         curves: vec![Curve { x: &trunk.t_s, y, colour: EXTENSIVE, width: 1.5 }],
     };
-    let curves = [("forward [m]", &trunk.forward_m[..]), ("right [m]", &trunk.right_m), ("height [m]", &trunk.height_m)];
+    let curves =
+        [("forward [m]", &trunk.forward_m[..]), ("right [m]", &trunk.right_m), ("height [m]", &trunk.height_m)];
     stacked("walk on the floor, displacement of the trunk", &[], "time [s]", &curves.map(panel))
 }
 
@@ -147,33 +149,26 @@ fn draw_feet(title: &str, feet: &Footfalls, span_s: f64) -> Result<String, Repor
     let window = last(&feet.t_s, span_s);
     let t_s = &feet.t_s[window.clone()];
     let time = Axis::over(t_s.iter().copied(), 0.01);
-    let rows = feet.feet.len();
-    let height = 36.0 + 34.0 * rows as f64 + 46.0;
-    let up = Axis::counting(1, rows.max(1));
-    sketch(title, height, |root| {
-        let mut panel = chart(root, (36.0, height - 4.0), (&time, &up), ("time [s]", ""))?;
-        for (k, (_, down)) in feet.feet.iter().enumerate() {
-            let y = (rows - k) as f64;
-            let mut begin: Option<f64> = None;
-            for (t, is_down) in t_s.iter().zip(&down[window.clone()]) {
-                match (*is_down, begin) {
-                    (true, None) => begin = Some(*t),
-                    (false, Some(from)) => {
-                        block(&mut panel, [(from, y - 0.32), (*t, y + 0.32)], filled(INK, 0.8))?;
-                        begin = None;
-                    }
-                    _ => {}
+    let labels: Vec<&str> = feet.feet.iter().map(|(name, _)| name.as_str()).collect();
+    plane(title, "time [s]", &[], &time, &labels, |root, k, y| {
+        let bar = |from: f64, to: f64| {
+            let corners = [(px(at(&time, from)), px(y - 8.0)), (px(at(&time, to)), px(y + 8.0))];
+            root.draw(&Rectangle::new(corners, filled(INK, 0.8)))
+        };
+        let mut begin: Option<f64> = None;
+        for (t, is_down) in t_s.iter().zip(&feet.feet[k].1[window.clone()]) {
+            match (*is_down, begin) {
+                (true, None) => begin = Some(*t),
+                (false, Some(from)) => {
+                    bar(from, *t)?;
+                    begin = None;
                 }
-            }
-            if let (Some(from), Some(to)) = (begin, t_s.last()) {
-                block(&mut panel, [(from, y - 0.32), (*to, y + 0.32)], filled(INK, 0.8))?;
+                _ => {}
             }
         }
-        for (k, (name, _)) in feet.feet.iter().enumerate() {
-            let look = Look { size: 11.0, anchor: HPos::Right, ..Look::default() };
-            let middle = 36.0 + 34.0 * (k as f64 + 0.5);
-            text(root, (76.0, middle), name.trim_end_matches("_lower"), look)?;
+        match (begin, t_s.last()) {
+            (Some(from), Some(to)) => bar(from, *to),
+            _ => Ok(()),
         }
-        Ok(())
     })
 }

@@ -60,7 +60,7 @@ pub fn study_text<R: Serialize>(report: &StudyReport<R>) -> String {
         rows.add_row(row.iter().enumerate().map(cell));
     }
     let mut text = format!("{}\n\n{}\n\n", wrap(WIDTH, &report.sentence, "", ""), finish(&mut rows));
-    for (row, remark) in shown.rows.iter().zip(&shown.remarks) {
+    for (row, remark) in shown.rows.iter().zip(&shown.remarks).filter(|(_, remark)| !remark.is_empty()) {
         text.push_str(&wrap(WIDTH, &format!("{}: {remark}", row[..shown.words.len()].join(" ")), "- ", "  "));
         text.push('\n');
     }

@@ -5,8 +5,8 @@ use super::plot::draw_trunk;
 use super::{COLOURS, TrunkCurves};
 use crate::report::plot::axis::Axis;
 use crate::report::plot::canvas::{
-    Area, Drawn, EXTENSIVE, INK, LegendEntry, Look, MEASURED, POSITIVE, RIGHT, Sign, WIDTH, diamond, filled, legend, px,
-    sketch, stroke, text,
+    Area, Drawn, EXTENSIVE, INK, LegendEntry, Look, MEASURED, POSITIVE, RIGHT, Sign, WIDTH, diamond, filled, legend,
+    px, sketch, stroke, text,
 };
 use crate::report::{Figure, ReportError};
 use plotters::prelude::{Circle, PathElement, Rectangle};
@@ -15,7 +15,7 @@ use plotters::style::{Color, RGBColor};
 
 const ROW: f64 = 24.0;
 /// Where the names end and the plane begins \[px\].
-const NAMES: f64 = 300.0;
+const NAMES: f64 = 290.0;
 const GRID: RGBColor = RGBColor(224, 224, 224);
 
 /// A row of a comparison.
@@ -46,10 +46,8 @@ pub struct PairedCurves {
 /// [`ReportError::Font`] and [`ReportError::Draw`], neither of which depends on the data.
 pub fn comparison_figure(title: &str, x_label: &str, rows: &[Comparison]) -> Result<String, ReportError> {
     let axis = Axis::over(rows.iter().flat_map(|row| [row.printed, row.ours]).flatten(), 0.06);
-    let names = [
-        (Sign::Diamond, MEASURED.to_rgba(), "thesis".to_owned()),
-        (Sign::Dot, EXTENSIVE.to_rgba(), "here".to_owned()),
-    ];
+    let names =
+        [(Sign::Diamond, MEASURED.to_rgba(), "thesis".to_owned()), (Sign::Dot, EXTENSIVE.to_rgba(), "here".to_owned())];
     let labels: Vec<&str> = rows.iter().map(|row| row.name.as_str()).collect();
     plane(title, x_label, &names, &axis, &labels, |root, k, y| {
         if let Some(value) = rows[k].printed {
@@ -57,7 +55,10 @@ pub fn comparison_figure(title: &str, x_label: &str, rows: &[Comparison]) -> Res
         }
         match rows[k].ours {
             Some(value) => root.draw(&Circle::new((px(at(&axis, value)), px(y)), px(4.0), filled(EXTENSIVE, 1.0))),
-            None => text(root, (NAMES + 8.0, y), "no result here", Look { colour: MEASURED, ..Look::default() }),
+            None => {
+                let look = Look { colour: MEASURED, size: 11.0, anchor: HPos::Right, ..Look::default() };
+                text(root, (WIDTH - RIGHT, y), "not run here", look)
+            }
         }
     })
 }
@@ -95,12 +96,12 @@ pub fn sensitivity_figure(
     })
 }
 
-fn at(axis: &Axis, value: f64) -> f64 {
+pub(super) fn at(axis: &Axis, value: f64) -> f64 {
     NAMES + axis.share(value) * (WIDTH - RIGHT - NAMES)
 }
 
 /// Names at the left, an axis below, whatever `row` draws in each row at its height.
-fn plane(
+pub(super) fn plane(
     title: &str,
     x_label: &str,
     names: &[LegendEntry],
@@ -108,10 +109,12 @@ fn plane(
     labels: &[&str],
     row: impl Fn(&Area<'_>, usize, f64) -> Drawn,
 ) -> Result<String, ReportError> {
-    let begin = 66.0;
+    let begin = if names.is_empty() { 40.0 } else { 66.0 };
     let bottom = begin + ROW * labels.len() as f64 + 6.0;
     sketch(title, bottom + 50.0, |root| {
-        legend(root, names)?;
+        if !names.is_empty() {
+            legend(root, names)?;
+        }
         let rule = |x: f64, style| root.draw(&PathElement::new([(px(x), px(begin)), (px(x), px(bottom))], style));
         let centred = Look { size: 11.0, anchor: HPos::Center, ..Look::default() };
         for (tick, label) in axis.ticks() {
@@ -136,9 +139,7 @@ fn plane(
 pub fn joints_figure(title: &str, names: &[&str], joints: &[PairedCurves]) -> Result<String, ReportError> {
     let entries: Vec<LegendEntry> =
         names.iter().zip(COLOURS).map(|(name, colour)| (Sign::Line, colour.to_rgba(), (*name).to_owned())).collect();
-    let panel = |joint: &'_ PairedCurves| -> Vec<(usize, RGBColor)> {
-        (0..joint.columns.len()).zip(COLOURS).collect()
-    };
+    let panel = |joint: &'_ PairedCurves| -> Vec<(usize, RGBColor)> { (0..joint.columns.len()).zip(COLOURS).collect() };
     let panels: Vec<Panel<'_>> = joints
         .iter()
         .map(|joint| Panel {

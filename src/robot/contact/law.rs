@@ -1,6 +1,7 @@
 //! One contact: forces and their derivatives (eqs 2.3-2.6).
 
 use super::FloorParameters;
+use super::exp::{exp, tanh};
 use nalgebra::{Matrix3, Vector3};
 
 /// A point that friction holds creeps so slowly per newton \[N s/m\]: 6 micrometres in a minute under 1 N.
@@ -62,10 +63,10 @@ impl FloorParameters {
             let slope = s * if is_stribeck { mu_st } else { mu_c } + mu_v;
             return Sliding { coefficient: slope * v, over_speed_s_m: slope, slope_s_m: slope };
         }
-        let tanh = (s * v).tanh();
+        let tanh = tanh(s * v);
         let tanh_slope = s * (1.0 - tanh * tanh);
         let (coefficient, slope_s_m) = if is_stribeck {
-            let part = (-(v / v_st).powi(2)).exp();
+            let part = exp(-(v / v_st) * (v / v_st));
             let part_slope = -2.0 * v / (v_st * v_st) * part;
             let over = mu_st * tanh - mu_c;
             (mu_c + over * part + mu_v * v, mu_st * tanh_slope * part + over * part_slope + mu_v)

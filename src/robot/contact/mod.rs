@@ -14,6 +14,7 @@
 //!
 //! - [`Resting`]: points that have stood for a while are held, for (2.4) alone creeps under any load.
 
+mod exp;
 mod floor;
 mod law;
 mod resting;
