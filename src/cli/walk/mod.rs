@@ -91,7 +91,7 @@ pub(super) struct WalkArgs {
     #[arg(long, value_enum, default_value_t = MethodArg::Stiff)]
     method: MethodArg,
     /// Longest step of stiff, rk2 and rk4 [s] [default: 0.0005 for stiff, 0.001 in the air,
-    /// 0.0001 for --falls, 1e-5 for rk2 and rk4]
+    /// 0.0002 for more than a minute, 0.0001 for --falls, 1e-5 for rk2 and rk4]
     #[arg(long, value_name = "S")]
     step: Option<f64>,
     /// Tolerance of dormand-prince, adams and bdf [rad, rad/s, and relative]
@@ -146,7 +146,12 @@ impl WalkArgs {
     }
 
     fn method(&self) -> Method {
-        self.method_by(if self.air { 1e-3 } else { 5e-4 })
+        let is_long = self.duration.is_some_and(|duration_s| duration_s > LONG_S);
+        self.method_by(match (self.air, is_long) {
+            (true, _) => 1e-3,
+            (false, true) => 2e-4,
+            (false, false) => 5e-4,
+        })
     }
 
     /// With another step of the stiff method where none was asked for [s].
@@ -162,6 +167,9 @@ impl WalkArgs {
         }
     }
 }
+
+/// A walk that is longer takes shorter steps: what they leave of error turns the heading a little with every cycle [s].
+const LONG_S: f64 = 60.0;
 
 /// Steps per second beyond which no leg of this size walks [1/s].
 const FASTEST_HZ: f64 = 50.0;
