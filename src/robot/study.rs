@@ -235,7 +235,8 @@ pub fn joints_of(
     Ok(joints)
 }
 
-/// The floor of a study's numbers; what it leaves out is as in the reference walk.
+/// The floor of a study's numbers; what it leaves out is as in the reference walk, and feet that stand are not held
+/// beyond (2.4).
 pub fn floor_of(spec: &FloorSpec) -> FloorParameters {
     let default = FloorParameters::default();
     FloorParameters {
@@ -248,6 +249,7 @@ pub fn floor_of(spec: &FloorSpec) -> FloorParameters {
         steepness_s_m: spec.steepness_s_m.unwrap_or(default.steepness_s_m),
         stribeck_speed_m_s: spec.stribeck_speed_m_s.unwrap_or(default.stribeck_speed_m_s),
         torsion_radius_m: spec.torsion_radius_m.unwrap_or(default.torsion_radius_m),
+        dwell_s: f64::INFINITY,
         ..default
     }
 }

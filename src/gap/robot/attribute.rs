@@ -20,8 +20,8 @@ pub(super) struct Attribution {
 /// Candidates that are refitted, and of one cause at most so many.
 const TRIED: usize = 8;
 const OF_A_CAUSE: usize = 3;
-/// Seconds that are refitted.
-const TRIED_SECOND: usize = 5;
+/// Seconds that are refitted; fewer where every trial is a walk.
+const TRIED_SECOND: [usize; 2] = [5, 3];
 /// What gains less to first order is not worth a refit.
 const LEAST_GAIN: f64 = 6.0;
 /// From this gain on a first cause is worth a search for a second.
@@ -50,7 +50,7 @@ pub(super) fn attribute(
         let shares = candidate.place.joints.iter().any(|joint| named.place.joints.contains(joint));
         candidate.cause != named.cause || (!shares && !candidate.cause.is_of_robot())
     };
-    let pairs = self::chosen(&rest, TRIED_SECOND, is_other);
+    let pairs = self::chosen(&rest, TRIED_SECOND[usize::from(!bench.case.is_clamped())], is_other);
     let pair = |candidate: &Candidate| refine(bench, vec![named.clone(), part(candidate)]);
     let seconds = best(pairs.into_par_iter().filter_map(pair).collect());
     Attribution { columns, given, firsts, seconds }

@@ -34,7 +34,8 @@ pub(super) struct Hypothesis {
 }
 
 /// Trial points for one hypothesis.
-const SIMULATIONS: usize = 26;
+const CLAMPED: usize = 26;
+const ON_THE_FLOOR: usize = 16;
 /// A step gains less than this: done.
 const DONE: f64 = 0.5;
 /// Change of a value for its slope, in units of its scale: on the floor only large changes rise above where feet happen
@@ -117,7 +118,8 @@ pub(super) fn refine(bench: &Bench<'_>, parts: Vec<Part>) -> Option<Hypothesis> 
         let given = bench.residual();
         Some(bench.noise.weigh(given.iter().zip(&difference).map(|(given, change)| given - change).collect()))
     };
-    let nudge = if bench.case.is_clamped() { NUDGE_CLAMPED } else { NUDGE_ON_THE_FLOOR };
+    let (nudge, most) =
+        if bench.case.is_clamped() { (NUDGE_CLAMPED, CLAMPED) } else { (NUDGE_ON_THE_FLOOR, ON_THE_FLOOR) };
     let stepped = |parts: &[Part], (part, value): (usize, usize), by: f64| {
         let mut there = parts.to_vec();
         there[part].values[value] = moved(&parameters[part][value], there[part].values[value], by);
@@ -174,7 +176,7 @@ pub(super) fn refine(bench: &Bench<'_>, parts: Vec<Part>) -> Option<Hypothesis> 
             }
             damping *= 8.0;
         }
-        if gained.is_none_or(|gained| gained < DONE) || simulations >= SIMULATIONS {
+        if gained.is_none_or(|gained| gained < DONE) || simulations >= most {
             break;
         }
     }

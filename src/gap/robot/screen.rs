@@ -32,8 +32,10 @@ pub(super) struct Candidate {
 
 /// How long a walk is simulated to screen a cause: from the begin of the motion on \[s\].
 const WINDOW_S: f64 = 4.6;
-/// Joints that are looked at closely where every try costs a walk, and joints whose sets are.
-const SUSPECTS: usize = 3;
+/// Where every try costs a walk: joints that are tried alone, joints of which pairs are tried as such (other pairs are
+/// sums of their joints), and joints of which three in four must be in a larger set.
+const ALONE: usize = 4;
+const IN_PAIRS: usize = 3;
 const IN_SETS: usize = 6;
 /// Free play is slow to simulate: it is tried on the joints that have most left only.
 const PLAYS: usize = 3;
@@ -130,39 +132,33 @@ fn clamped(bench: &Bench<'_>, considered: &dyn Fn(Cause) -> bool, suspects: &[us
     (0..longest).into_par_iter().flat_map(all_at_once).collect()
 }
 
-/// With the trunk free every try is a walk: closely on the joints that have most left, coarsely on sets of them, and the
-/// causes of the whole robot.
+/// With the trunk free every try is a walk: on the joints that have most left, on sets of them, and on the whole robot.
 fn free(bench: &Bench<'_>, considered: &dyn Fn(Cause) -> bool, suspects: &[usize]) -> Vec<Column> {
-    let few = &suspects[..suspects.len().min(SUSPECTS)];
-    let more = &suspects[..suspects.len().min(IN_SETS)];
+    let among = |place: &Place, first: usize| {
+        place.joints.iter().filter(|joint| suspects.iter().take(first).any(|suspect| suspect == *joint)).count()
+    };
     let named: Vec<(usize, &str)> =
         bench.layout.moving().into_iter().map(|joint| (joint, bench.case.names[joint].as_str())).collect();
-    let all = named.len();
-    let is_close = |place: &Place| {
-        let members = place.joints.iter().filter(|joint| more.contains(joint)).count();
-        match place.joints.len() {
-            1 => few.contains(&place.joints[0]),
-            2 => members == 2 && place.joints.iter().any(|joint| few.contains(joint)),
-            n if n == all => true,
-            n => 4 * members >= 3 * n,
-        }
+    let is_near = |place: &Place| match place.joints.len() {
+        1 => among(place, ALONE) == 1,
+        2 => among(place, IN_PAIRS) == 2,
+        n => n == named.len() || 4 * among(place, IN_SETS) >= 3 * n,
     };
     let mut tries: Vec<(Cause, Place, usize, Start)> = Vec::new();
-    for place in places(&named).into_iter().filter(is_close) {
-        let grid = if place.joints.len() == 1 { Grid::Fine } else { Grid::Coarse };
+    for place in places(&named).into_iter().filter(is_near) {
         for cause in joint_causes(considered) {
-            if place.joints.len() > 4 && cause == Cause::Effect(EffectId::Backlash) {
+            if place.joints.len() > 4 && is_of_one_joint(cause) {
                 continue;
             }
             // Of the set the joint that is asked for most.
             let most = |joint: &&usize| (bench.reach[**joint].torque_nm * 1e9) as u64;
             let Some(joint) = place.joints.iter().max_by_key(most) else { continue };
-            let starts = starts(bench, cause, *joint, grid).into_iter().enumerate();
+            let starts = starts(bench, cause, *joint, Grid::Coarse).into_iter().enumerate();
             tries.extend(starts.map(|(number, start)| (cause, place.clone(), number, start)));
         }
     }
     for cause in Cause::OF_ROBOT.into_iter().filter(|cause| considered(*cause)) {
-        let starts = starts(bench, cause, 0, Grid::Fine).into_iter().enumerate();
+        let starts = starts(bench, cause, 0, Grid::Coarse).into_iter().enumerate();
         tries.extend(starts.map(|(number, start)| (cause, Place::robot(), number, start)));
     }
     let none = Scatter::none(bench.case.model());
@@ -175,12 +171,18 @@ fn free(bench: &Bench<'_>, considered: &dyn Fn(Cause) -> bool, suspects: &[usize
     tries.into_par_iter().filter_map(one).collect()
 }
 
+/// Whether no robot has it in all its joints.
+fn is_of_one_joint(cause: Cause) -> bool {
+    use EffectId::{Backlash, EndStop, PositionFriction};
+    [Backlash, EndStop, PositionFriction].into_iter().any(|effect| cause == Cause::Effect(effect))
+}
+
 /// Until when the screening simulates \[s\].
 pub(super) fn window_s(bench: &Bench<'_>) -> f64 {
     bench.case.logs.iter().map(|log| log.motion_begins_s() + WINDOW_S).fold(0.0, f64::max)
 }
 
-/// Candidates by gain, best first. In the clamped robot sets of joints are sums of their joints.
+/// Candidates by gain, best first. A set of joints that was not tried as such is the sum of its joints.
 pub(super) fn rank(bench: &Bench<'_>, columns: &[Column], residual: &[f64]) -> Vec<Candidate> {
     let is_clamped = bench.case.is_clamped();
     let windowed = (!is_clamped).then(|| {
@@ -213,27 +215,31 @@ pub(super) fn rank(bench: &Bench<'_>, columns: &[Column], residual: &[f64]) -> V
         let gain = amplitude * (2.0 * along - amplitude * size);
         Some(Candidate { cause: members[0].cause, place: place.clone(), values: start.at(amplitude), gain })
     };
-    let mut candidates: Vec<Candidate> = if is_clamped {
-        let named: Vec<(usize, &str)> =
-            bench.layout.moving().into_iter().map(|joint| (joint, bench.case.names[joint].as_str())).collect();
-        let places = places(&named);
-        let mut kinds: Vec<(Cause, usize)> = columns.iter().map(|column| (column.cause, column.number)).collect();
-        kinds.sort_unstable();
-        kinds.dedup();
-        let of_kind = |(cause, number): (Cause, usize)| -> Vec<Candidate> {
-            let those: Vec<&Column> =
-                columns.iter().filter(|column| (column.cause, column.number) == (cause, number)).collect();
-            let on = |place: &Place| {
-                let members: Vec<&Column> =
-                    those.iter().copied().filter(|column| place.joints.contains(&column.place.joints[0])).collect();
-                (members.len() == place.joints.len()).then(|| judge(&members, place)).flatten()
-            };
-            places.iter().filter_map(on).collect()
+    let named: Vec<(usize, &str)> =
+        bench.layout.moving().into_iter().map(|joint| (joint, bench.case.names[joint].as_str())).collect();
+    let places = places(&named);
+    let mut kinds: Vec<(Cause, usize)> = columns.iter().map(|column| (column.cause, column.number)).collect();
+    kinds.sort_unstable();
+    kinds.dedup();
+    let of_kind = |(cause, number): (Cause, usize)| -> Vec<Candidate> {
+        let those: Vec<&Column> =
+            columns.iter().filter(|column| (column.cause, column.number) == (cause, number)).collect();
+        let on = |place: &Place| {
+            if let Some(whole) = those.iter().find(|column| column.place == *place) {
+                return judge(&[whole], place);
+            }
+            let is_member =
+                |column: &&Column| column.place.joints.len() == 1 && place.joints.contains(&column.place.joints[0]);
+            let members: Vec<&Column> = those.iter().copied().filter(is_member).collect();
+            (members.len() == place.joints.len()).then(|| judge(&members, place)).flatten()
         };
-        kinds.into_par_iter().flat_map(of_kind).collect()
-    } else {
-        columns.par_iter().filter_map(|column| judge(&[column], &column.place)).collect()
+        let everywhere = std::iter::once(Place::robot()).filter(|_| cause.is_of_robot());
+        everywhere
+            .chain(places.iter().filter(|_| !cause.is_of_robot()).cloned())
+            .filter_map(|place| on(&place))
+            .collect()
     };
+    let mut candidates: Vec<Candidate> = kinds.into_par_iter().flat_map(of_kind).collect();
     candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     candidates
 }

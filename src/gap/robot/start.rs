@@ -71,10 +71,14 @@ impl Cause {
             Cause::Effect(E::QuadraticDrag) => vec![size(&[0.003], GROWN)],
             Cause::Effect(E::AsymmetricFriction) => vec![size(&[0.3 * coulomb.max(1e-3)], EITHER_WAY)],
             Cause::Effect(E::PositionFriction) => {
-                [0.0, 1.0, 2.0, -1.0].map(|quarters| size(&[0.5, quarters * FRAC_PI_2], [0.0, 2.0])).to_vec()
+                let quarters: &[f64] = if is_coarse { &[0.0, 2.0] } else { &[0.0, 1.0, 2.0, -1.0] };
+                quarters.iter().map(|quarters| size(&[0.5, quarters * FRAC_PI_2], [0.0, 2.0])).collect()
             }
             Cause::Effect(E::FrictionDrift) => vec![size(&[0.02], EITHER_WAY)],
-            Cause::Effect(E::Backlash) => [0.004, 0.012, 0.035].map(|play| Start::fixed(&[play, 0.25])).to_vec(),
+            Cause::Effect(E::Backlash) => {
+                let plays: &[f64] = if is_coarse { &[0.012] } else { &[0.004, 0.012, 0.035] };
+                plays.iter().map(|play| Start::fixed(&[*play, 0.25])).collect()
+            }
             Cause::Effect(E::JointSpring) => [low - 0.1, high + 0.1].map(|rest| size(&[0.05, rest], GROWN)).to_vec(),
             Cause::Effect(E::EndStop) => {
                 let shares: &[f64] = if is_coarse { &[0.04, 0.2] } else { &[0.01, 0.04, 0.1, 0.2, 0.35] };
