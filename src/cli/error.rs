@@ -1,6 +1,7 @@
 //! How a command fails, and with which exit code.
 
 use crate::gap::GapError;
+use crate::gap::robot::RobotGapError;
 use crate::identify::{CaseError, DropError};
 use crate::log::LogError;
 use crate::report::ReportError;
@@ -37,6 +38,12 @@ pub enum CliError {
     /// No diagnosis can be made.
     #[error(transparent)]
     Gap(#[from] GapError),
+    /// A robot study does not make a case.
+    #[error(transparent)]
+    RobotCase(Box<SimulateError>),
+    /// No diagnosis of a robot can be made.
+    #[error(transparent)]
+    RobotGap(#[from] RobotGapError),
     /// A figure cannot be drawn.
     #[error(transparent)]
     Report(#[from] ReportError),
@@ -125,8 +132,14 @@ impl CliError {
                 TablesError::Rejected(_) | TablesError::Diverged(_) => NOT_CONVERGED,
                 _ => DATA,
             },
+            CliError::RobotCase(error) | CliError::Simulate(error)
+                if let SimulateError::File(error) | SimulateError::Robot(RobotError::File(error)) = error.as_ref() =>
+            {
+                of_file(error)
+            }
+            // All that a robot study is made of stands in files.
+            CliError::RobotCase(_) => DATA,
             CliError::Simulate(error) => match error.as_ref() {
-                SimulateError::File(error) | SimulateError::Robot(RobotError::File(error)) => of_file(error),
                 SimulateError::Value { .. } | SimulateError::NoSet { .. } => USAGE,
                 _ => DATA,
             },
@@ -140,10 +153,12 @@ impl CliError {
             CliError::Drop(DropError::Directive(_)) => USAGE,
             CliError::Drop(DropError::NeverMoved) => NO,
             CliError::Gap(GapError::NoNominal) => DATA,
-            CliError::Gap(GapError::NeverMoved) => NO,
-            CliError::Gap(_) | CliError::Drop(_) | CliError::Diverged { .. } | CliError::NotFinite { .. } => {
-                NOT_CONVERGED
-            }
+            CliError::Gap(GapError::NeverMoved) | CliError::RobotGap(RobotGapError::NeverMoved) => NO,
+            CliError::Gap(_)
+            | CliError::RobotGap(_)
+            | CliError::Drop(_)
+            | CliError::Diverged { .. }
+            | CliError::NotFinite { .. } => NOT_CONVERGED,
             CliError::Case(_) | CliError::FitFile { .. } | CliError::Robot(_) | CliError::States { .. } => DATA,
             CliError::Report(_) | CliError::Threads(_) | CliError::Encode(_) => IO,
         }

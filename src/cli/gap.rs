@@ -1,58 +1,74 @@
-//! `aibo-fit gap`: where model and logs of a joint part, which effect is behind it, how far the gap closes.
+//! `aibo-fit gap`: where model and logs of a joint part, which effect is behind it, how far the gap closes. Robot studies
+//! go to [`robot_gap`].
 
-use super::CliError;
 use super::common::{CommonArgs, json_text, print, study_name, write_outputs};
 use super::progress::Progress;
 use super::provenance::provenance;
 use super::still::never_moved;
+use super::{CliError, robot_gap};
+use crate::gap::robot::{Cause, UnknownCause};
 use crate::gap::{GapError, GapOptions, diagnose};
 use crate::identify::Case;
-use crate::joint::{EffectId, UnknownEffect};
-use crate::log::Outputs;
+use crate::joint::EffectId;
+use crate::log::{Outputs, StudyKind, study_kind};
 use crate::report::{FitFile, GapReport, NEXT_FILE, gap_figures, gap_json, gap_text, render_gap_html};
 use clap::Args;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-/// Diagnose the gap between a joint's nominal model and its logs
+/// Diagnose the gap between a nominal model and logs, of a joint or of the whole robot
 ///
 /// Says where the two part, which unmodelled effect is behind it, and how far the gap closes when that effect is added;
 /// or that nothing is missing, that only the given numbers are off, that these logs cannot tell two effects apart, or
 /// that no effect of the catalogue explains them. Prints the answer, and writes report.html, the figures as SVG,
-/// fit.json (for simulate --fit), and next.csv (t [s], q_ref [rad]) where a motion would tell more.
+/// fit.json (for simulate --fit), and next.csv (t [s], q_ref [rad]) where a motion would tell more. Of a robot study (one
+/// with [robot]) it says which joints and which phase of the gait as well.
 #[derive(Args, Debug)]
 #[command(after_help = after_help())]
 pub(super) struct GapArgs {
     /// The study: nominal model and logs in one TOML file
     #[arg(value_name = "STUDY")]
-    study: PathBuf,
+    pub study: PathBuf,
     /// Withhold effects from the catalogue, separated by commas [default: none]
-    #[arg(long, value_name = "IDS", value_delimiter = ',', value_parser = effect)]
-    without: Vec<EffectId>,
+    #[arg(long, value_name = "IDS", value_delimiter = ',', value_parser = cause)]
+    pub without: Vec<Cause>,
     /// Consider these effects only, separated by commas [default: all]
-    #[arg(long, value_name = "IDS", value_delimiter = ',', value_parser = effect)]
-    only: Vec<EffectId>,
-    /// Measure the probabilities on so many twins of this study; 0: take the rates that come with the program
+    #[arg(long, value_name = "IDS", value_delimiter = ',', value_parser = cause)]
+    pub only: Vec<Cause>,
+    /// Measure the probabilities on so many twins of this joint study; 0: take the rates that come with the program
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=100_000))]
-    twins: u32,
+    pub twins: u32,
     /// Seed of the twins
     #[arg(long, value_name = "S", default_value_t = 0)]
     seed: u64,
     #[command(flatten)]
-    common: CommonArgs,
+    pub common: CommonArgs,
 }
 
 fn after_help() -> String {
     let ids: Vec<&str> = EffectId::ALL.iter().map(|effect| effect.id()).collect();
+    let more: Vec<&str> = Cause::all().filter(|cause| !matches!(cause, Cause::Effect(_))).map(Cause::id).collect();
     format!(
-        "Effects: {}.\nAngles are in rad, times in s, torques in N m; the exit code is 0 for any verdict.\n\n\
+        "Effects: {}; of a robot also {}.\nAngles are in rad, times in s, torques in N m; the exit code is 0 for any verdict.\n\n\
          Example: aibo-fit gap study.toml --without delay,backlash",
-        ids.join(", ")
+        ids.join(", "),
+        more.join(", ")
     )
 }
 
-fn effect(word: &str) -> Result<EffectId, UnknownEffect> {
+fn cause(word: &str) -> Result<Cause, UnknownCause> {
     word.trim().parse()
+}
+
+/// Causes that a joint has; those of a robot alone are refused.
+fn effects(causes: &[Cause]) -> Result<Vec<EffectId>, CliError> {
+    let effect = |cause: &Cause| match cause {
+        Cause::Effect(effect) => Ok(*effect),
+        other => {
+            Err(CliError::Usage(format!("`{other}` is a cause of a whole robot, and this is the study of a joint")))
+        }
+    };
+    causes.iter().map(effect).collect()
 }
 
 /// Runs the command.
@@ -60,9 +76,12 @@ pub(super) fn run(args: &GapArgs) -> Result<u8, CliError> {
     if let Some(both) = args.only.iter().find(|effect| args.without.contains(effect)) {
         return Err(CliError::Usage(format!("`{both}` stands in --without and in --only; leave it out of one")));
     }
+    if study_kind(&args.study)? == StudyKind::Robot {
+        return robot_gap::run(args);
+    }
     let options = GapOptions {
-        without: args.without.clone(),
-        only: args.only.clone(),
+        without: effects(&args.without)?,
+        only: effects(&args.only)?,
         twins: args.twins as usize,
         seed: args.seed,
     };
@@ -119,9 +138,17 @@ mod tests {
 
     #[test]
     fn effects_are_read_with_blanks_or_refused_with_the_catalogue() {
-        assert_eq!(effect(" delay"), Ok(EffectId::Delay));
-        let error = effect("friction").unwrap_err().to_string();
+        assert_eq!(cause(" delay"), Ok(Cause::Effect(EffectId::Delay)));
+        let error = cause("friction").unwrap_err().to_string();
         assert!(error.contains("`friction`") && error.contains("stribeck, load_friction"), "{error}");
+    }
+
+    #[test]
+    fn causes_of_a_robot_are_none_of_a_joint() {
+        assert_eq!(effects(&[Cause::Effect(EffectId::Delay)]).unwrap(), [EffectId::Delay]);
+        let error = effects(&[Cause::Payload]).unwrap_err();
+        assert_eq!(error.exit_code(), crate::cli::error::USAGE);
+        assert!(error.to_string().contains("`payload` is a cause of a whole robot"), "{error}");
     }
 
     #[test]

@@ -9,6 +9,7 @@ mod full_drop;
 mod gap;
 mod progress;
 mod provenance;
+mod robot_gap;
 mod sensor_test;
 mod simulate;
 mod still;

@@ -12,7 +12,7 @@ pub(super) fn effect_fits(effects: &[(EffectId, Vec<Number>)]) -> Vec<EffectFit>
 }
 
 /// Parameters by name.
-pub(super) fn quantities(numbers: &[Number]) -> BTreeMap<String, Quantity> {
+pub(in crate::report) fn quantities(numbers: &[Number]) -> BTreeMap<String, Quantity> {
     numbers.iter().map(|number| (number.name.clone(), Quantity::of(&number_row(number)))).collect()
 }
 

@@ -71,7 +71,7 @@ pub fn render_gap_html(report: &GapReport) -> Result<String, ReportError> {
 }
 
 /// A text in which what stands between backticks is set as code.
-fn with_code(text: &str) -> Value {
+pub(in crate::report) fn with_code(text: &str) -> Value {
     let pieces = text.split('`').enumerate().map(|(i, piece)| {
         let escaped = HtmlEscape(piece).to_string();
         if i % 2 == 1 { format!("<code>{escaped}</code>") } else { escaped }

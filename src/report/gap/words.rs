@@ -19,7 +19,7 @@ pub(super) const DETECTABLE: &str = "Smallest size of each effect that these log
 const MOST_NAMED: usize = 4;
 
 /// A variable in a sentence.
-pub(super) fn variable(variable: Variable) -> &'static str {
+pub(in crate::report) fn variable(variable: Variable) -> &'static str {
     match variable {
         Variable::Speed => "speed",
         Variable::Direction => "direction of motion",
@@ -114,7 +114,7 @@ pub(super) fn location(location: &Where) -> String {
 }
 
 /// `between 0 and 0.40 rad/s`; a direction in words.
-fn range(variable: Variable, [low, high]: [f64; 2]) -> String {
+pub(in crate::report) fn range(variable: Variable, [low, high]: [f64; 2]) -> String {
     match (variable, low, high) {
         (Variable::Direction, _, high) if high <= 0.0 => "in the negative direction".to_owned(),
         (Variable::Direction, low, _) if low >= 0.0 => "in the positive direction".to_owned(),
@@ -129,7 +129,7 @@ fn spoken(unit: &str) -> &str {
 }
 
 /// `mu_st 0.0120 [0.0110, 0.0130] N m`
-pub(super) fn parameter(number: &Number) -> String {
+pub(in crate::report) fn parameter(number: &Number) -> String {
     match number.interval {
         Some(interval) if number.value.is_finite() => {
             let WithUncertainty { value, low, high } = format_with_uncertainty(number.value, interval);
@@ -142,16 +142,19 @@ pub(super) fn parameter(number: &Number) -> String {
 
 /// `mu_st 0.0031 N m`, or that the logs cannot show it.
 pub(super) fn threshold(detectable: &Detectable) -> String {
-    match detectable.value {
-        Some(value) => {
-            format!("{} {} {}", detectable.name, significant(value, 2), spoken(detectable.unit)).trim_end().to_owned()
-        }
+    size(detectable.name, detectable.value, detectable.unit)
+}
+
+/// The smallest size of a parameter that would have been seen; `None`: none would.
+pub(in crate::report) fn size(name: &str, value: Option<f64>, unit: &str) -> String {
+    match value {
+        Some(value) => format!("{name} {} {}", significant(value, 2), spoken(unit)).trim_end().to_owned(),
         None => "not at any size".to_owned(),
     }
 }
 
 /// `0.93 [0.90, 0.95]` as percentages.
-pub(super) fn closed(closed: Option<f64>, interval: Option<[f64; 2]>) -> String {
+pub(in crate::report) fn closed(closed: Option<f64>, interval: Option<[f64; 2]>) -> String {
     match (closed, interval) {
         (Some(closed), Some([low, high])) if low.is_finite() && high.is_finite() => {
             format!("{} [{}, {}]", percent(closed), percent(low), percent(high))

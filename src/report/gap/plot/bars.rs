@@ -20,26 +20,29 @@ const COLUMN: f64 = 92.0;
 /// A bar that is so many times longer than the others is cut.
 const TOO_LONG: f64 = 3.0;
 
-struct Bar {
-    name: String,
-    value: f64,
-    colour: RGBColor,
-    bold: bool,
+/// A bar with its name to the left and words to the right.
+pub(in crate::report) struct Bar {
+    pub name: String,
+    pub value: f64,
+    pub colour: RGBColor,
+    pub bold: bool,
     /// One for each column.
-    words: Vec<String>,
+    pub words: Vec<String>,
 }
 
-struct Bars<'a> {
-    title: &'a str,
-    legend: Vec<LegendEntry>,
-    label: &'a str,
-    columns: &'a [&'a str],
-    bars: Vec<Bar>,
+/// Bars under each other, over a ruler that begins at 0.
+pub(in crate::report) struct Bars<'a> {
+    pub title: &'a str,
+    pub legend: Vec<LegendEntry>,
+    pub label: &'a str,
+    pub columns: &'a [&'a str],
+    pub bars: Vec<Bar>,
     /// A value that is marked through all rows.
-    mark: Option<f64>,
+    pub mark: Option<f64>,
 }
 
-fn draw(picture: &Bars<'_>) -> Result<String, ReportError> {
+/// Draws bars; one that is much longer than the others is cut.
+pub(in crate::report) fn draw(picture: &Bars<'_>) -> Result<String, ReportError> {
     let longest = longest(&picture.bars);
     let axis = Axis::between(0.0, if longest > 0.0 { longest } else { 1.0 });
     let top = if picture.legend.is_empty() { 34.0 } else { legend_end(&picture.legend) };

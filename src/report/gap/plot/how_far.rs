@@ -23,10 +23,16 @@ pub(super) fn how_far(diagnosis: &Diagnosis) -> Result<String, ReportError> {
         floor: gap.floor,
     };
     let logs: Vec<&LogGap> = gap.per_log.iter().chain([&all]).collect();
+    let title = format!("{}: error of each held-out log", diagnosis.joint);
+    errors(&title, &logs, words::answer(diagnosis))
+}
+
+/// Draws errors of logs or joints, each under the name `file`; the last row is set off. `answer` is what was added for
+/// the errors after; without it these are left out.
+pub(in crate::report) fn errors(title: &str, logs: &[&LogGap], answer: Option<String>) -> Result<String, ReportError> {
     let axis = Axis::logarithmic(logs.iter().flat_map(|log| values(log)).map(|(rms_rad, _)| 1e3 * rms_rad));
     let files: Vec<&str> = logs.iter().map(|log| log.file.as_str()).collect();
     let files = words::names_without_folder(&files);
-    let answer = words::answer(diagnosis);
     let mut names = vec![
         (Sign::Dot, BEFORE.to_rgba(), "as given".to_owned()),
         (Sign::Dot, CALIBRATED.to_rgba(), "recalibrated".to_owned()),
@@ -35,7 +41,7 @@ pub(super) fn how_far(diagnosis: &Diagnosis) -> Result<String, ReportError> {
     names.push((Sign::Diamond, BAND.to_rgba(), "the sensor's own noise".to_owned()));
     let height = legend_end(&names) + 4.0 + ROW * logs.len() as f64 + RULER;
 
-    sketch(&format!("{}: error of each held-out log", diagnosis.joint), height, |root| {
+    sketch(title, height, |root| {
         let top = legend(root, &names)?;
         let label = "RMS of the angle error [mrad], logarithmic";
         let rows = Ruled { axis: &axis, label, right: WIDTH - RIGHT, top: top + 4.0, rows: logs.len() };

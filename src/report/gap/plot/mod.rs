@@ -1,8 +1,8 @@
 //! Figures of a diagnosis as SVG.
 
-mod bars;
+pub(in crate::report) mod bars;
 mod cells;
-mod how_far;
+pub(in crate::report) mod how_far;
 mod log;
 mod motion;
 mod ruled;
@@ -37,7 +37,8 @@ pub fn gap_figures(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
     Ok([place, which, twins, how_far, logs, parameters, next].into_iter().flatten().collect())
 }
 
-fn figure(name: &str, title: &str, caption: &str, svg: String) -> Figure {
+/// A figure with its file's name.
+pub(in crate::report) fn figure(name: &str, title: &str, caption: &str, svg: String) -> Figure {
     Figure { file_name: format!("{name}.svg"), title: title.to_owned(), caption: caption.to_owned(), svg }
 }
 

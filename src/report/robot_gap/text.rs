@@ -1,0 +1,158 @@
+//! A robot's diagnosis as text for a terminal.
+
+use comfy_table::{Cell, Table};
+
+use super::RobotGapReport;
+use super::words;
+use crate::gap::robot::{GaitCell, GaitPhase, RobotCandidate, RobotDiagnosis, RobotGap};
+use crate::report::gap::words as joint_words;
+use crate::report::number::{UNKNOWN, percent, significant};
+use crate::report::rows::shorten;
+use crate::report::text::{finish, number, one_line, table, wrap};
+
+/// Columns of the text.
+const WIDTH: usize = 100;
+/// Characters of a file name.
+const NAME: usize = 36;
+
+/// Writes a robot's diagnosis as plain text, as a rule at most 100 columns wide, ending in a newline.
+///
+/// The sentence with its probability, where the gap lies, which causes were refitted, how far the gap closes joint by
+/// joint and in the trunk's way, what the logs could have shown, what to do next, then the notes.
+pub fn robot_gap_text(report: &RobotGapReport) -> String {
+    let diagnosis = &report.diagnosis;
+    let answer = &diagnosis.answer;
+    let sure =
+        format!("Probability {}: {}.", percent(answer.probability), answer.probability_source.trim_end_matches('.'));
+    let blocks = [
+        Some(format!("{}\n{}", paragraph(&answer.sentence), paragraph(&sure))),
+        Some(location(diagnosis)),
+        (!diagnosis.ranking.is_empty()).then(|| ranking(diagnosis)),
+        Some(how_far(&diagnosis.gap)),
+        displacement(&diagnosis.gap),
+        detectable(diagnosis),
+        next(diagnosis),
+        notes(report),
+    ];
+    blocks.into_iter().flatten().collect::<Vec<_>>().join("\n\n") + "\n"
+}
+
+fn paragraph(text: &str) -> String {
+    wrap(WIDTH, text, "", "")
+}
+
+fn file(name: &str) -> Cell {
+    Cell::new(shorten(&one_line(name), NAME))
+}
+
+fn mrad(rad: f64) -> Cell {
+    number(significant(1e3 * rad, 3))
+}
+
+/// Words, then the map of joint and phase.
+fn location(diagnosis: &RobotDiagnosis) -> String {
+    let location = &diagnosis.location;
+    let words = paragraph(&words::location(location));
+    if location.cells.is_empty() {
+        return words;
+    }
+    let (joints, phases) = words::joints_and_phases(&location.cells);
+    let names: Vec<&str> = phases.iter().map(|phase| phase.name()).collect();
+    let mut table = table(WIDTH, &["gap above the\nnoise [mrad RMS]"], &names);
+    for joint in joints {
+        let excess = |phase: &GaitPhase| {
+            let cell = location.cells.iter().find(|cell| cell.joint == joint && cell.phase == *phase);
+            number(cell.map_or_else(|| "-".to_owned(), excess))
+        };
+        table.add_row(std::iter::once(Cell::new(one_line(joint))).chain(phases.iter().map(excess)));
+    }
+    format!("{words}\n{}\n* more than noise alone would give", finish(&mut table))
+}
+
+fn excess(cell: &GaitCell) -> String {
+    let mark = if cell.significant { "*" } else { " " };
+    format!("{}{mark}", significant(1e3 * cell.excess_rad, 2))
+}
+
+/// Every candidate that was refitted, between what was given and the sensor's noise.
+fn ranking(diagnosis: &RobotDiagnosis) -> String {
+    let gap = &diagnosis.gap;
+    let words = ["which", "parameters with 95 % intervals"];
+    let mut table = table(WIDTH, &words, &["RMS\n[mrad]", "gap\nclosed", "behind", "probability"]);
+    let plain = |table: &mut Table, name: &str, rms: f64| {
+        table.add_row([Cell::new(name), Cell::new(""), mrad(rms)]);
+    };
+    plain(&mut table, "(as given)", gap.before);
+    plain(&mut table, "(recalibrated)", gap.calibrated);
+    if let (Some(_), Some(both)) = (&diagnosis.answer.second, words::answer(&diagnosis.answer)) {
+        plain(&mut table, &format!("({both})"), gap.after);
+    }
+    for candidate in &diagnosis.ranking {
+        let RobotCandidate { found, probability, after, closed, behind } = candidate;
+        let mark = if words::is_named(&diagnosis.answer, candidate) { " *" } else { "" };
+        table.add_row([
+            Cell::new(format!("{}{mark}", words::found(found).replacen(' ', "\n  ", 1))),
+            Cell::new(found.parameters.iter().map(joint_words::parameter).collect::<Vec<_>>().join("\n")),
+            mrad(*after),
+            number(closed.map_or_else(|| "-".to_owned(), percent)),
+            number(significant(*behind, 2)),
+            number(percent(*probability)),
+        ]);
+    }
+    plain(&mut table, "(sensor noise)", gap.floor);
+    let mut text = finish(&mut table);
+    if let Some(mark) = words::mark(&diagnosis.answer) {
+        text += &format!("\n* {mark}");
+    }
+    text
+}
+
+/// Joint by joint, log by log where there are several, and in all.
+fn how_far(gap: &RobotGap) -> String {
+    let header = ["before\n[mrad]", "calibrated\n[mrad]", "after\n[mrad]", "floor\n[mrad]"];
+    let mut table = table(WIDTH, &["RMS, held-out samples"], &header);
+    for joint in &gap.per_joint {
+        let name = Cell::new(one_line(&joint.joint));
+        table.add_row([name, mrad(joint.before), mrad(joint.calibrated), mrad(joint.after), mrad(gap.floor)]);
+    }
+    // A log without held-out samples has no error there.
+    for log in gap.per_log.iter().filter(|log| gap.per_log.len() > 1 && log.before > 0.0) {
+        table.add_row([file(&log.file), mrad(log.before), mrad(log.calibrated), mrad(log.after), mrad(log.floor)]);
+    }
+    table.add_row([Cell::new("all"), mrad(gap.before), mrad(gap.calibrated), mrad(gap.after), mrad(gap.floor)]);
+    let closed =
+        format!("Gap closed: {}. Held out: {}.", joint_words::closed(gap.closed, gap.closed_interval), gap.held_out);
+    format!("{}\n{}", finish(&mut table), paragraph(&closed))
+}
+
+fn displacement(gap: &RobotGap) -> Option<String> {
+    if gap.displacement.is_empty() {
+        return None;
+    }
+    let mut table = table(WIDTH, &["way of the trunk"], &["measured\n[m]", "as given\n[m]", "after\n[m]"]);
+    let metres = |m: f64| number(format!("{m:.3}"));
+    for log in &gap.displacement {
+        table.add_row([file(&log.file), metres(log.measured), metres(log.before), metres(log.after)]);
+    }
+    Some(finish(&mut table))
+}
+
+fn detectable(diagnosis: &RobotDiagnosis) -> Option<String> {
+    let room = diagnosis.detectable.iter().map(|d| d.cause.id().len()).max()? + 2;
+    let mut text = paragraph(words::DETECTABLE);
+    for detectable in &diagnosis.detectable {
+        text += &format!("\n  {:<room$}{}", detectable.cause.id(), words::threshold(detectable));
+    }
+    Some(text)
+}
+
+fn next(diagnosis: &RobotDiagnosis) -> Option<String> {
+    let next = diagnosis.next.as_ref()?;
+    let power = if next.power.is_finite() { percent(next.power) } else { UNKNOWN.to_owned() };
+    Some(wrap(WIDTH, &format!("{}; it would decide with probability {power}.", next.what), "Next: ", "  "))
+}
+
+fn notes(report: &RobotGapReport) -> Option<String> {
+    let notes: Vec<String> = words::notes(report).iter().map(|note| wrap(WIDTH, note, "- ", "  ")).collect();
+    (!notes.is_empty()).then(|| notes.join("\n"))
+}

@@ -1,0 +1,123 @@
+//! What the report says in words, the same on the page and in the terminal.
+
+use super::RobotGapReport;
+use crate::gap::Verdict;
+use crate::gap::robot::{Found, GaitCell, GaitPhase, RobotAnswer, RobotCandidate, RobotDetectable, RobotWhere};
+use crate::report::gap::words::{range, size, variable};
+use crate::report::number::percent;
+
+/// What stands above the sizes that would have been seen.
+pub(super) const DETECTABLE: &str =
+    "Smallest size of each cause that these logs would have shown, on the joint where it shows best:";
+
+/// From so many joints on a place is said by their number.
+const MANY: usize = 5;
+
+/// A phase in a sentence.
+fn phase(phase: GaitPhase) -> &'static str {
+    match phase {
+        GaitPhase::Hold => "while the robot stands",
+        GaitPhase::Stance => "in stance",
+        GaitPhase::Swing => "in swing",
+        GaitPhase::TouchDown => "at touch-down",
+        GaitPhase::Run => "while it swings freely",
+    }
+}
+
+/// `lf2, rf2`; `all 12 joints`; `the robot`.
+pub(super) fn place(joints: &[String]) -> String {
+    match joints.len() {
+        0 => "the robot".to_owned(),
+        n if n >= MANY => format!("{n} joints"),
+        _ => joints.join(", "),
+    }
+}
+
+/// `motor_gain lf2, rf2`
+pub(super) fn found(found: &Found) -> String {
+    if found.joints.is_empty() { found.cause.to_string() } else { format!("{} {}", found.cause, place(&found.joints)) }
+}
+
+/// The causes that were added for the answer, or the one that comes closest; `None` where nothing was added.
+pub(super) fn answer(answer: &RobotAnswer) -> Option<String> {
+    let first = answer.first.as_ref().or(answer.partial.as_ref())?;
+    let second = answer.second.as_ref().map_or_else(String::new, |second| format!(" and {}", found(second)));
+    Some(format!("with {}{second}", found(first)))
+}
+
+/// Whether a candidate is part of the answer, stands as well as it, or comes closest where there is none.
+pub(super) fn is_named(answer: &RobotAnswer, candidate: &RobotCandidate) -> bool {
+    let Found { cause, joints, .. } = &candidate.found;
+    let is = |found: &Found| found.cause == *cause && found.joints == *joints;
+    let first = answer.first.as_ref().or(answer.partial.as_ref());
+    if first.into_iter().chain(&answer.second).any(is) {
+        return true;
+    }
+    let stands = answer.places.contains(joints) || answer.first.as_ref().is_none_or(|first| first.cause != *cause);
+    answer.equivalent.contains(cause) && stands
+}
+
+/// What the candidates that [`is_named`] marks are; `None` where it marks none.
+pub(super) fn mark(answer: &RobotAnswer) -> Option<&'static str> {
+    match answer.verdict {
+        Verdict::None => None,
+        Verdict::Unexplained => answer.partial.as_ref().map(|_| "comes closest"),
+        _ if answer.equivalent.len() > 1 || answer.places.len() > 1 => Some("cannot be told apart by these logs"),
+        _ => Some("the answer"),
+    }
+}
+
+/// Joints and phases of the map, each in the order in which it is shown.
+pub(super) fn joints_and_phases(cells: &[GaitCell]) -> (Vec<&str>, Vec<GaitPhase>) {
+    let phases = GaitPhase::ALL.into_iter().filter(|phase| cells.iter().any(|cell| cell.phase == *phase)).collect();
+    let mut joints: Vec<&str> = Vec::new();
+    for cell in cells {
+        if !joints.contains(&cell.joint.as_str()) {
+            joints.push(&cell.joint);
+        }
+    }
+    (joints, phases)
+}
+
+/// Where the gap lies, in a few sentences.
+pub(super) fn location(location: &RobotWhere) -> String {
+    let when = location.phase.map_or_else(String::new, |of| format!(", most of it {}", phase(of)));
+    let mut sentences = match (location.stage, location.joints.is_empty()) {
+        (Some(stage), true) => vec![format!("The gap comes from the {}.", stage.name())],
+        (Some(stage), false) => vec![
+            format!("The gap lies in the stage `{}` of {}.", stage.name(), place(&location.joints)),
+            format!("{} of the gap is there{when}.", percent(location.share)),
+        ],
+        (None, true) => vec!["There is no gap to place.".to_owned()],
+        (None, false) => vec![
+            format!("Most of the gap is seen in {}.", place(&location.joints)),
+            format!("{} of the gap is there{when}.", percent(location.share)),
+        ],
+    };
+    if let Some(of) = location.variable {
+        let ends = location.range.map(|ends| format!(", {}", range(of, ends))).unwrap_or_default();
+        sentences.push(format!("It depends most on the {}{ends}.", variable(of)));
+    }
+    if !location.logs.is_empty() {
+        sentences.push(format!("Logs with more than their share: {}.", location.logs.join(", ")));
+    }
+    sentences.join(" ")
+}
+
+/// `mu_st 0.0031 N m`, or that the logs cannot show it.
+pub(super) fn threshold(detectable: &RobotDetectable) -> String {
+    size(detectable.name, detectable.value, detectable.unit)
+}
+
+/// The notes of the diagnosis, then what was left out or singled out by demand.
+pub(super) fn notes(report: &RobotGapReport) -> Vec<String> {
+    let mut notes = report.diagnosis.notes.clone();
+    let listed = |causes: &[crate::gap::robot::Cause]| causes.iter().map(|c| c.id()).collect::<Vec<_>>().join(", ");
+    if !report.diagnosis.withheld.is_empty() {
+        notes.push(format!("Withheld from the catalogue on demand: {}.", listed(&report.diagnosis.withheld)));
+    }
+    if !report.options.only.is_empty() {
+        notes.push(format!("Only these causes were considered, on demand: {}.", listed(&report.options.only)));
+    }
+    notes
+}
