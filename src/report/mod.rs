@@ -49,6 +49,6 @@ pub use table::drop_text;
 pub use thesis::{ThesisReport, thesis_csv, thesis_figures, thesis_html, thesis_json, thesis_markdown, thesis_text};
 pub use walk::{
     Comparison, FollowRow, Footfalls, Ground, JointCurves, LegCurves, PairedCurves, Runaway, SpeedRow, StudyReport,
-    StudyTable, TrunkCurves, WalkReport, comparison_figure, joints_figure, sensitivity_figure, study_html, study_text,
-    trunk_figure, walk_figures, walk_html, walk_text,
+    StudyTable, TrunkCurves, WalkReport, before_and_after_figure, comparison_figure, joints_figure, sensitivity_figure,
+    study_html, study_text, trunk_figure, walk_figures, walk_html, walk_text,
 };

@@ -10,6 +10,7 @@ mod integrators;
 mod plan;
 mod setting;
 mod study;
+mod weak;
 
 use super::CliError;
 use super::common::{CommonArgs, print, write_outputs};
@@ -74,6 +75,10 @@ pub(super) struct WalkArgs {
     /// Section 5.2 instead: when a gait falls, and how that time moves with each parameter by 10 %
     #[arg(long, conflicts_with_all = ["air", "setpoints", "frequency", "integrators", "frames", "converge", "export_motion"])]
     falls: bool,
+    /// Chapter 4's open question instead: why could the real q2 joints not follow? Five explanations, each made into a
+    /// "real" robot and diagnosed from its log without being told, on the floor and in the air
+    #[arg(long, conflicts_with_all = ["air", "setpoints", "frequency", "integrators", "frames", "falls", "converge", "export_motion"])]
+    weak_q2: bool,
     /// A robot in the format of data/ers7.toml [default: the embedded ERS-7]
     #[arg(long, value_name = "FILE")]
     robot: Option<PathBuf>,
@@ -192,6 +197,9 @@ pub(super) fn run(args: &WalkArgs) -> Result<u8, CliError> {
     }
     if args.frames {
         return frames::run(args, &model);
+    }
+    if args.weak_q2 {
+        return weak::run(args);
     }
     if args.falls {
         return falls::run(args, &model);

@@ -10,7 +10,10 @@ mod text;
 pub use html::walk_html;
 pub use plot::walk_figures;
 pub use study::{StudyReport, StudyTable, study_html, study_text};
-pub use study_plot::{Comparison, PairedCurves, comparison_figure, joints_figure, sensitivity_figure, trunk_figure};
+pub use study_plot::{
+    Comparison, PairedCurves, before_and_after_figure, comparison_figure, joints_figure, sensitivity_figure,
+    trunk_figure,
+};
 pub use text::walk_text;
 
 use super::plot::canvas::{EXTENSIVE, POSITIVE, SETPOINT, SIMPLE};

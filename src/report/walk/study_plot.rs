@@ -45,9 +45,21 @@ pub struct PairedCurves {
 /// # Errors
 /// [`ReportError::Font`] and [`ReportError::Draw`], neither of which depends on the data.
 pub fn comparison_figure(title: &str, x_label: &str, rows: &[Comparison]) -> Result<String, ReportError> {
+    compared(title, x_label, ["thesis", "here"], rows)
+}
+
+/// The same of a gap before (diamonds) and after (dots).
+///
+/// # Errors
+/// As [`comparison_figure`].
+pub fn before_and_after_figure(title: &str, x_label: &str, rows: &[Comparison]) -> Result<String, ReportError> {
+    compared(title, x_label, ["before", "after"], rows)
+}
+
+fn compared(title: &str, x_label: &str, of: [&str; 2], rows: &[Comparison]) -> Result<String, ReportError> {
     let axis = Axis::over(rows.iter().flat_map(|row| [row.printed, row.ours]).flatten(), 0.06);
     let names =
-        [(Sign::Diamond, MEASURED.to_rgba(), "thesis".to_owned()), (Sign::Dot, EXTENSIVE.to_rgba(), "here".to_owned())];
+        [(Sign::Diamond, MEASURED.to_rgba(), of[0].to_owned()), (Sign::Dot, EXTENSIVE.to_rgba(), of[1].to_owned())];
     let labels: Vec<&str> = rows.iter().map(|row| row.name.as_str()).collect();
     plane(title, x_label, &names, &axis, &labels, |root, k, y| {
         if let Some(value) = rows[k].printed {
