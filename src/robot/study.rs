@@ -72,7 +72,7 @@ impl Nominal {
         });
         let joints = joints_of(&model, &study.friction, &study.control, &study.file)?;
         let floor = match study.scenario {
-            RobotScenario::Floor => Some(Floor::new(floor_of(&study.floor), &model, Touching::Marked)?),
+            RobotScenario::Floor => Some(Floor::new(floor_on(&model, &study.floor), &model, Touching::Marked)?),
             _ => None,
         };
         Ok(Self {
@@ -232,12 +232,24 @@ pub fn joints_of(
             joints.drive_mut(id).set_control(PidGains { kp_nm_rad, ki_nm_rad_s, kd_nm_s_rad }, law);
         }
     }
+    joints.add_effects_of_file(model)?;
     Ok(joints)
 }
 
 /// The floor of a study's numbers; what it leaves out is as in the reference walk.
 pub fn floor_of(spec: &FloorSpec) -> FloorParameters {
-    let default = FloorParameters::default();
+    stated(FloorParameters::default(), spec)
+}
+
+/// The floor of a study's numbers; what it leaves out is as in the robot's file, else as in the reference walk.
+pub fn floor_on(model: &Model, spec: &FloorSpec) -> FloorParameters {
+    let (of_file, slope_rad) = model.floor();
+    let default = of_file.map_or_else(FloorParameters::default, floor_of);
+    let [forward_rad, right_rad] = slope_rad;
+    stated(if slope_rad == [0.0; 2] { default } else { default.sloped(forward_rad, right_rad) }, spec)
+}
+
+fn stated(default: FloorParameters, spec: &FloorSpec) -> FloorParameters {
     FloorParameters {
         stiffness_n_m: spec.stiffness_n_m.unwrap_or(default.stiffness_n_m),
         damping_n_s_m2: spec.damping_n_s_m2.unwrap_or(default.damping_n_s_m2),

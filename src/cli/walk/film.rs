@@ -3,12 +3,10 @@
 use super::super::CliError;
 use crate::log::Outputs;
 use crate::report::{self, Animation, GifOptions, animation_gif, animation_html};
+use crate::robot::Model;
 use crate::robot::simulate::Recording;
-use crate::robot::{Dynamics, Model, State};
 use std::path::Path;
 
-/// Time between two pictures [s].
-const PICTURE_S: f64 = 0.04;
 /// Cycles of the gait that the small picture shows.
 const CYCLES: f64 = 2.0;
 
@@ -20,21 +18,7 @@ pub(super) fn add(
     recording: &Recording,
     (title, note, period_s): (&str, &str, f64),
 ) -> Result<(), CliError> {
-    let (mut dynamics, mut state) = (Dynamics::new(model), State::at_rest(model));
-    let mut film = report::Recording::new(model);
-    let mut next_s = f64::NEG_INFINITY;
-    for (k, (t_s, base)) in recording.t_s.iter().zip(&recording.base).enumerate() {
-        if *t_s < next_s - 1e-9 {
-            continue;
-        }
-        next_s = t_s + PICTURE_S;
-        (state.base_position_m, state.base_orientation) = (base.position_m, base.orientation);
-        for (angle, column) in state.angle_rad.iter_mut().zip(&recording.angle_rad) {
-            *angle = column[k];
-        }
-        film.push(*t_s, dynamics.motions(&state));
-    }
-    let animation = Animation::new(title, note).with(model.name(), film);
+    let animation = Animation::new(title, note).with(model.name(), report::Recording::of_run(model, recording));
     let (from_s, to_s) = animation.span_s();
     let options = GifOptions { from_s: (to_s - CYCLES * period_s).max(from_s), to_s, ..GifOptions::default() };
     outputs.add(folder.join("animation.html"), animation_html(&animation)?);

@@ -1,9 +1,10 @@
 //! The floor of a walk: what was asked for, and how far the trunk went on it.
 
 use super::super::CliError;
+use crate::log::FloorSpec;
 use crate::report::{Ground, TrunkCurves};
 use crate::robot::simulate::Recording;
-use crate::robot::{Floor, FloorParameters, Model, State, Touching};
+use crate::robot::{Floor, Model, State, Touching};
 use clap::{Args, ValueEnum};
 
 /// The lowest foot point hangs so high at first (4.2.2) [m].
@@ -38,7 +39,7 @@ enum TouchArg {
 impl GroundArgs {
     /// The floor that was asked for.
     pub fn floor(&self, model: &Model) -> Result<Floor, CliError> {
-        let mut parameters = FloorParameters::default();
+        let mut parameters = crate::robot::study::floor_on(model, &FloorSpec::default());
         for word in &self.floor {
             let wrong =
                 || CliError::Usage(format!("--floor {word}: expected KEY=VALUE with one of the keys of --help"));
@@ -61,8 +62,10 @@ impl GroundArgs {
             TouchArg::Legs => Touching::Marked,
             TouchArg::All => Touching::All,
         };
-        Floor::new(parameters.sloped(self.slope, 0.0), model, touching)
-            .map_err(|error| CliError::Usage(error.to_string()))
+        if self.slope != 0.0 {
+            parameters = parameters.sloped(self.slope, 0.0);
+        }
+        Floor::new(parameters, model, touching).map_err(|error| CliError::Usage(error.to_string()))
     }
 }
 

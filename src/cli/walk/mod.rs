@@ -148,6 +148,7 @@ pub(super) fn run(args: &WalkArgs) -> Result<u8, CliError> {
     joints.set_friction(&model, &args.friction)?;
     let control = Control { sample_period_s: args.control_period, ..Control::default() };
     joints.set_control(&model, &args.gains, control)?;
+    joints.add_effects_of_file(&model)?;
     let plan = Plan::of(args, &model)?;
     let (within, clipped) = plan.setpoints.clipped(&model);
     let mut start = State::at_rest(&model);

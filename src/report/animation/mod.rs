@@ -13,5 +13,6 @@ mod recording;
 mod tests;
 
 pub use gif::{GifOptions, animation_gif};
+pub(super) use outline::{Outline, View, outline};
 pub use page::animation_html;
 pub use recording::{Animation, Dog, Recording};
