@@ -41,9 +41,14 @@ fn commands_of_the_readme_run() {
         };
         // Output goes to a folder of the test's own; what one command writes the next may read.
         let words = words.replace(" fits/", &format!(" {}/", fits.display()));
-        let name = if words.contains("ak80") { "ak80-simple-pendulum" } else { "q" };
+        let spec = words.strip_prefix("synth data/examples/synth/").and_then(|spec| spec.strip_suffix(".toml"));
+        let name = match spec {
+            Some(spec) => spec.to_owned(),
+            None if words.contains("ak80") => "ak80-simple-pendulum".to_owned(),
+            None => "q".to_owned(),
+        };
         let mut words: Vec<String> = words.split_whitespace().map(str::to_owned).collect();
-        words.extend(["--out".to_owned(), fits.join(name).display().to_string()]);
+        words.extend(["--out".to_owned(), fits.join(&name).display().to_string()]);
         let expected = i32::from(command.contains("q3-bare"));
         Command::cargo_bin("aibo-fit").expect("built").current_dir(root()).args(&words).assert().code(expected);
         ran += 1;

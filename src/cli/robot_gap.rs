@@ -1,15 +1,26 @@
 //! `aibo-fit gap` on the study of a whole robot.
 
 use super::CliError;
-use super::common::{CommonArgs, print, write_outputs};
+use super::common::{CommonArgs, print, study_name, write_outputs};
 use super::error::NO;
 use super::gap::GapArgs;
 use super::progress::Progress;
 use super::provenance::provenance;
 use crate::gap::robot::{RobotCase, RobotGapError, RobotOptions, diagnose_robot};
 use crate::log::Outputs;
-use crate::report::{RobotGapReport, robot_gap_json, robot_gap_text};
+use crate::report::{
+    REPAIRED_FILE, RobotGapReport, animation_html, repaired_robot, robot_gap_animation, robot_gap_figures,
+    robot_gap_html, robot_gap_json, robot_gap_text,
+};
 use serde_json::json;
+
+const ANIMATION_FILE: &str = "animation.html";
+
+/// What stands beside the report.
+const BESIDE: [(&str, &str); 2] = [
+    (ANIMATION_FILE, "the robot as given, repaired and logged, moving together"),
+    (REPAIRED_FILE, "the repaired robot, for walk --robot and for a study's model"),
+];
 
 /// Runs the command.
 pub(super) fn run(args: &GapArgs) -> Result<u8, CliError> {
@@ -28,13 +39,25 @@ pub(super) fn run(args: &GapArgs) -> Result<u8, CliError> {
         diagnosis => diagnosis?,
     };
     progress.say("drawing");
-    let report = RobotGapReport::new(&case, diagnosis, options, provenance(case.inputs())?);
+    let repaired = repaired_robot(&case, &diagnosis.changes, &diagnosis.answer.sentence)?;
+    let animation = robot_gap_animation(&case, &diagnosis, &repaired)?;
+    let mut report = RobotGapReport::new(&case, diagnosis, options, provenance(case.inputs())?);
+    report.beside = BESIDE.map(|(file, what)| (file.to_owned(), what.to_owned())).to_vec();
+    let folder = args.common.folder(&study_name(&args.study));
     let mut outputs = Outputs::default();
+    for figure in robot_gap_figures(&report)? {
+        outputs.add(folder.join(figure.file_name), figure.svg);
+    }
+    outputs.add(folder.join(REPAIRED_FILE), repaired);
+    outputs.add(folder.join(ANIMATION_FILE), animation_html(&animation)?);
+    let page = folder.join("report.html");
+    outputs.add(&page, robot_gap_html(&report)?);
     args.common.add_json(&mut outputs, &robot_gap_json(&report))?;
     write_outputs(outputs, &case.inputs())?;
     drop(progress);
     if !args.common.quiet {
         print(&robot_gap_text(&report));
+        print(&format!("\nreport: {}\n", page.display()));
     }
     Ok(0)
 }

@@ -183,8 +183,7 @@ impl Ers7Tables {
     pub fn embedded() -> &'static Ers7Tables {
         static TABLES: OnceLock<Ers7Tables> = OnceLock::new();
         TABLES.get_or_init(|| {
-            let text = include_str!("../../data/ers7.toml");
-            Self::from_toml(text).expect("data/ers7.toml is compiled in and tested")
+            Self::from_toml(super::robot_file::ERS7_TOML).expect("data/ers7.toml is compiled in and tested")
         })
     }
 

@@ -25,7 +25,9 @@ mod types;
 mod write;
 
 pub(crate) use document::{Document, NOT_NEGATIVE, POSITIVE, Range64, finite_within, range};
-pub(crate) use robot_study::{RawControl, RawFloor, RawFriction, RawRobot, RawRobotSensor, Sections, robot_sections};
+pub(crate) use robot_study::{
+    RawControl, RawFloor, RawFriction, RawRobot, RawRobotSensor, Sections, floor, robot_sections,
+};
 pub(crate) use study::check_schema;
 
 pub use csv::{read_joint_log, read_log};

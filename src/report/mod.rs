@@ -43,7 +43,10 @@ pub use number::{WithUncertainty, format_with_uncertainty};
 pub use plot::{
     Figure, correlation_matrix, figures, friction_curve, optimiser_trace, parameter_intervals, phase_portrait, swing,
 };
-pub use robot_gap::{LogRow, RobotGapReport, robot_gap_json, robot_gap_text};
+pub use robot_gap::{
+    LogRow, REPAIRED_FILE, RobotGapReport, Sketch, repaired_robot, repaired_study, robot_gap_animation,
+    robot_gap_figures, robot_gap_html, robot_gap_json, robot_gap_text,
+};
 pub use sensor::{SensorReport, SweepPart, sensor_figures, sensor_html, sensor_text};
 pub use table::drop_text;
 pub use thesis::{ThesisReport, thesis_csv, thesis_figures, thesis_html, thesis_json, thesis_markdown, thesis_text};

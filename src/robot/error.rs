@@ -61,6 +61,16 @@ pub enum RobotError {
         /// What may be given.
         allowed: &'static str,
     },
+    /// An effect of the robot's file that the catalogue does not have so.
+    #[error("{robot}: [[effect]] {place}: {what}")]
+    Effect {
+        /// The robot.
+        robot: String,
+        /// Which one of the file, from 1.
+        place: usize,
+        /// What is wrong, and what was expected.
+        what: String,
+    },
     /// A joint whose parent is neither the base nor moved by an earlier joint.
     #[error("joint {joint}: parent {parent} hangs on no earlier joint")]
     Order {

@@ -72,7 +72,11 @@ impl Nominal {
         });
         let joints = joints_of(&model, &study.friction, &study.control, &study.file)?;
         let floor = match study.scenario {
-            RobotScenario::Floor => Some(Floor::new(floor_of(&study.floor), &model, Touching::Marked)?),
+            RobotScenario::Floor => {
+                // Feet that stand are held by (2.4) alone, as on the reference walk's floor.
+                let floor = FloorParameters { dwell_s: f64::INFINITY, ..floor_on(&model, &study.floor) };
+                Some(Floor::new(floor, &model, Touching::Marked)?)
+            }
             _ => None,
         };
         Ok(Self {
@@ -232,13 +236,24 @@ pub fn joints_of(
             joints.drive_mut(id).set_control(PidGains { kp_nm_rad, ki_nm_rad_s, kd_nm_s_rad }, law);
         }
     }
+    joints.add_effects_of_file(model)?;
     Ok(joints)
 }
 
-/// The floor of a study's numbers; what it leaves out is as in the reference walk, and feet that stand are not held
-/// beyond (2.4).
+/// The floor of a study's numbers; what it leaves out is as in the reference walk.
 pub fn floor_of(spec: &FloorSpec) -> FloorParameters {
-    let default = FloorParameters::default();
+    stated(FloorParameters::default(), spec)
+}
+
+/// The floor of a study's numbers; what it leaves out is as in the robot's file, else as in the reference walk.
+pub fn floor_on(model: &Model, spec: &FloorSpec) -> FloorParameters {
+    let (of_file, slope_rad) = model.floor();
+    let default = of_file.map_or_else(FloorParameters::default, floor_of);
+    let [forward_rad, right_rad] = slope_rad;
+    stated(if slope_rad == [0.0; 2] { default } else { default.sloped(forward_rad, right_rad) }, spec)
+}
+
+fn stated(default: FloorParameters, spec: &FloorSpec) -> FloorParameters {
     FloorParameters {
         stiffness_n_m: spec.stiffness_n_m.unwrap_or(default.stiffness_n_m),
         damping_n_s_m2: spec.damping_n_s_m2.unwrap_or(default.damping_n_s_m2),
@@ -249,7 +264,6 @@ pub fn floor_of(spec: &FloorSpec) -> FloorParameters {
         steepness_s_m: spec.steepness_s_m.unwrap_or(default.steepness_s_m),
         stribeck_speed_m_s: spec.stribeck_speed_m_s.unwrap_or(default.stribeck_speed_m_s),
         torsion_radius_m: spec.torsion_radius_m.unwrap_or(default.torsion_radius_m),
-        dwell_s: f64::INFINITY,
         ..default
     }
 }

@@ -200,7 +200,7 @@ fn setting(args: &WalkArgs, model: &Model, gait: &Gait, knob: Option<Knob>, fact
             _ => {}
         }
     }
-    let mut floor = args.ground.parameters()?;
+    let mut floor = args.ground.parameters(model)?;
     match knob {
         Some(Knob::FloorStiffness) => floor.stiffness_n_m *= factor,
         Some(Knob::FloorDamping) => floor.damping_n_s_m2 *= factor,

@@ -3,12 +3,10 @@
 use super::super::CliError;
 use crate::log::Outputs;
 use crate::report::{self, Animation, Figure, GifOptions, ReportError, animation_gif, animation_html, animation_strip};
+use crate::robot::Model;
 use crate::robot::simulate::Recording;
-use crate::robot::{Dynamics, Model, State};
 use std::path::Path;
 
-/// Time between two pictures [s].
-const PICTURE_S: f64 = 0.04;
 /// Cycles of the gait that the small picture shows.
 const CYCLES: f64 = 2.0;
 
@@ -22,17 +20,7 @@ pub(super) struct Film {
 impl Film {
     /// Takes the pictures.
     pub fn of(model: &Model, recording: &Recording, (title, note, period_s): (&str, &str, f64)) -> Self {
-        let (mut dynamics, mut state) = (Dynamics::new(model), State::at_rest(model));
-        let mut film = report::Recording::new(model);
-        let mut next_s = f64::NEG_INFINITY;
-        for (k, t_s) in recording.t_s.iter().enumerate() {
-            if *t_s < next_s - 1e-9 {
-                continue;
-            }
-            next_s = t_s + PICTURE_S;
-            recording.state_at(k, &mut state);
-            film.push(*t_s, dynamics.motions(&state));
-        }
+        let film = report::Recording::of_run(model, recording);
         Self { animation: Animation::new(title, note).with(model.name(), film), period_s }
     }
 

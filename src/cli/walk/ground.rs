@@ -1,8 +1,10 @@
 //! The floor of a walk: what was asked for, and how far the trunk went on it.
 
 use super::super::CliError;
+use crate::log::FloorSpec;
 use crate::report::{Footfalls, Ground, TrunkCurves};
 use crate::robot::simulate::{BaseSample, Recording};
+use crate::robot::study::floor_on;
 use crate::robot::{BodyId, Dynamics, Floor, FloorParameters, Model, State, Touching};
 use clap::{Args, ValueEnum};
 
@@ -40,8 +42,8 @@ enum TouchArg {
 
 impl GroundArgs {
     /// The floor's parameters that were asked for.
-    pub fn parameters(&self) -> Result<FloorParameters, CliError> {
-        let mut parameters = FloorParameters::default();
+    pub fn parameters(&self, model: &Model) -> Result<FloorParameters, CliError> {
+        let mut parameters = floor_on(model, &FloorSpec::default());
         for word in &self.floor {
             let wrong =
                 || CliError::Usage(format!("--floor {word}: expected KEY=VALUE with one of the keys of --help"));
@@ -61,7 +63,7 @@ impl GroundArgs {
             };
             *place = value.trim().parse().map_err(|_| wrong())?;
         }
-        Ok(parameters.sloped(self.slope, 0.0))
+        Ok(if self.slope == 0.0 { parameters } else { parameters.sloped(self.slope, 0.0) })
     }
 
     /// The floor that was asked for.
@@ -70,7 +72,7 @@ impl GroundArgs {
             TouchArg::Legs => Touching::Marked,
             TouchArg::All => Touching::All,
         };
-        Floor::new(self.parameters()?, model, touching).map_err(|error| CliError::Usage(error.to_string()))
+        Floor::new(self.parameters(model)?, model, touching).map_err(|error| CliError::Usage(error.to_string()))
     }
 }
 

@@ -18,6 +18,7 @@ pub(super) fn joints(args: &WalkArgs, model: &Model) -> Result<Joints, CliError>
     joints.set_friction(model, &args.friction)?;
     let control = Control { sample_period_s: args.control_period, ..Control::default() };
     joints.set_control(model, &args.gains, control)?;
+    joints.add_effects_of_file(model)?;
     Ok(joints)
 }
 

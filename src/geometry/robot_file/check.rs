@@ -1,9 +1,13 @@
 //! From the TOML to checked tables in SI units.
 
 use super::raw::{
-    Number, RawAxis, RawEncoder, RawFriction, RawGains, RawJoint, RawPart, RawRobot, RawSensor, RawSpring, Text, Triple,
+    Number, RawAttached, RawAxis, RawEffect, RawEncoder, RawFriction, RawGains, RawJoint, RawPart, RawRobot, RawSensor,
+    RawSpring, Text, Triple,
 };
-use super::{Base, EncoderData, FrictionSet, GainSet, JointFriction, RobotTables, SCHEMA, SensorRange, tree};
+use super::{
+    Base, EncoderData, FileAttached, FileEffect, FrictionSet, GainSet, JointFriction, RobotTables, SCHEMA, SensorRange,
+    tree,
+};
 use crate::geometry::inertia::ellipsoid_inertia_from_diameters;
 use crate::geometry::tables::{Joint, JointSpring, Part};
 use crate::log::{Document, LogError, NOT_NEGATIVE, POSITIVE, Range64, finite_within};
@@ -22,6 +26,8 @@ const LENGTH_MM: Range64 = finite_within(1e5, "a length within 1e5 mm");
 const PHI_DEG: Range64 = finite_within(360.0, "an angle within 360 degrees");
 const LIMIT_RAD: Range64 = finite_within(10.0 * TAU, "an angle within 63 rad; a larger one looks like degrees");
 const GRAVITY: Range64 = finite_within(1e3, "an acceleration within 1e3 m/s^2");
+const SLOPE: Range64 = finite_within(1.2, "an angle within 1.2 rad");
+const PLACE_M: Range64 = finite_within(1e2, "a length within 1e2 m");
 const READING: Range64 = finite_within(f64::MAX, "a finite number");
 
 /// The tables of a file.
@@ -44,7 +50,20 @@ pub(super) fn checked(document: &Document<'_>) -> Result<RobotTables, LogError> 
     let friction =
         raw.friction.iter().map(|(name, set)| friction(document, name, set, &known)).collect::<Result<_, _>>()?;
     let gains = raw.gains.iter().map(|(name, set)| gains(document, name, set, &known)).collect::<Result<_, _>>()?;
+    let effects = raw.effect.iter().map(|of| effect(document, of, &known)).collect::<Result<_, _>>()?;
+    let is_part = |name: &str| raw.part.iter().any(|part| part.name.get_ref() == name);
+    let attached = raw.attached.iter().map(|of| self::attached(document, of, &is_part)).collect::<Result<_, _>>()?;
+    let floor = raw.floor.as_ref().map(|floor| crate::log::floor(document, floor)).transpose()?;
+    let slope = raw.floor_slope_rad.as_ref();
+    for angle in slope.into_iter().flat_map(|slope| slope.get_ref().map(|angle| (slope.span(), angle))) {
+        document.within("floor_slope_rad", angle.0, angle.1, SLOPE)?;
+    }
+    let floor_slope_rad = slope.map_or([0.0; 2], |slope| *slope.get_ref());
     Ok(RobotTables {
+        effects,
+        attached,
+        floor,
+        floor_slope_rad,
         name: raw.name,
         root: raw.root.into_inner(),
         base,
@@ -220,7 +239,46 @@ fn gains(
         };
         by_joint.push((joint.get_ref().clone(), [kp, ki, kd]));
     }
-    Ok(GainSet { name: name.to_owned(), shift: [p, i, d], by_joint })
+    let mut si = Vec::new();
+    for (joint, gains) in &raw.si {
+        let key = format!("[gains.{name}.si] {}", joint.get_ref());
+        known_joint(document, &key, joint, known)?;
+        si.push((joint.get_ref().clone(), triple(document, &key, gains, NOT_NEGATIVE)?.into()));
+    }
+    Ok(GainSet { name: name.to_owned(), shift: [p, i, d], by_joint, si })
+}
+
+/// An effect as it is written; its id and its parameters are the joint layer's to judge.
+fn effect(document: &Document<'_>, raw: &RawEffect, known: &dyn Fn(&str) -> bool) -> Result<FileEffect, LogError> {
+    let key = |key: &str| format!("[[effect]] {} {key}", raw.id);
+    for joint in raw.joints.get_ref() {
+        known_joint(document, &key("joints"), joint, known)?;
+    }
+    let value = |(name, value): (&String, &Number)| {
+        Ok((name.clone(), number(document, &key(&format!("parameters.{name}")), value, READING)?))
+    };
+    Ok(FileEffect {
+        id: raw.id.clone(),
+        joints: raw.joints.get_ref().iter().map(|joint| joint.get_ref().clone()).collect(),
+        parameters: raw.parameters.iter().map(value).collect::<Result<_, LogError>>()?,
+    })
+}
+
+fn attached(
+    document: &Document<'_>,
+    raw: &RawAttached,
+    is_part: &dyn Fn(&str) -> bool,
+) -> Result<FileAttached, LogError> {
+    let key = |key: &str| format!("[[attached]] {} {key}", raw.part.get_ref());
+    if !is_part(raw.part.get_ref()) {
+        let found = format!("\"{}\"", raw.part.get_ref());
+        return Err(document.wrong("[[attached]] part", raw.part.span(), found, "the name of a [[part]]"));
+    }
+    Ok(FileAttached {
+        part: raw.part.get_ref().clone(),
+        mass_kg: number(document, &key("mass_kg"), &raw.mass_kg, NOT_NEGATIVE)?,
+        at_m: triple(document, &key("at_m"), &raw.at_m, PLACE_M)?,
+    })
 }
 
 fn known_joint(document: &Document<'_>, key: &str, joint: &Text, known: &dyn Fn(&str) -> bool) -> Result<(), LogError> {

@@ -15,7 +15,10 @@ use std::path::Path;
 use nalgebra::Vector3;
 
 use super::tables::{Joint, Part};
-use crate::log::{Document, LogError};
+use crate::log::{Document, FloorSpec, LogError};
+
+/// The robot file of the thesis's tables, `data/ers7.toml`.
+pub const ERS7_TOML: &str = include_str!("../../../data/ers7.toml");
 
 /// The `schema` this code reads.
 pub(super) const SCHEMA: i64 = 1;
@@ -63,6 +66,31 @@ pub struct GainSet {
     /// Integers `g` of P, I and D by joint or kind of joint, in order of name; joints that are not here have no
     /// controller.
     pub by_joint: Vec<(String, [u16; 3])>,
+    /// P, I and D by joint or kind of joint where they are no such integers \[N m/rad, N m/(rad s), N m s/rad\]; these
+    /// come first.
+    pub si: Vec<(String, [f64; 3])>,
+}
+
+/// `[[effect]]`: an effect of the catalogue on joints, as written; the robot says whether it can be.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FileEffect {
+    /// The catalogue's id.
+    pub id: String,
+    /// Names or kinds of joints.
+    pub joints: Vec<String>,
+    /// By the catalogue's names, in SI units.
+    pub parameters: Vec<(String, f64)>,
+}
+
+/// `[[attached]]`: a point mass fixed to a part.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FileAttached {
+    /// The part.
+    pub part: String,
+    /// \[kg\]
+    pub mass_kg: f64,
+    /// In the part's frame \[m\].
+    pub at_m: Vector3<f64>,
 }
 
 /// The position sensors (section B.1).
@@ -110,6 +138,14 @@ pub struct RobotTables {
     pub encoder: Option<EncoderData>,
     /// Other sensors.
     pub sensors: Vec<SensorRange>,
+    /// Effects beyond the baseline joint, in file order.
+    pub effects: Vec<FileEffect>,
+    /// Masses fixed to parts, in file order.
+    pub attached: Vec<FileAttached>,
+    /// The floor that goes with this robot, where the file has one.
+    pub floor: Option<FloorSpec>,
+    /// How that floor rises towards the front and the right \[rad\].
+    pub floor_slope_rad: [f64; 2],
 }
 
 impl RobotTables {

@@ -1,5 +1,6 @@
 //! The TOML of a robot file as it stands there; unknown keys are errors.
 
+use crate::log::RawFloor;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use toml::Spanned;
@@ -26,6 +27,28 @@ pub(super) struct RawRobot {
     pub encoder: Option<RawEncoder>,
     #[serde(default)]
     pub sensor: Vec<RawSensor>,
+    #[serde(default)]
+    pub effect: Vec<RawEffect>,
+    #[serde(default)]
+    pub attached: Vec<RawAttached>,
+    pub floor: Option<RawFloor>,
+    pub floor_slope_rad: Option<Spanned<[f64; 2]>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawEffect {
+    pub id: String,
+    pub joints: Spanned<Vec<Text>>,
+    pub parameters: BTreeMap<String, Number>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawAttached {
+    pub part: Text,
+    pub mass_kg: Number,
+    pub at_m: Triple,
 }
 
 #[derive(Deserialize)]
@@ -86,7 +109,10 @@ pub(super) struct RawFriction {
 #[serde(deny_unknown_fields)]
 pub(super) struct RawGains {
     pub shift: Spanned<[i64; 3]>,
+    #[serde(default)]
     pub g: BTreeMap<Text, Spanned<[i64; 3]>>,
+    #[serde(default)]
+    pub si: BTreeMap<Text, Triple>,
 }
 
 #[derive(Deserialize)]

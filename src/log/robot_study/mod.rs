@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use super::types::{Derivative, ExtraMass, Hold, Role};
 
 pub(crate) use raw::{RawControl, RawFloor, RawFriction, RawRobot, RawRobotSensor};
-pub(crate) use read::{Sections, robot_sections};
+pub(crate) use read::{Sections, floor, robot_sections};
 pub use read::{StudyKind, read_robot_study, read_robot_study_logs, study_kind};
 
 /// A robot study.

@@ -209,7 +209,8 @@ fn control(document: &Document<'_>, raw: &RawControl) -> Result<ControlSpec, Log
     Ok(ControlSpec { hold, derivative, sample_period_s, gains })
 }
 
-fn floor(document: &Document<'_>, raw: &RawFloor) -> Result<FloorSpec, LogError> {
+/// `[floor]`, of a study or of a robot's file.
+pub(crate) fn floor(document: &Document<'_>, raw: &RawFloor) -> Result<FloorSpec, LogError> {
     let number = |key: &str, value: &Number, of| document.number(&format!("[floor] {key}"), value, of);
     Ok(FloorSpec {
         stiffness_n_m: number("stiffness", &raw.stiffness, POSITIVE)?,

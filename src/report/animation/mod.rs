@@ -14,6 +14,7 @@ mod strip;
 mod tests;
 
 pub use gif::{GifOptions, animation_gif};
+pub(super) use outline::{Outline, View, outline};
 pub use page::animation_html;
 pub use recording::{Animation, Dog, Recording};
 pub use strip::animation_strip;

@@ -5,7 +5,7 @@ use nalgebra::{Matrix2, Matrix2x3, Vector2, Vector3};
 
 /// A view without perspective: two rows that lead from the world to the picture (right, up), and the way towards the
 /// eye.
-pub(super) struct View {
+pub(in crate::report) struct View {
     pub picture: Matrix2x3<f64>,
     pub towards_eye: Vector3<f64>,
 }
@@ -20,10 +20,16 @@ impl View {
             towards_eye: Vector3::new(cos, sin, 0.0),
         }
     }
+
+    /// From above: forward (-z) is up.
+    pub fn top() -> Self {
+        let (right, up) = (Vector3::x(), -Vector3::z());
+        Self { picture: Matrix2x3::from_rows(&[right.transpose(), up.transpose()]), towards_eye: Vector3::y() }
+    }
 }
 
 /// An ellipse of the picture: the points c with `(c - centre)^T form^-1 (c - centre) <= 1`.
-pub(super) struct Outline {
+pub(in crate::report) struct Outline {
     pub centre: Vector2<f64>,
     pub form: Matrix2<f64>,
     /// Distance towards the eye \[m\].
@@ -31,7 +37,7 @@ pub(super) struct Outline {
 }
 
 /// The outline of a part: its form is the picture of `R A^2 R^T` with the semi-axes A.
-pub(super) fn outline(view: &View, shape: &Shape, place: &Place) -> Outline {
+pub(in crate::report) fn outline(view: &View, shape: &Shape, place: &Place) -> Outline {
     let turned = view.picture * place.orientation.to_rotation_matrix().matrix();
     let squared = shape.radii_m.component_mul(&shape.radii_m);
     let form = turned * nalgebra::Matrix3::from_diagonal(&squared) * turned.transpose();

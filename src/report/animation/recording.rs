@@ -1,11 +1,14 @@
 //! What an animation shows.
 
-use crate::robot::{BodyMotion, Model};
+use crate::robot::{BodyMotion, Dynamics, Model, State, simulate};
 use nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
+
+/// Time between two pictures of a simulated motion \[s\].
+const PICTURE_S: f64 = 0.04;
 
 /// A part as it is drawn.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Shape {
+pub(in crate::report) struct Shape {
     pub name: String,
     /// Semi-axes \[m\].
     pub radii_m: Vector3<f64>,
@@ -15,7 +18,7 @@ pub(super) struct Shape {
 
 /// Where a part is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Place {
+pub(in crate::report) struct Place {
     pub position_m: Vector3<f64>,
     pub orientation: UnitQuaternion<f64>,
 }
@@ -38,11 +41,11 @@ impl Place {
 /// Places of a robot's parts at times. Massless ghosts are not drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
-    pub(super) shapes: Vec<Shape>,
+    pub(in crate::report) shapes: Vec<Shape>,
     /// Index of each shape's body.
     bodies: Vec<usize>,
     pub(super) times_s: Vec<f64>,
-    pub(super) frames: Vec<Vec<Place>>,
+    pub(in crate::report) frames: Vec<Vec<Place>>,
 }
 
 impl Recording {
@@ -57,7 +60,23 @@ impl Recording {
         Self { shapes, bodies, times_s: Vec::new(), frames: Vec::new() }
     }
 
-    /// Adds what [`Dynamics::motions`](crate::robot::Dynamics::motions) found at a time. A time that does not come
+    /// A simulated motion, a picture every 0.04 s.
+    pub fn of_run(model: &Model, run: &simulate::Recording) -> Self {
+        let (mut dynamics, mut state) = (Dynamics::new(model), State::at_rest(model));
+        let mut film = Self::new(model);
+        let mut next_s = f64::NEG_INFINITY;
+        for (k, t_s) in run.t_s.iter().enumerate() {
+            if *t_s < next_s - 1e-9 {
+                continue;
+            }
+            next_s = t_s + PICTURE_S;
+            run.state_at(k, &mut state);
+            film.push(*t_s, dynamics.motions(&state));
+        }
+        film
+    }
+
+    /// Adds what [`Dynamics::motions`] found at a time. A time that does not come
     /// after the last one, and places that are not finite, are left out: nothing can be drawn of them.
     ///
     /// # Panics

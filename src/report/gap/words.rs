@@ -9,7 +9,7 @@ use crate::report::rows::ParameterCells;
 use crate::report::{WithUncertainty, format_with_uncertainty};
 
 /// What stands beside intervals that cannot be believed.
-pub(super) const UNTRUSTED: &str = "Something is left in these logs that the model does not explain: the intervals allow \
+pub(in crate::report) const UNTRUSTED: &str = "Something is left in these logs that the model does not explain: the intervals allow \
     for its correlation but not for the bias that comes with it, so do not trust them.";
 
 /// What stands above the sizes that would have been seen.

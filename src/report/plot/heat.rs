@@ -94,7 +94,14 @@ pub(in crate::report) fn heat(
 
 const SHADE_INK: RGBColor = RGBColor(90, 90, 90);
 
-fn draw_cell(root: &Area<'_>, [x, y]: [f64; 2], [width, height]: [f64; 2], cell: &HeatCell, size: f64) -> Drawn {
+/// Draws one cell from its upper left corner; `size` is that of its words.
+pub(in crate::report) fn draw_cell(
+    root: &Area<'_>,
+    [x, y]: [f64; 2],
+    [width, height]: [f64; 2],
+    cell: &HeatCell,
+    size: f64,
+) -> Drawn {
     let corners = |inset: f64| [(px(x + inset), px(y + inset)), (px(x + width - inset), px(y + height - inset))];
     root.draw(&Rectangle::new(corners(0.5), filled(cell.ground, 1.0)))?;
     if cell.framed {

@@ -2,13 +2,22 @@
 //! how far the gap closes.
 //!
 //! The same report as for a joint (`report::gap`), for a whole robot: [`robot_gap_json`] has every key of the
-//! specification's section 6 and more, [`robot_gap_text`] is for a terminal.
+//! specification's section 6 and more, [`robot_gap_text`] is for a terminal, [`robot_gap_html`] is one page with the map
+//! drawn on the robot.
 
+mod animation;
+mod html;
 mod json;
+mod plot;
+mod repaired;
 mod text;
 mod words;
 
+pub use animation::robot_gap_animation;
+pub use html::robot_gap_html;
 pub use json::robot_gap_json;
+pub use plot::{Sketch, robot_gap_figures};
+pub use repaired::{REPAIRED_FILE, repaired_robot, repaired_study};
 pub use text::robot_gap_text;
 
 use super::Provenance;
@@ -26,6 +35,10 @@ pub struct RobotGapReport {
     pub joints: Vec<String>,
     /// Logs in the study's order.
     pub logs: Vec<LogRow>,
+    /// The robot from above.
+    pub sketch: Sketch,
+    /// Files that stand beside the page, each with what it is.
+    pub beside: Vec<(String, String)>,
     /// Half a step of the position sensors \[rad\]; 0 where it is unknown.
     pub half_step_rad: f64,
     /// Where the report comes from.
@@ -64,6 +77,8 @@ impl RobotGapReport {
         Self {
             joints: case.names.clone(),
             logs: case.study.logs.iter().map(row).collect(),
+            sketch: Sketch::of(&case.nominal.model),
+            beside: Vec::new(),
             half_step_rad: 0.5 * case.study.sensor.resolution_rad.unwrap_or(0.0),
             diagnosis,
             options,

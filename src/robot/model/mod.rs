@@ -2,6 +2,7 @@
 
 mod body;
 mod frame;
+mod of_file;
 mod plan;
 mod schedule;
 #[cfg(test)]
@@ -13,7 +14,7 @@ pub(super) use plan::{BasePlan, Group, Parent, Plan, Shape};
 
 use super::{Dynamics, RobotError, State};
 use crate::geometry::Joint;
-use crate::geometry::robot_file::{Base, EncoderData, JointFriction, RobotTables, SensorRange, row_of};
+use crate::geometry::robot_file::{Base, ERS7_TOML, EncoderData, JointFriction, RobotTables, SensorRange, row_of};
 use crate::joint::gain;
 use nalgebra::Vector3;
 use std::path::Path;
@@ -99,8 +100,7 @@ impl Model {
     pub fn ers7() -> &'static Model {
         static MODEL: OnceLock<Model> = OnceLock::new();
         MODEL.get_or_init(|| {
-            Model::from_toml(Path::new("data/ers7.toml"), include_str!("../../../data/ers7.toml"))
-                .expect("data/ers7.toml is compiled in and tested")
+            Model::from_toml(Path::new("data/ers7.toml"), ERS7_TOML).expect("data/ers7.toml is compiled in and tested")
         })
     }
 
@@ -149,9 +149,15 @@ impl Model {
                 name: name.clone(),
                 bodies: tables.parts.iter().map(|part| part.name.clone()).collect(),
             })?;
-            bodies.push(Body::of_part(part));
+            let mut body = Body::of_part(part);
+            for extra in tables.attached.iter().filter(|extra| extra.part == *name) {
+                body.attach(Attached::point(extra.mass_kg, extra.at_m))?;
+            }
+            bodies.push(body);
         }
-        Self::assemble(tables, bodies, carrier)
+        let model = Self::assemble(tables, bodies, carrier)?;
+        model.effects()?;
+        Ok(model)
     }
 
     fn assemble(tables: RobotTables, bodies: Vec<Body>, carrier: Vec<BodyId>) -> Result<Self, RobotError> {
@@ -304,6 +310,9 @@ impl Model {
     /// controller.
     pub fn gains(&self, set: &str, joint: JointId) -> Option<PidGains> {
         let set = self.tables.gains.iter().find(|other| other.name == set)?;
+        if let Some(&[kp_nm_rad, ki_nm_rad_s, kd_nm_s_rad]) = row_of(&set.si, &self.joints()[joint.0]) {
+            return Some(PidGains { kp_nm_rad, ki_nm_rad_s, kd_nm_s_rad });
+        }
         let g = row_of(&set.by_joint, &self.joints()[joint.0])?;
         let [kp_nm_rad, ki_nm_rad_s, kd_nm_s_rad] = [0, 1, 2].map(|k| gain(g[k], set.shift[k]));
         Some(PidGains { kp_nm_rad, ki_nm_rad_s, kd_nm_s_rad })

@@ -131,6 +131,7 @@ impl Joints {
         let mut joints = Self::passive(model);
         joints.set_friction(model, "chosen")?;
         joints.set_control(model, "printed", Control::default())?;
+        joints.add_effects_of_file(model)?;
         Ok(joints)
     }
 
@@ -211,6 +212,17 @@ impl Joints {
         if let Some(play) = &mut drive.chain.play {
             // The rotor's inertia is taken from the link's, which must be left with some even where others give way.
             play.motor_side_kg_m2 = play.motor_side_kg_m2.min(0.8 * drive.loose_kg_m2);
+        }
+        Ok(())
+    }
+
+    /// Puts the effects of the robot's file on its joints; friction and control come first, for effects build on them.
+    ///
+    /// # Errors
+    /// As [`Joints::add_effect`]; [`SimulateError::Robot`] where the catalogue does not have such an effect.
+    pub fn add_effects_of_file(&mut self, model: &Model) -> Result<(), SimulateError> {
+        for (effect, joint, named) in model.effects()? {
+            self.add_effect(model, joint, effect, &named)?;
         }
         Ok(())
     }

@@ -1,0 +1,92 @@
+//! The robot as given, repaired and logged, moving together.
+
+use super::repaired::{REPAIRED_FILE, repaired_study};
+use crate::gap::robot::{RobotCase, RobotDiagnosis};
+use crate::log::{BaseColumns, RobotLog, RobotScenario, RobotStudyLog, read_robot_study_logs};
+use crate::report::{Animation, Recording};
+use crate::robot::simulate::{self, Method, SimulateError, run};
+use crate::robot::study::orientation;
+use crate::robot::{Dynamics, Model, Nominal, State};
+use nalgebra::Vector3;
+use std::path::Path;
+
+/// Time between two pictures \[s\].
+const PICTURE_S: f64 = 0.04;
+/// Longest step \[s\], as a walk takes it.
+const STEP_S: f64 = 5e-4;
+/// Where the trunk is clamped nothing stands under it; the picture's floor is so far below its middle \[m\].
+const BELOW_M: f64 = 0.25;
+
+/// Puts the robot as given, the one in the repaired robot's file and the logged one side by side, in the log that has
+/// most of the gap.
+///
+/// The logged trunk moves as the columns `base.*` say; where the log does not have them, as that of the repaired robot.
+///
+/// # Errors
+/// [`SimulateError`] where the study's logs have gone, or the repaired robot's file is none.
+pub fn robot_gap_animation(
+    case: &RobotCase,
+    diagnosis: &RobotDiagnosis,
+    repaired_toml: &str,
+) -> Result<Animation, SimulateError> {
+    let logs = read_robot_study_logs(&case.study)?;
+    let most = |entry: &&RobotStudyLog| diagnosis.location.logs.contains(&entry.file);
+    let chosen = case.study.logs.iter().position(|entry| most(&entry)).unwrap_or(0);
+    let Some((entry, log)) = case.study.logs.get(chosen).zip(logs.get(chosen)) else {
+        return Ok(Animation::new(case.robot(), ""));
+    };
+    let repaired_robot = Model::from_toml(Path::new(REPAIRED_FILE), repaired_toml)?;
+    let repaired = Nominal::on(&repaired_robot, &repaired_study(&case.study))?;
+    let given = moved(&case.nominal, entry, log)?;
+    let answer = moved(&repaired, entry, log)?;
+    let (logged, trunk) = logged(&case.nominal.model, log, &answer);
+    let title = format!("{}: as given, repaired and logged", case.robot());
+    let note = format!("{}. {} {trunk}", entry.file, diagnosis.answer.sentence);
+    let mut animation = Animation::new(title, note)
+        .with("as given", Recording::of_run(&case.nominal.model, &given))
+        .with("repaired", Recording::of_run(&repaired.model, &answer))
+        .with("logged", logged);
+    if case.study.scenario != RobotScenario::Floor {
+        animation.floor_m = answer.base.first().map_or(0.0, |base| base.position_m.y) - BELOW_M;
+    }
+    Ok(animation)
+}
+
+fn moved(nominal: &Nominal, entry: &RobotStudyLog, log: &RobotLog) -> Result<simulate::Recording, SimulateError> {
+    let scene = nominal.scene(entry, log)?;
+    run(&nominal.scenario(&scene, PICTURE_S), Method::Stiff { step_s: STEP_S })
+}
+
+/// The readings of a log as a motion; joints that it lacks move as simulated. Says how its trunk moves.
+fn logged(model: &Model, log: &RobotLog, simulated: &simulate::Recording) -> (Recording, &'static str) {
+    let (mut dynamics, mut state) = (Dynamics::new(model), State::at_rest(model));
+    let mut film = Recording::new(model);
+    let columns: Vec<Option<&[f64]>> =
+        model.joints().iter().map(|joint| log.joint(&joint.name).map(|columns| columns.q_rad.as_slice())).collect();
+    for (k, (t_s, base)) in simulated.t_s.iter().zip(&simulated.base).enumerate() {
+        let sample = log.t_s.partition_point(|t| *t < t_s - 1e-9).min(log.len() - 1);
+        for (id, column) in model.joint_ids().zip(&columns) {
+            let here = simulated.angle_rad[id.index()][k];
+            state.angle_rad[id.index()] = column.map_or(here, |readings| readings[sample]);
+        }
+        let [roll, pitch, yaw] = base.roll_pitch_yaw_rad();
+        let [x, y, z] = base.position_m.into();
+        let or = |column: fn(&BaseColumns) -> &Option<Vec<f64>>, simulated: f64| {
+            let values = log.base.as_ref().and_then(|base| column(base).as_ref());
+            values.map_or(simulated, |values| values[sample])
+        };
+        state.base_position_m = Vector3::new(or(|b| &b.x_m, x), or(|b| &b.y_m, y), or(|b| &b.z_m, z));
+        state.base_orientation =
+            orientation([or(|b| &b.roll_rad, roll), or(|b| &b.pitch_rad, pitch), or(|b| &b.yaw_rad, yaw)]);
+        film.push(*t_s, dynamics.motions(&state));
+    }
+    let count = log.base.as_ref().map_or(0, |b| {
+        [&b.x_m, &b.y_m, &b.z_m, &b.roll_rad, &b.pitch_rad, &b.yaw_rad].iter().filter(|column| column.is_some()).count()
+    });
+    let trunk = match count {
+        6 => "",
+        0 => "The log does not say where the trunk is: the logged robot's moves as that of the repaired one.",
+        _ => "What the log does not say of the trunk is as of the repaired robot.",
+    };
+    (film, trunk)
+}
