@@ -34,8 +34,9 @@ pub struct RobotMade {
 /// Faults that are drawn for a scene until one shows, and scenes.
 const FAULTS: usize = 12;
 const SCENES: usize = 12;
-/// Steps \[s\] and tolerance of the maker.
-const STIFF_S: f64 = 5e-5;
+/// Steps of the maker \[s\], the finer for free play and stops, and its tolerance.
+const STIFF_S: f64 = 1e-4;
+const FINE_S: f64 = 5e-5;
 const TOLERANCE: f64 = 1e-6;
 
 /// Makes study `trial` of a run; `None` where no cause shows in logs of the scenario asked for.
@@ -157,8 +158,9 @@ fn finish(
     dice: &mut Dice,
 ) -> Option<RobotMade> {
     let mut spec = scene.spec.clone();
-    let must_stick = faults.iter().any(|(fault, _)| fault.is_stiff() || fault.sticks());
+    let must_stick = faults.iter().any(|(fault, _)| fault.sticks());
     let (method, step, tolerance) = match scene.scenario {
+        _ if faults.iter().any(|(fault, _)| fault.is_stiff()) => ("stiff", Some(FINE_S), None),
         // A joint that comes to rest by itself must stick truly.
         RobotScenario::Drop => ("stiff", Some(STIFF_S), None),
         _ if must_stick || dice.chance(0.4) => ("stiff", Some(STIFF_S), None),

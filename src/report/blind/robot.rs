@@ -232,9 +232,12 @@ fn study(trial: &RobotTrial) -> Value {
 fn on(id: &str, joints: &[String]) -> String {
     match joints {
         [] => id.to_owned(),
-        few if few.len() <= 4 => format!("{id} in {}", few.join(", ")),
-        many => format!("{id} in {} joints", many.len()),
+        some => format!("{id} {}", place(some)),
     }
+}
+
+fn place(joints: &[String]) -> String {
+    if joints.len() <= 4 { format!("in {}", joints.join(", ")) } else { format!("in {} joints", joints.len()) }
 }
 
 fn said(answer: &RobotAnswered) -> String {
@@ -245,8 +248,91 @@ fn said(answer: &RobotAnswered) -> String {
         return answer.verdict.name().to_owned() + &nearest;
     };
     let causes = answer.equivalent.iter().filter(|cause| **cause != first.cause).map(|cause| cause.id().to_owned());
-    let places = answer.places.iter().filter(|place| **place != first.joints).map(|place| on("", place));
+    let places = answer.places.iter().filter(|joints| **joints != first.joints).map(|joints| place(joints));
     let others: Vec<String> = causes.chain(places).collect();
-    let alike = if others.is_empty() { String::new() } else { format!(" (or {})", others.join("; ").replace("  ", " ")) };
+    let alike = if others.is_empty() { String::new() } else { format!(" (or {})", others.join("; ")) };
     named.join(" + ") + &alike
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::blind::robot::{RobotTruth, TrueFault, score_robots};
+    use crate::gap::Verdict;
+    use crate::gap::robot::Cause;
+
+    fn report() -> RobotBlindReport {
+        let truth = |verdict, causes: Vec<Cause>| RobotTruth {
+            seed: 7,
+            trial: 0,
+            scenario: "floor",
+            verdict,
+            faults: causes
+                .iter()
+                .map(|cause| TrueFault { id: cause.id(), joints: vec![], parameters: vec![], ratio: 6.0 })
+                .collect(),
+            causes,
+            outside: None,
+            ratio: 6.0,
+            noise_rad: 0.0026,
+            scatter: 0.03,
+            method: String::new(),
+            motions: vec!["trot at 1 Hz".to_owned()],
+        };
+        let stated = |cause, joints: &[&str]| StatedCause {
+            cause,
+            joints: joints.iter().map(|joint| (*joint).to_owned()).collect(),
+            parameters: vec![],
+        };
+        let answer = |verdict, first: Option<StatedCause>| RobotAnswered {
+            verdict,
+            equivalent: first.iter().map(|stated| stated.cause).chain([Cause::Viscous]).collect(),
+            places: vec![vec!["lf1".to_owned()], vec!["rf1".to_owned()]],
+            first,
+            second: None,
+            probability: 0.7,
+            standing: String::new(),
+            partial: None,
+            joints: vec![],
+            before: 0.01,
+            after: 0.003,
+            floor: 0.0026,
+            ranking: vec![],
+            sentence: String::new(),
+        };
+        let trial = |truth, answer| RobotTrial { truth, answer: Ok(answer), wall_s: 60.0 };
+        let wrong = answer(Verdict::Calibration, Some(stated(Cause::Coulomb, &["lf1"])));
+        let trials = vec![
+            trial(truth(Verdict::Effect, vec![Cause::Payload]), answer(Verdict::Effect, Some(stated(Cause::Payload, &[])))),
+            trial(truth(Verdict::None, vec![]), wrong),
+        ];
+        let provenance = Provenance { version: "1".to_owned(), command: "aibo-fit <b>".to_owned(), inputs: vec![] };
+        let score = score_robots(&trials);
+        RobotBlindReport { seed: 7, sha256: "cafe".to_owned(), seal_holds: true, score, trials, provenance }
+    }
+
+    #[test]
+    fn text_says_what_was_right_and_what_was_accused_without_cause() {
+        let text = robot_blind_text(&report());
+        for words in [
+            "2 robot studies, seed 7; answers opened: SHA-256 cafe, as stated before the first diagnosis.",
+            "1 of 2 answers had kind, cause and joints right",
+            "1 false alarms in 1 studies where nothing is the matter",
+            "coulomb (1)",
+            "wall time in scenario floor, one thread each: median 60.0 s",
+            "5 to 12 times the noise",
+        ] {
+            assert!(text.contains(words), "no `{words}` in\n{text}");
+        }
+        assert!(robot_blind_text(&RobotBlindReport { seal_holds: false, ..report() }).contains("NOT WHAT WAS SEALED"));
+    }
+
+    #[test]
+    fn page_needs_no_network_and_says_what_else_it_could_be() {
+        let page = robot_blind_html(&report()).expect("a page");
+        assert!(!page.contains("<script") && !page.contains("src=") && !page.contains("href="));
+        assert!(page.contains("aibo-fit &lt;b&gt;") && page.contains("trot at 1 Hz"));
+        assert!(page.contains("coulomb in lf1 (or viscous; in rf1)"), "{page}");
+        assert_eq!(page, robot_blind_html(&report()).expect("a page"), "same report, same bytes");
+    }
 }
