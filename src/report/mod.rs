@@ -25,7 +25,7 @@ mod text;
 mod thesis;
 mod walk;
 
-pub use animation::{Animation, Dog, GifOptions, Recording, animation_gif, animation_html};
+pub use animation::{Animation, Dog, GifOptions, Recording, animation_gif, animation_html, animation_strip};
 pub use assemble::drop_report;
 pub use blind::{
     BlindReport, RobotBlindReport, blind_figures, blind_html, blind_text, robot_blind_figures, robot_blind_html,
@@ -49,6 +49,7 @@ pub use sensor::{SensorReport, SweepPart, sensor_figures, sensor_html, sensor_te
 pub use table::drop_text;
 pub use thesis::{ThesisReport, thesis_csv, thesis_figures, thesis_html, thesis_json, thesis_markdown, thesis_text};
 pub use walk::{
-    FollowRow, Ground, JointCurves, LegCurves, Runaway, SpeedRow, TrunkCurves, WalkReport, walk_figures, walk_html,
-    walk_text,
+    Comparison, FollowRow, Footfalls, Ground, JointCurves, LegCurves, PairedCurves, Runaway, SpeedRow, StudyReport,
+    StudyTable, TrunkCurves, WalkReport, comparison_figure, joints_figure, sensitivity_figure, study_html, study_text,
+    trunk_figure, walk_figures, walk_html, walk_text,
 };

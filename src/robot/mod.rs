@@ -31,7 +31,7 @@ mod spatial;
 mod state;
 pub mod study;
 
-pub use contact::{Contact, Floor, FloorParameters, Touching};
+pub use contact::{Contact, Floor, FloorParameters, Resting, Touching};
 pub use dynamics::{BodyMotion, ContactDamping, Dynamics, Energy, Force, Input, Momentum};
 pub use error::RobotError;
 pub use gait::{Between, Gait, Motion, Sampled, Setpoints};

@@ -68,7 +68,7 @@ pub(super) fn report(asked: &Asked<'_>, recording: &Recording, provenance: Prove
         let names: Vec<String> = asked.clipped.iter().map(|id| name(id.index())).collect();
         notes.push(format!("Setpoints beyond the software's limits (Table A.3) were clipped: {}.", names.join(", ")));
     }
-    let ground = asked.floor.and_then(|floor| ground::measure(floor, recording, asked.plan.stand_s));
+    let ground = asked.floor.and_then(|floor| ground::measure(floor, model, recording, asked.plan.stand_s));
     WalkReport {
         schema: 1,
         gait: asked.plan.name.clone(),
@@ -81,7 +81,7 @@ pub(super) fn report(asked: &Asked<'_>, recording: &Recording, provenance: Prove
         ground,
         realtime_factor: duration_s / asked.wall_s,
         evaluations: recording.counts.evaluations,
-        steps: recording.counts.steps,
+        integration_steps: recording.counts.steps,
         diverged: recording.diverged.as_ref().map(|d| Runaway {
             at_s: d.at_s,
             joint: d.joint_name.clone(),
@@ -91,6 +91,9 @@ pub(super) fn report(asked: &Asked<'_>, recording: &Recording, provenance: Prove
         speed_warnings,
         legs: legs(asked, recording, &readings),
         trunk: asked.floor.and_then(|floor| ground::trunk(floor, recording)),
+        footfalls: asked.floor.map(|floor| ground::footfalls(floor, model, recording)),
+        cycle: None,
+        cycle_s: 1.0 / asked.plan.frequency_hz,
         provenance,
     }
 }
@@ -125,15 +128,20 @@ fn sentence(recording: &Recording, joints: &[FollowRow], ground: Option<&Ground>
     )
 }
 
-fn in_words(method: Method) -> String {
+/// A method with its step or tolerance.
+pub(super) fn in_words(method: Method) -> String {
     use integrate::Method as Smooth;
-    match method {
-        Method::Stiff { step_s } => format!("Stiff method, steps of {step_s} s"),
-        Method::Smooth(Smooth::Rk2 { step_s }) => format!("Runge-Kutta 2, steps of {step_s} s"),
-        Method::Smooth(Smooth::Rk4 { step_s }) => format!("Runge-Kutta 4, steps of {step_s} s"),
-        Method::Smooth(Smooth::DormandPrince(of)) => format!("Dormand-Prince 5(4), tolerance {:e}", of.relative),
-        Method::Smooth(Smooth::Adams(of)) => format!("Adams, tolerance {:e}", of.relative),
-        Method::Smooth(Smooth::Bdf(of)) => format!("Backward differentiation, tolerance {:e}", of.relative),
+    let of = match method {
+        Method::Stiff { step_s } => return format!("Stiff method, steps of {step_s:e} s"),
+        Method::Smooth(of) => of,
+        Method::Explicit(of) => return format!("{}, explicit throughout", in_words(Method::Smooth(of))),
+    };
+    match of {
+        Smooth::Rk2 { step_s } => format!("Runge-Kutta 2, steps of {step_s:e} s"),
+        Smooth::Rk4 { step_s } => format!("Runge-Kutta 4, steps of {step_s:e} s"),
+        Smooth::DormandPrince(of) => format!("Dormand-Prince 5(4), tolerance {:e}", of.relative),
+        Smooth::Adams(of) => format!("Adams, tolerance {:e}", of.relative),
+        Smooth::Bdf(of) => format!("Backward differentiation, tolerance {:e}", of.relative),
     }
 }
 

@@ -2,9 +2,14 @@
 
 mod answer;
 mod converge;
+mod falls;
 mod film;
+mod frames;
 mod ground;
+mod integrators;
 mod plan;
+mod setting;
+mod study;
 
 use super::CliError;
 use super::common::{CommonArgs, print, write_outputs};
@@ -15,13 +20,12 @@ use crate::geometry::robot_file::Base;
 use crate::integrate::{self, Tolerance};
 use crate::log::Outputs;
 use crate::report::{walk_figures, walk_html, walk_text};
-use crate::robot::simulate::{
-    Control, Joints, Method, PositionSensor, Scenario, Surroundings, log_csv, run as simulate,
-};
-use crate::robot::{Model, State};
+use crate::robot::Model;
+use crate::robot::simulate::{Method, PositionSensor, log_csv, run as simulate};
 use clap::{Args, ValueEnum};
 use ground::GroundArgs;
 use plan::Plan;
+use setting::Setting;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -37,10 +41,10 @@ pub(super) struct WalkArgs {
     /// Clamp the trunk, so that no foot touches the floor (C.2); gaits take their amplitudes for the air
     #[arg(long)]
     air: bool,
-    /// A gait that is built in (trot, trot-2hz, crawl, pace, turn-left, sideways-right, fall), a gait's file (.toml), or
-    /// a motion file of Tekkotsu (.mot)
-    #[arg(long, value_name = "NAME|FILE", default_value = "trot")]
-    gait: String,
+    /// A gait that is built in (trot, trot-2hz, crawl, pace, turn-left, sideways-right, fall, topple), a gait's file (.toml), or
+    /// a motion file of Tekkotsu (.mot) [default: trot; topple for --falls]
+    #[arg(long, value_name = "NAME|FILE")]
+    gait: Option<String>,
     /// Setpoints: CSV with t [s] and a column [rad] for each joint [default: the gait's]
     #[arg(long, value_name = "FILE.csv")]
     setpoints: Option<PathBuf>,
@@ -58,6 +62,18 @@ pub(super) struct WalkArgs {
     /// Print displacement and cost for steps from 1e-3 to 1e-5 s first (stiff method)
     #[arg(long, conflicts_with = "air")]
     converge: bool,
+    /// Repeat Table 4.1 on the reference walk instead: every method and step of the thesis, each row judged; "all" also
+    /// runs Runge-Kutta 4 with 1e-6 s, which takes minutes. Rows run on all threads at once
+    #[arg(long, value_enum, value_name = "WHICH", num_args = 0..=1, require_equals = true,
+        default_missing_value = "quick",
+        conflicts_with_all = ["air", "gait", "setpoints", "frequency", "slope", "floor", "touch", "converge", "export_motion"])]
+    integrators: Option<IntegratorsArg>,
+    /// Section C.3 instead: a gait of 2 Hz with setpoints every 8, 96 and 128 ms
+    #[arg(long, conflicts_with_all = ["air", "setpoints", "integrators", "converge", "export_motion"])]
+    frames: bool,
+    /// Section 5.2 instead: when a gait falls, and how that time moves with each parameter by 10 %
+    #[arg(long, conflicts_with_all = ["air", "setpoints", "frequency", "integrators", "frames", "converge", "export_motion"])]
+    falls: bool,
     /// A robot in the format of data/ers7.toml [default: the embedded ERS-7]
     #[arg(long, value_name = "FILE")]
     robot: Option<PathBuf>,
@@ -74,7 +90,8 @@ pub(super) struct WalkArgs {
     /// How to integrate
     #[arg(long, value_enum, default_value_t = MethodArg::Stiff)]
     method: MethodArg,
-    /// Longest step of stiff, rk2 and rk4 [s] [default: 0.0005 for stiff, 0.001 in the air, 1e-5 for rk2 and rk4]
+    /// Longest step of stiff, rk2 and rk4 [s] [default: 0.0005 for stiff, 0.001 in the air,
+    /// 0.0002 for more than a minute, 0.0001 for --falls, 1e-5 for rk2 and rk4]
     #[arg(long, value_name = "S")]
     step: Option<f64>,
     /// Tolerance of dormand-prince, adams and bdf [rad, rad/s, and relative]
@@ -106,6 +123,14 @@ enum MethodArg {
     Bdf,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum IntegratorsArg {
+    /// All rows but those that take minutes
+    Quick,
+    /// All rows
+    All,
+}
+
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum SensorArg {
     /// The angle itself
@@ -115,10 +140,25 @@ enum SensorArg {
 }
 
 impl WalkArgs {
+    /// The gait's file, where it is one.
+    fn gait_file(&self) -> Option<PathBuf> {
+        self.gait.as_ref().filter(|name| name.contains(['.', '/', '\\'])).map(PathBuf::from)
+    }
+
     fn method(&self) -> Method {
+        let is_long = self.duration.is_some_and(|duration_s| duration_s > LONG_S);
+        self.method_by(match (self.air, is_long) {
+            (true, _) => 1e-3,
+            (false, true) => 2e-4,
+            (false, false) => 5e-4,
+        })
+    }
+
+    /// With another step of the stiff method where none was asked for [s].
+    fn method_by(&self, stiff_s: f64) -> Method {
         let (step, tolerance) = (|default: f64| self.step.unwrap_or(default), Tolerance::of(self.tolerance));
         match self.method {
-            MethodArg::Stiff => Method::Stiff { step_s: step(if self.air { 1e-3 } else { 5e-4 }) },
+            MethodArg::Stiff => Method::Stiff { step_s: step(stiff_s) },
             MethodArg::Rk2 => Method::Smooth(integrate::Method::Rk2 { step_s: step(1e-5) }),
             MethodArg::Rk4 => Method::Smooth(integrate::Method::Rk4 { step_s: step(1e-5) }),
             MethodArg::DormandPrince => Method::Smooth(integrate::Method::DormandPrince(tolerance)),
@@ -127,6 +167,9 @@ impl WalkArgs {
         }
     }
 }
+
+/// A walk that is longer takes shorter steps: what they leave of error turns the heading a little with every cycle [s].
+const LONG_S: f64 = 60.0;
 
 /// Steps per second beyond which no leg of this size walks [1/s].
 const FASTEST_HZ: f64 = 50.0;
@@ -144,32 +187,22 @@ pub(super) fn run(args: &WalkArgs) -> Result<u8, CliError> {
     let read = args.robot.as_deref().map(Model::read).transpose()?;
     let robot = read.as_ref().unwrap_or(Model::ers7());
     let model = if args.air { robot.with_base(Base::Clamped) } else { robot.with_base(Base::Floating) };
-    let mut joints = Joints::passive(&model);
-    joints.set_friction(&model, &args.friction)?;
-    let control = Control { sample_period_s: args.control_period, ..Control::default() };
-    joints.set_control(&model, &args.gains, control)?;
+    if let Some(which) = args.integrators {
+        return integrators::run(args, &model, which);
+    }
+    if args.frames {
+        return frames::run(args, &model);
+    }
+    if args.falls {
+        return falls::run(args, &model);
+    }
     let plan = Plan::of(args, &model)?;
-    let (within, clipped) = plan.setpoints.clipped(&model);
-    let mut start = State::at_rest(&model);
-    for id in model.joint_ids() {
-        if joints.drive(id).chain.motor.is_some() {
-            start.angle_rad[id.index()] = within.at(id, within.t_s[0]).unwrap_or(0.0);
-        }
-    }
     let floor = if args.air { None } else { Some(args.ground.floor(&model)?) };
-    if let Some(floor) = &floor {
-        ground::lift(floor, &model, &mut start);
-    }
+    let setting = Setting::new(model.clone(), study::joints(args, &model)?, &plan.setpoints, floor);
+    let (model, joints, floor) = (&setting.model, &setting.joints, setting.floor.as_ref());
     progress.say("simulating");
-    let scenario = Scenario {
-        model: &model,
-        joints: &joints,
-        setpoints: &within,
-        start: &start,
-        surroundings: floor.as_ref().map(|floor| floor as &dyn Surroundings),
-        period_s: model.encoder().map_or(answer::PERIOD_S, |encoder| encoder.period_s),
-    };
-    if let Some(floor) = floor.as_ref().filter(|_| args.converge && !args.common.quiet) {
+    let scenario = setting.scenario();
+    if let Some(floor) = floor.filter(|_| args.converge && !args.common.quiet) {
         converge::print_table(&scenario, floor, plan.stand_s)?;
     }
     let method = args.method();
@@ -179,13 +212,22 @@ pub(super) fn run(args: &WalkArgs) -> Result<u8, CliError> {
     progress.say("drawing");
     let sensor = match args.sensor {
         SensorArg::Ideal => PositionSensor::Ideal,
-        SensorArg::B1 => PositionSensor::of(&model),
+        SensorArg::B1 => PositionSensor::of(model),
     };
     let inputs: Vec<PathBuf> = args.robot.iter().chain(&args.setpoints).chain(&plan.file).cloned().collect();
-    let floor = floor.as_ref();
-    let asked =
-        answer::Asked { args, scenario: &scenario, method, sensor, clipped: &clipped, plan: &plan, floor, wall_s };
-    let report = answer::report(&asked, &recording, provenance(inputs.iter().cloned())?);
+    let asked = answer::Asked {
+        args,
+        scenario: &scenario,
+        method,
+        sensor,
+        clipped: &setting.clipped,
+        plan: &plan,
+        floor,
+        wall_s,
+    };
+    let mut report = answer::report(&asked, &recording, provenance(inputs.iter().cloned())?);
+    let film = film::Film::of(model, &recording, (&report.title(), &report.sentence, 1.0 / plan.frequency_hz));
+    report.cycle = film.cycle()?;
     let folder = args.common.folder(if args.air { "walk-air" } else { "walk" });
     let mut outputs = Outputs::default();
     for figure in walk_figures(&report)? {
@@ -193,10 +235,10 @@ pub(super) fn run(args: &WalkArgs) -> Result<u8, CliError> {
     }
     let page = folder.join("report.html");
     outputs.add(&page, walk_html(&report)?);
-    film::add(&mut outputs, &folder, &model, &recording, (&report.title(), &report.sentence, 1.0 / plan.frequency_hz))?;
-    outputs.add(folder.join("log.csv"), log_csv(&model, &joints, &recording, sensor, args.seed));
+    film.add(&mut outputs, &folder)?;
+    outputs.add(folder.join("log.csv"), log_csv(model, joints, &recording, sensor, args.seed));
     if let Some(path) = &args.export_motion {
-        outputs.add(path, plan.motion.to_text(&model));
+        outputs.add(path, plan.motion.to_text(model));
     }
     args.common.add_json(&mut outputs, &report)?;
     write_outputs(outputs, &inputs)?;

@@ -22,6 +22,19 @@ pub(super) struct Plan {
 /// A table stands so long before it walks [s]; motions too.
 const STAND_S: f64 = 2.0;
 
+/// The gait of a walk that does not say.
+const DEFAULT: &str = "trot";
+
+/// The gait that was asked for, or the default, at the frequency that was asked for.
+pub(super) fn gait_of(args: &WalkArgs, default: &str, model: &Model) -> Result<Gait, CliError> {
+    let gait = match args.gait_file() {
+        Some(file) => Gait::read(&file, model)?,
+        None => Gait::built_in(args.gait.as_deref().unwrap_or(default), model)
+            .map_err(|error| CliError::Usage(error.to_string()))?,
+    };
+    Ok(args.frequency.map_or(gait.clone(), |hz| gait.at_frequency(hz)))
+}
+
 impl Plan {
     pub fn of(args: &WalkArgs, model: &Model) -> Result<Self, CliError> {
         let frame = |source: &dyn Fn(JointId, f64) -> f64, end_s: f64| {
@@ -29,8 +42,9 @@ impl Plan {
             let table = Setpoints::sampled(&source, model, end_s, answer::PERIOD_S)?;
             Ok::<_, CliError>((table, Motion::of(&source, model, Motion::FRAME_MS, end_s)))
         };
-        let file = (args.gait.contains(['.', '/', '\\'])).then(|| PathBuf::from(&args.gait));
-        let name = args.setpoints.as_ref().or(file.as_ref()).map_or(args.gait.clone(), |file| named(file));
+        let file = args.gait_file();
+        let asked = args.gait.as_deref().unwrap_or(DEFAULT);
+        let name = args.setpoints.as_ref().or(file.as_ref()).map_or(asked.to_owned(), |file| named(file));
         if let Some(path) = file.as_ref().filter(|path| path.extension().is_some_and(|end| end == "mot")) {
             let motion = Motion::read(path, model)?;
             let end_s = args.duration.unwrap_or(motion.end_s());
@@ -38,15 +52,9 @@ impl Plan {
             let frequency_hz = args.frequency.unwrap_or(1.0);
             return Ok(Self { name, setpoints, motion, frequency_hz, stand_s: STAND_S.min(0.5 * end_s), file });
         }
-        let mut gait = match &file {
-            Some(file) => Gait::read(file, model)?,
-            None => Gait::built_in(&args.gait, model).map_err(|error| CliError::Usage(error.to_string()))?,
-        };
+        let mut gait = gait_of(args, DEFAULT, model)?;
         if args.air && gait.amplitudes().iter().any(|set| set == "air") {
             gait = gait.with_amplitude("air")?;
-        }
-        if let Some(hz) = args.frequency {
-            gait = gait.at_frequency(hz);
         }
         let end_s = args.duration.unwrap_or(gait.stand_s() + gait.walk_s());
         let (setpoints, motion) = frame(&|joint, t_s| gait.angle_rad(joint, t_s), end_s)?;

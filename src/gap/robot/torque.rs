@@ -7,7 +7,7 @@ use crate::joint::{Contact, Setpoint};
 use crate::robot::{Dynamics, State};
 
 /// Samples to either side of the local parabola that smooths what is measured less what the robot as given does.
-const HALF: usize = 6;
+const HALF: usize = 12;
 /// Friction of a joint that is slower says nothing of its torque \[rad/s\].
 const STICKS_RAD_S: f64 = 0.02;
 

@@ -9,9 +9,11 @@ mod gif;
 mod outline;
 mod page;
 mod recording;
+mod strip;
 #[cfg(test)]
 mod tests;
 
 pub use gif::{GifOptions, animation_gif};
 pub use page::animation_html;
 pub use recording::{Animation, Dog, Recording};
+pub use strip::animation_strip;

@@ -1,15 +1,25 @@
 //! The report of a walk: what was asked of the joints and what they did.
 
 mod html;
+mod panels;
 mod plot;
+mod study;
+mod study_plot;
 mod text;
 
 pub use html::walk_html;
 pub use plot::walk_figures;
+pub use study::{StudyReport, StudyTable, study_html, study_text};
+pub use study_plot::{Comparison, PairedCurves, comparison_figure, joints_figure, sensitivity_figure, trunk_figure};
 pub use text::walk_text;
 
-use super::Provenance;
+use super::plot::canvas::{EXTENSIVE, POSITIVE, SETPOINT, SIMPLE};
+use super::{Figure, Provenance};
+use plotters::style::RGBColor;
 use serde::Serialize;
+
+/// Colours of curves that stand beside each other.
+pub(super) const COLOURS: [RGBColor; 4] = [EXTENSIVE, SIMPLE, SETPOINT, POSITIVE];
 
 /// Everything that the report of `aibo-fit walk` shows.
 #[derive(Clone, Debug, Serialize)]
@@ -37,8 +47,8 @@ pub struct WalkReport {
     pub realtime_factor: f64,
     /// Evaluations of the equations of motion.
     pub evaluations: u64,
-    /// Steps that count.
-    pub steps: u64,
+    /// Steps of the method that count.
+    pub integration_steps: u64,
     /// Where the motion ran away, if it did.
     pub diverged: Option<Runaway>,
     /// Joints that were moved.
@@ -51,6 +61,15 @@ pub struct WalkReport {
     /// The trunk on its floor, to be drawn.
     #[serde(skip)]
     pub trunk: Option<TrunkCurves>,
+    /// The feet on their floor, to be drawn.
+    #[serde(skip)]
+    pub footfalls: Option<Footfalls>,
+    /// The robot at times of one cycle (Figure 4.4).
+    #[serde(skip)]
+    pub cycle: Option<Figure>,
+    /// Time of one cycle of the gait \[s\].
+    #[serde(skip)]
+    pub cycle_s: f64,
     /// Where it comes from.
     #[serde(skip)]
     pub provenance: Provenance,
@@ -81,6 +100,19 @@ pub struct Ground {
     pub bob_m: f64,
     /// Of the trunk's centre over the floor when the walk begins \[m\].
     pub height_m: f64,
+    /// Steps: how often the robot's first foot, the left front one, came down on the floor.
+    pub steps: usize,
+    /// Largest angle between the trunk's vertical axis and the floor's normal since the walk began \[rad\].
+    pub tilt_rad: f64,
+}
+
+/// Which feet are on the floor.
+#[derive(Clone, Debug)]
+pub struct Footfalls {
+    /// \[s\]
+    pub t_s: Vec<f64>,
+    /// Each foot's name, and whether it is down at each time.
+    pub feet: Vec<(String, Vec<bool>)>,
 }
 
 /// The trunk over time.

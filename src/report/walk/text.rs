@@ -44,7 +44,7 @@ pub(super) fn cost(report: &WalkReport) -> String {
         "{}: {} s simulated in {} steps, {} evaluations of the equations of motion.",
         report.method,
         significant(report.duration_s, 4),
-        report.steps,
+        report.integration_steps,
         report.evaluations
     )
 }

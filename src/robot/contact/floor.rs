@@ -1,5 +1,6 @@
 //! The floor under a robot.
 
+use super::Resting;
 use super::law::Contact;
 use crate::robot::{BodyId, BodyMotion, ContactDamping, Force, Model, RobotError};
 use nalgebra::{Unit, Vector3};
@@ -30,6 +31,9 @@ pub struct FloorParameters {
     pub stribeck_speed_m_s: f64,
     /// Radius at which torsional friction (2.6) acts \[m\]; 0: none.
     pub torsion_radius_m: f64,
+    /// A point that has slid slower than `1 / steepness` for so long rests: friction holds it until it would have to bear
+    /// more than `mu_st F_n` - `dwell` \[s\]; infinite: (2.4) alone, which creeps under any load.
+    pub dwell_s: f64,
     /// Upward normal of the floor, world axes; need not have length 1.
     pub normal: Vector3<f64>,
     /// A point of the floor's plane, in the world \[m\].
@@ -48,6 +52,7 @@ impl Default for FloorParameters {
             steepness_s_m: 300.0,
             stribeck_speed_m_s: 0.05,
             torsion_radius_m: 0.0,
+            dwell_s: 1.0,
             normal: Vector3::y(),
             through_m: Vector3::zeros(),
         }
@@ -74,6 +79,12 @@ impl FloorParameters {
             ("steepness", self.steepness_s_m, self.steepness_s_m > 0.0, "a number above 0 s/m"),
             ("stribeck_speed", self.stribeck_speed_m_s, self.stribeck_speed_m_s >= 0.0, not_negative),
             ("torsion_radius", self.torsion_radius_m, self.torsion_radius_m >= 0.0, not_negative),
+            (
+                "dwell",
+                if self.dwell_s == f64::INFINITY { 0.0 } else { self.dwell_s },
+                self.dwell_s >= 0.0,
+                not_negative,
+            ),
         ];
         for (what, value, is_right, allowed) in rows {
             if !(value.is_finite() && is_right) {
@@ -112,14 +123,14 @@ struct Part {
 /// A floor under a robot.
 ///
 /// ```
-/// use aibo_fit::robot::{Dynamics, Floor, FloorParameters, Model, State, Touching};
+/// use aibo_fit::robot::{Dynamics, Floor, FloorParameters, Model, Resting, State, Touching};
 /// let robot = Model::ers7();
 /// let floor = Floor::new(FloorParameters::default(), robot, Touching::Marked)?;
 /// let mut dynamics = Dynamics::new(robot);
 /// let mut state = State::at_rest(robot);
 /// state.base_position_m.y = floor.height_on_m(&mut dynamics, &state) - 2e-4;
 /// let (mut forces, mut damping) = (Vec::with_capacity(floor.parts()), Vec::with_capacity(floor.parts()));
-/// floor.forces(dynamics.motions(&state), &mut forces, &mut damping);
+/// floor.forces(dynamics.motions(&state), &Resting::none(), &mut forces, &mut damping);
 /// assert!(!forces.is_empty() && forces.iter().all(|force| force.force_n.y > 0.0));
 /// # Ok::<(), aibo_fit::robot::RobotError>(())
 /// ```
@@ -164,6 +175,11 @@ impl Floor {
         self.parts.len()
     }
 
+    /// The parts that may touch.
+    pub fn bodies(&self) -> impl Iterator<Item = BodyId> + '_ {
+        self.parts.iter().map(|part| part.body)
+    }
+
     /// Depth of a point below the floor's plane \[m\]; negative above it.
     pub fn depth_m(&self, point_m: &Vector3<f64>) -> f64 {
         (self.parameters.through_m - point_m).dot(&self.normal)
@@ -181,25 +197,61 @@ impl Floor {
     pub fn contacts<'a>(
         &'a self,
         motions: &'a [BodyMotion],
+        resting: &'a Resting,
     ) -> impl Iterator<Item = (BodyId, Vector3<f64>, Vector3<f64>, Contact)> + 'a {
-        self.parts.iter().filter_map(move |part| {
-            let motion = &motions[part.body.index()];
-            let arm = self.to_lowest(part, motion);
-            let (at, velocity) = (motion.position_m + arm, motion.velocity_m_s + motion.rate_rad_s.cross(&arm));
-            let contact = self.parameters.contact(self.depth_m(&at), &self.normal, &velocity, &motion.rate_rad_s)?;
+        let held = move |(k, part): (usize, &'a Part)| {
+            let (at, velocity, contact) = self.contact_of(part, motions, resting.is_held(k))?;
             Some((part.body, at, velocity, contact))
-        })
+        };
+        self.parts.iter().enumerate().filter_map(held)
+    }
+
+    /// Point, its velocity and contact of a part, where it touches.
+    fn contact_of(
+        &self,
+        part: &Part,
+        motions: &[BodyMotion],
+        is_held: bool,
+    ) -> Option<(Vector3<f64>, Vector3<f64>, Contact)> {
+        let motion = &motions[part.body.index()];
+        let arm = self.to_lowest(part, motion);
+        let (at, velocity) = (motion.position_m + arm, motion.velocity_m_s + motion.rate_rad_s.cross(&arm));
+        let depth_m = self.depth_m(&at);
+        let contact = self.parameters.contact_of(depth_m, &self.normal, &velocity, &motion.rate_rad_s, is_held)?;
+        Some((at, velocity, contact))
+    }
+
+    /// Takes notice of which points rest, at the begin of a step; `resting` is the run's.
+    pub fn notice(&self, t_s: f64, motions: &[BodyMotion], resting: &mut Resting) {
+        let p = &self.parameters;
+        for (k, part) in self.parts.iter().enumerate() {
+            let contact = self.contact_of(part, motions, resting.is_held(k));
+            let Some((_, velocity, contact)) = contact.filter(|(_, _, contact)| contact.normal_n > 0.0) else {
+                resting.lift(k);
+                continue;
+            };
+            let borne_n = (contact.force_n - self.normal.into_inner() * contact.normal_n).norm();
+            let bears = borne_n <= p.breakaway() * contact.normal_n && p.breakaway() > 0.0;
+            let speed_m_s = (velocity - self.normal.into_inner() * velocity.dot(&self.normal)).norm();
+            resting.touch(k, t_s, bears && speed_m_s * p.steepness_s_m < 1.0, p.dwell_s);
+        }
     }
 
     /// Forces of the floor on the robot, and what an implicit step needs of them; both lists are emptied first and
-    /// grow to [`Floor::parts`] at most.
+    /// grow to [`Floor::parts`] at most. Friction is (2.4) wherever no point rests.
     ///
     /// # Panics
     /// Where `motions` are not those of the model.
-    pub fn forces(&self, motions: &[BodyMotion], forces: &mut Vec<Force>, damping: &mut Vec<ContactDamping>) {
+    pub fn forces(
+        &self,
+        motions: &[BodyMotion],
+        resting: &Resting,
+        forces: &mut Vec<Force>,
+        damping: &mut Vec<ContactDamping>,
+    ) {
         forces.clear();
         damping.clear();
-        for (body, at_m, velocity_m_s, contact) in self.contacts(motions) {
+        for (body, at_m, velocity_m_s, contact) in self.contacts(motions, resting) {
             forces.push(Force { body, at_m, force_n: contact.force_n, moment_nm: contact.moment_nm });
             damping.push(ContactDamping {
                 body,

@@ -1,7 +1,11 @@
 //! One contact: forces and their derivatives (eqs 2.3-2.6).
 
 use super::FloorParameters;
+use super::exp::{exp, tanh};
 use nalgebra::{Matrix3, Vector3};
+
+/// A point that friction holds creeps so slowly per newton \[N s/m\]: 6 micrometres in a minute under 1 N.
+const HOLDING_N_S_M: f64 = 1e7;
 
 /// Below this sliding speed friction is its slope at rest times the speed \[m/s\]; the tanh is straight there to 1e-12.
 const STRAIGHT_M_S: f64 = 1e-9;
@@ -59,10 +63,10 @@ impl FloorParameters {
             let slope = s * if is_stribeck { mu_st } else { mu_c } + mu_v;
             return Sliding { coefficient: slope * v, over_speed_s_m: slope, slope_s_m: slope };
         }
-        let tanh = (s * v).tanh();
+        let tanh = tanh(s * v);
         let tanh_slope = s * (1.0 - tanh * tanh);
         let (coefficient, slope_s_m) = if is_stribeck {
-            let part = (-(v / v_st).powi(2)).exp();
+            let part = exp(-(v / v_st) * (v / v_st));
             let part_slope = -2.0 * v / (v_st * v_st) * part;
             let over = mu_st * tanh - mu_c;
             (mu_c + over * part + mu_v * v, mu_st * tanh_slope * part + over * part_slope + mu_v)
@@ -70,6 +74,12 @@ impl FloorParameters {
             (mu_c * tanh + mu_v * v, mu_c * tanh_slope + mu_v)
         };
         Sliding { coefficient, over_speed_s_m: coefficient / v, slope_s_m }
+    }
+
+    /// What friction holds at the most, per normal force: the top of (2.4) near rest.
+    pub fn breakaway(&self) -> f64 {
+        let is_stribeck = self.stribeck_speed_m_s > 0.0 && self.static_friction > 0.0;
+        if is_stribeck { self.static_friction } else { self.coulomb }
     }
 
     /// The contact of a point that has sunk in by a depth; `None` where it hangs above the floor.
@@ -81,6 +91,18 @@ impl FloorParameters {
         normal: &Vector3<f64>,
         velocity_m_s: &Vector3<f64>,
         rate_rad_s: &Vector3<f64>,
+    ) -> Option<Contact> {
+        self.contact_of(depth_m, normal, velocity_m_s, rate_rad_s, false)
+    }
+
+    /// The same of a point that friction may hold ([`super::Resting`]): a damper so stiff that it hardly creeps.
+    pub(super) fn contact_of(
+        &self,
+        depth_m: f64,
+        normal: &Vector3<f64>,
+        velocity_m_s: &Vector3<f64>,
+        rate_rad_s: &Vector3<f64>,
+        is_held: bool,
     ) -> Option<Contact> {
         if !(depth_m > 0.0) {
             return None;
@@ -100,7 +122,13 @@ impl FloorParameters {
         let across_m_s = velocity_m_s + normal * sinking_m_s;
         let speed_m_s = across_m_s.norm();
         let direction = if speed_m_s < STRAIGHT_M_S { Vector3::zeros() } else { across_m_s / speed_m_s };
-        let sliding = self.sliding(speed_m_s);
+        let sliding = match is_held && normal_n > 0.0 {
+            true => {
+                let slope = HOLDING_N_S_M / normal_n;
+                Sliding { coefficient: 0.0, over_speed_s_m: slope, slope_s_m: slope }
+            }
+            false => self.sliding(speed_m_s),
+        };
         let spread = Matrix3::identity() - along;
         let sideways = |slope_s_m: f64| {
             (direction * direction.transpose()) * (slope_s_m - sliding.over_speed_s_m) + spread * sliding.over_speed_s_m

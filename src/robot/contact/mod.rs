@@ -11,11 +11,16 @@
 //!
 //! Left out: the patch of contact. A point has no torsional friction of its own, and (2.6) as printed has the
 //! dimension of a force: it is given a contact radius here, 0 (no torsion) by default.
+//!
+//! - [`Resting`]: points that have stood for a while are held, for (2.4) alone creeps under any load.
 
+mod exp;
 mod floor;
 mod law;
+mod resting;
 #[cfg(test)]
 mod tests;
 
 pub use floor::{Floor, FloorParameters, Touching};
 pub use law::Contact;
+pub use resting::Resting;

@@ -67,6 +67,11 @@ impl Motions {
 
     /// Follows the tree outwards.
     pub fn update(&mut self, model: &Model, state: &State) {
+        self.follow(model, state, 0..model.joints().len());
+    }
+
+    /// Follows some joints outwards, given in the model's order with all that carry them; what the others had stays.
+    pub fn follow(&mut self, model: &Model, state: &State, joints: impl Iterator<Item = usize>) {
         let rotation = *state.base_orientation.to_rotation_matrix().matrix();
         let (velocity_m_s, rate_rad_s) = match model.base() {
             Base::Floating => (state.base_velocity_m_s, rotation * state.base_rate_rad_s),
@@ -74,17 +79,19 @@ impl Motions {
         };
         let position_m = state.base_position_m;
         self.bodies[0] = BodyMotion { position_m, from_base_m: Vector3::zeros(), rotation, velocity_m_s, rate_rad_s };
-        let n = self.axes.len();
-        let mut known = (0.0, 1.0);
-        for (j, joint) in model.joints().iter().enumerate() {
+        let last = self.axes.len().max(1) - 1;
+        let mut known = (usize::MAX, 0.0, 1.0);
+        for j in joints {
+            let joint = &model.joints()[j];
             // Sines and cosines come in twos.
-            let (sin, cos) = if j % 2 == 0 {
-                let (sines, cosines) = sin_cos(Pair::new(state.angle_rad[j], state.angle_rad[(j + 1).min(n - 1)]));
-                let ([s0, s1], [c0, c1]) = (sines.lanes(), cosines.lanes());
-                known = (s1, c1);
-                (s0, c0)
+            let (sin, cos) = if known.0 == j {
+                (known.1, known.2)
             } else {
-                known
+                let next = (j + 1).min(last);
+                let (sines, cosines) = sin_cos(Pair::new(state.angle_rad[j], state.angle_rad[next]));
+                let ([s0, s1], [c0, c1]) = (sines.lanes(), cosines.lanes());
+                known = (next, s1, c1);
+                (s0, c0)
             };
             let above = self.bodies[model.carrier(JointId::of(j)).index()];
             let rotation = above.rotation * model.turning()[j].at(sin, cos);
@@ -114,6 +121,17 @@ impl Dynamics<'_> {
     pub fn motions(&mut self, state: &State) -> &[BodyMotion] {
         self.check_state(state);
         self.motions.update(self.model, state);
+        &self.motions.bodies
+    }
+
+    /// As [`Dynamics::motions`], but only the bodies of some joints and the base move; the joints are given in the
+    /// model's order, with all that carry them. The others stay where an earlier call left them.
+    ///
+    /// # Panics
+    /// Where the state has not the model's number of joints, or there is no such joint.
+    pub(in crate::robot) fn motions_of(&mut self, state: &State, joints: &[usize]) -> &[BodyMotion] {
+        self.check_state(state);
+        self.motions.follow(self.model, state, joints.iter().copied());
         &self.motions.bodies
     }
 

@@ -107,7 +107,7 @@ pub struct Gait {
 }
 
 /// The gaits that are compiled in.
-const BUILT_IN: [(&str, &str); 7] = [
+const BUILT_IN: [(&str, &str); 8] = [
     ("trot", include_str!("../../../data/gaits/trot.toml")),
     ("trot-2hz", include_str!("../../../data/gaits/trot-2hz.toml")),
     ("crawl", include_str!("../../../data/gaits/crawl.toml")),
@@ -115,6 +115,7 @@ const BUILT_IN: [(&str, &str); 7] = [
     ("turn-left", include_str!("../../../data/gaits/turn-left.toml")),
     ("sideways-right", include_str!("../../../data/gaits/sideways-right.toml")),
     ("fall", include_str!("../../../data/gaits/fall.toml")),
+    ("topple", include_str!("../../../data/gaits/topple.toml")),
 ];
 
 impl Gait {

@@ -27,7 +27,7 @@ impl Stiff<'_> {
         self.stops.fill(0);
         let mut left = h;
         for round in 0.. {
-            self.look(now, commands);
+            self.look(now, commands, round == 0);
             self.attempt(now, commands, left);
             let mut take = left;
             match self.first_event(&now.body).filter(|_| round < MOST_EVENTS) {

@@ -99,4 +99,16 @@ impl Recording {
         let y = 1.0 - x;
         q0 * (1.0 + 2.0 * x) * y * y + m0 * x * y * y + q1 * x * x * (3.0 - 2.0 * x) - m1 * x * x * y
     }
+
+    /// Places at a sample; the velocities of `state` stay.
+    ///
+    /// # Panics
+    /// Where there is no such sample, or the state is another model's.
+    pub fn state_at(&self, sample: usize, state: &mut State) {
+        let base = &self.base[sample];
+        (state.base_position_m, state.base_orientation) = (base.position_m, base.orientation);
+        for (angle, column) in state.angle_rad.iter_mut().zip(&self.angle_rad) {
+            *angle = column[sample];
+        }
+    }
 }

@@ -19,8 +19,10 @@ pub enum Method {
         /// Longest step \[s\].
         step_s: f64,
     },
-    /// One of the methods for smooth systems, with friction made smooth.
+    /// One of the methods for smooth systems, with friction made smooth and rates that its step cannot follow slowed down.
     Smooth(integrate::Method),
+    /// The same with nothing slowed down: what the printed gains do to an explicit method.
+    Explicit(integrate::Method),
 }
 
 impl Default for Method {
@@ -57,7 +59,7 @@ enum Stepper<'a> {
 pub fn run(scenario: &Scenario<'_>, method: Method) -> Result<Recording, SimulateError> {
     scenario.check()?;
     check(method)?;
-    if let Method::Smooth(_) = method {
+    if let Method::Smooth(_) | Method::Explicit(_) = method {
         let mut joints = scenario.model.joints().iter().zip(scenario.joints.drives());
         if let Some((joint, _)) = joints.find(|(_, drive)| drive.chain.play.is_some()) {
             return Err(SimulateError::Backlash { joint: joint.name.clone() });
@@ -67,7 +69,10 @@ pub fn run(scenario: &Scenario<'_>, method: Method) -> Result<Recording, Simulat
     let scenario = Scenario { setpoints: &setpoints, ..*scenario };
     let mut stepper = match method {
         Method::Stiff { step_s } => Stepper::Stiff(Box::new(Stiff::new(&scenario, step_s))),
-        Method::Smooth(method) => Stepper::Smooth(Box::new(Smooth::new(&scenario, method))),
+        Method::Smooth(of) | Method::Explicit(of) => {
+            let is_slowed = matches!(method, Method::Smooth(_));
+            Stepper::Smooth(Box::new(Smooth::new(&scenario, of, is_slowed)))
+        }
     };
     let mut commands = Commands::new(&scenario);
     let (start_s, end_s) = (setpoints.t_s[0], setpoints.t_s[setpoints.t_s.len() - 1]);
@@ -134,10 +139,12 @@ fn check(method: Method) -> Result<(), SimulateError> {
     };
     match method {
         Method::Stiff { step_s } => step(step_s),
-        Method::Smooth(integrate::Method::Rk2 { step_s } | integrate::Method::Rk4 { step_s }) => step(step_s),
-        Method::Smooth(
-            integrate::Method::DormandPrince(of) | integrate::Method::Adams(of) | integrate::Method::Bdf(of),
-        ) => tolerance(of),
+        Method::Smooth(of) | Method::Explicit(of) => match of {
+            integrate::Method::Rk2 { step_s } | integrate::Method::Rk4 { step_s } => step(step_s),
+            integrate::Method::DormandPrince(of) | integrate::Method::Adams(of) | integrate::Method::Bdf(of) => {
+                tolerance(of)
+            }
+        },
     }
 }
 
@@ -159,7 +166,7 @@ pub(super) fn suggestion(method: Method) -> &'static str {
         Method::Stiff { .. } => {
             "a law evaluated in frames with a high derivative gain is unstable in itself; else take a shorter step"
         }
-        Method::Smooth(integrate::Method::Rk2 { .. } | integrate::Method::Rk4 { .. }) => {
+        Method::Explicit(_) | Method::Smooth(integrate::Method::Rk2 { .. } | integrate::Method::Rk4 { .. }) => {
             "this method is explicit; take a shorter step, or the stiff method"
         }
         Method::Smooth(_) => "take a tighter tolerance, or the stiff method",

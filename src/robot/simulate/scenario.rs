@@ -1,7 +1,7 @@
 //! What is simulated: the problem, which no run changes.
 
 use super::{Joints, Setpoints, SimulateError};
-use crate::robot::{BodyMotion, ContactDamping, Floor, Force, Model, State};
+use crate::robot::{BodyId, BodyMotion, ContactDamping, Floor, Force, Model, Resting, State};
 
 /// What the surroundings do to the robot at one instant.
 #[derive(Clone, Debug, Default)]
@@ -23,16 +23,51 @@ impl External {
 
 /// Whatever acts on the robot from outside: a floor, a hand.
 ///
-/// It answers from time and motion alone, so that a method may ask at any instant and as often as it likes.
+/// It answers from time, motion and what rests alone, so that a method may ask at any instant and as often as it likes.
 pub trait Surroundings: Sync {
     /// Adds to `external`, which is empty, what acts while the bodies move so. Should not allocate once its lists have
     /// grown.
     fn act(&self, t_s: f64, bodies: &[BodyMotion], external: &mut External);
+
+    /// The bodies that it looks at; `None`: any. The motion of others, but for those that carry these, is not kept up
+    /// to date in `bodies`.
+    fn looks_at(&self) -> Option<Vec<BodyId>> {
+        None
+    }
+
+    /// How many points it has on which something may rest.
+    fn points(&self) -> usize {
+        0
+    }
+
+    /// Takes notice of what rests, at the begin of each step of the stiff method.
+    fn notice(&self, _t_s: f64, _bodies: &[BodyMotion], _resting: &mut Resting) {}
+
+    /// As [`Surroundings::act`], with what rests.
+    fn act_resting(&self, t_s: f64, bodies: &[BodyMotion], _resting: &Resting, external: &mut External) {
+        self.act(t_s, bodies, external);
+    }
 }
 
 impl Surroundings for Floor {
-    fn act(&self, _t_s: f64, bodies: &[BodyMotion], external: &mut External) {
-        self.forces(bodies, &mut external.forces, &mut external.contacts);
+    fn act(&self, t_s: f64, bodies: &[BodyMotion], external: &mut External) {
+        self.act_resting(t_s, bodies, &Resting::none(), external);
+    }
+
+    fn looks_at(&self) -> Option<Vec<BodyId>> {
+        Some(self.bodies().collect())
+    }
+
+    fn points(&self) -> usize {
+        self.parts()
+    }
+
+    fn notice(&self, t_s: f64, bodies: &[BodyMotion], resting: &mut Resting) {
+        Floor::notice(self, t_s, bodies, resting);
+    }
+
+    fn act_resting(&self, _t_s: f64, bodies: &[BodyMotion], resting: &Resting, external: &mut External) {
+        self.forces(bodies, resting, &mut external.forces, &mut external.contacts);
     }
 }
 

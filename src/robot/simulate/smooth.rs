@@ -32,8 +32,10 @@ pub(super) struct Smooth<'a> {
 }
 
 impl<'a> Smooth<'a> {
-    pub(super) fn new(scenario: &Scenario<'a>, method: integrate::Method) -> Self {
+    /// With `is_slowed` no joint is faster than the method can follow.
+    pub(super) fn new(scenario: &Scenario<'a>, method: integrate::Method, is_slowed: bool) -> Self {
         let limit_1_s = match method {
+            _ if !is_slowed => None,
             integrate::Method::Rk2 { step_s } | integrate::Method::Rk4 { step_s } => Some(FOLLOWED / step_s),
             integrate::Method::DormandPrince(_) | integrate::Method::Adams(_) => Some(LIMIT_1_S),
             integrate::Method::Bdf(_) => None,

@@ -198,9 +198,10 @@ impl<'a> Stiff<'a> {
         HOLDING * self.scenario.joints.drives()[j].chain.link.inertia_kg_m2
     }
 
-    /// What does not depend on the step's length and on which joints stick.
-    pub(super) fn look(&mut self, now: &Carried, commands: &[Command<f64>]) {
-        self.world.surround(now.t_s, &now.body, &mut self.here);
+    /// What does not depend on the step's length and on which joints stick. What rests on the surroundings is decided at
+    /// the begin of a whole step only: a piece of one may be too short to bring a point to rest that has just been held.
+    pub(super) fn look(&mut self, now: &Carried, commands: &[Command<f64>], is_whole: bool) {
+        self.world.gather(now.t_s, &now.body, &mut self.here, is_whole);
         for (j, drive) in self.scenario.joints.drives().iter().enumerate() {
             let at = Self::at(now, j);
             self.error_rad[j] = drive.error_rad(commands[j], at.t_s, at.angle_rad);

@@ -444,3 +444,55 @@ fn dampers_of_the_surroundings_are_stable_and_of_second_order() {
     println!("honey: 2 ms {coarse:e}, 1 ms {middle:e}, 0.25 ms {fine:e} rad");
     assert!(coarse < 2e-2 && middle < 5e-3 && fine < middle / 8.0, "{coarse:e} {middle:e} {fine:e}");
 }
+
+/// Angle of the floor, time, and the robot that stands there at last.
+fn stand(slope_rad: f64, dwell_s: f64, duration_s: f64) -> (crate::robot::Floor, Recording) {
+    use crate::robot::{Floor, FloorParameters, Touching};
+    let model = Model::ers7();
+    let joints = Joints::of_thesis(model).unwrap();
+    let trot = Gait::built_in("trot", model).unwrap();
+    let t_s = vec![0.0, duration_s];
+    let column = |id| Some(Column { angle_rad: vec![crate::robot::Setpoints::angle_rad(&trot, id, 0.0); 2], on: None });
+    let setpoints = Setpoints { t_s, columns: model.joint_ids().map(column).collect(), hold: Hold::Linear };
+    let parameters = FloorParameters { dwell_s, ..FloorParameters::default() }.sloped(slope_rad, 0.0);
+    let floor = Floor::new(parameters, model, Touching::Marked).unwrap();
+    let mut start = State::at_rest(model);
+    for id in model.joint_ids() {
+        start.angle_rad[id.index()] = setpoints.at(id, 0.0).unwrap();
+    }
+    start.base_position_m.y = floor.height_on_m(&mut Dynamics::new(model), &start) + 2e-3;
+    let scenario = Scenario {
+        model,
+        joints: &joints,
+        setpoints: &setpoints,
+        start: &start,
+        surroundings: Some(&floor),
+        period_s: 0.1,
+    };
+    let recording = run(&scenario, Method::Stiff { step_s: 1e-3 }).unwrap();
+    (floor, recording)
+}
+
+#[test]
+fn a_robot_that_stands_creeps_less_than_a_tenth_of_a_millimetre_in_a_minute_and_its_feet_bear_its_weight() {
+    let model = Model::ers7();
+    let (floor, level) = stand(0.0, 1.0, 62.0);
+    let crept = |recording: &Recording| {
+        let place = |k: usize| recording.base[k].position_m;
+        (20..recording.base.len()).map(|k| (place(k) - place(20)).norm()).fold(0.0, f64::max)
+    };
+    println!("level: {:e} m in a minute", crept(&level));
+    assert!(crept(&level) < 1e-4 / 10.0);
+    let mut dynamics = Dynamics::new(model);
+    let motions = dynamics.motions(&level.end);
+    let normal_n: f64 = floor.contacts(motions, &crate::robot::Resting::none()).map(|c| c.3.normal_n).sum();
+    approx::assert_relative_eq!(normal_n, model.total_mass_kg() * 9.81, max_relative = 1e-6);
+    // On a slope too, which (2.4) alone cannot: it slides down at g sin / (mu_st s cos) = 1 mm/s.
+    let (_, held) = stand(0.2, 1.0, 12.0);
+    let (_, creeps) = stand(0.2, f64::INFINITY, 12.0);
+    println!("slope of 0.2: {:e} m, by (2.4) alone {:e} m in ten seconds", crept(&held), crept(&creeps));
+    assert!(crept(&held) < 1e-5 && crept(&creeps) > 5e-3);
+    // Steeper than its friction it slides.
+    let (_, slides) = stand(0.8, 1.0, 3.0);
+    assert!(slides.diverged.is_none() && crept(&slides) > 0.3, "{}", crept(&slides));
+}

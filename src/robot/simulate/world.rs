@@ -1,7 +1,7 @@
 //! The equations of motion with what the surroundings add.
 
 use super::{External, JointDrive, Scenario};
-use crate::robot::{Dynamics, Force, State};
+use crate::robot::{Dynamics, Force, Resting, State};
 
 /// What is around the robot at one state.
 pub(super) struct Around {
@@ -21,6 +21,9 @@ pub(super) struct World<'a> {
     scenario: Scenario<'a>,
     pub dynamics: Dynamics<'a>,
     needs_gravity: bool,
+    resting: Resting,
+    /// Joints whose bodies the surroundings look at, with all that carry them.
+    followed: Vec<usize>,
 }
 
 impl<'a> World<'a> {
@@ -28,18 +31,29 @@ impl<'a> World<'a> {
         Self {
             scenario: *scenario,
             dynamics: Dynamics::new(scenario.model),
+            resting: Resting::of(scenario.surroundings.map_or(0, |surroundings| surroundings.points())),
+            followed: followed(scenario),
             needs_gravity: scenario.joints.drives().iter().any(JointDrive::has_friction_terms),
         }
     }
 
     /// Forces, contacts and loads at a state.
     pub(super) fn surround(&mut self, t_s: f64, body: &State, around: &mut Around) {
+        self.gather(t_s, body, around, false);
+    }
+
+    /// The same; at the begin of a step it takes notice of what rests.
+    pub(super) fn gather(&mut self, t_s: f64, body: &State, around: &mut Around, is_first: bool) {
         around.external.clear();
         if self.needs_gravity {
             self.dynamics.gravity_nm(body, &mut around.gravity_nm);
         }
         let Some(surroundings) = self.scenario.surroundings else { return };
-        surroundings.act(t_s, self.dynamics.motions(body), &mut around.external);
+        let motions = self.dynamics.motions_of(body, &self.followed);
+        if is_first {
+            surroundings.notice(t_s, motions, &mut self.resting);
+        }
+        surroundings.act_resting(t_s, motions, &self.resting, &mut around.external);
     }
 
     /// Makes the contacts at the second stage's state, which the latest call has surrounded, those of its right-hand
@@ -61,4 +75,21 @@ impl<'a> World<'a> {
             });
         }
     }
+}
+
+/// Joints that move what the surroundings look at.
+fn followed(scenario: &Scenario<'_>) -> Vec<usize> {
+    let model = scenario.model;
+    let joints = 0..model.joints().len();
+    let Some(bodies) = scenario.surroundings.map(|surroundings| surroundings.looks_at()) else { return Vec::new() };
+    let Some(bodies) = bodies else { return joints.collect() };
+    let mut moves = vec![false; model.joints().len()];
+    for body in bodies {
+        let mut next = body.joint();
+        while let Some(joint) = next {
+            moves[joint.index()] = true;
+            next = model.carrier(joint).joint();
+        }
+    }
+    joints.filter(|joint| moves[*joint]).collect()
 }
