@@ -7,6 +7,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use support::*;
 
+/// What lies beside a robot study may not tell its cause.
+const WORDS_OF_CAUSES: [&str; 3] = ["truth", "effect", "payload"];
+
 /// Files under a folder, in order, with their contents.
 fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let mut found = Vec::new();
@@ -83,4 +86,59 @@ fn unknown_causes_are_refused_with_those_that_are_known() {
     let err = stderr(&output);
     assert_eq!(output.status.code(), Some(2), "{err}");
     assert!(err.contains("`gremlins` is no cause") && err.contains("cogging"), "{err}");
+}
+
+#[test]
+fn robot_studies_are_the_same_on_one_thread_or_two_and_say_nothing_of_their_cause() {
+    let dir = tempfile::tempdir().unwrap();
+    for (folder, threads) in [("one", "1"), ("two", "2")] {
+        let words = ["blind", "--robot", "--scenario", "drop", "--make-only", folder, "--trials", "3", "--seed", "4"];
+        let out = expect_code(dir.path(), &[&words[..], &["--threads", threads]].concat(), 0);
+        assert!(out.contains("3 studies, seed 4"), "{out}");
+    }
+    let (one, two) = (files(&dir.path().join("one")), files(&dir.path().join("two")));
+    assert!(one == two && one.len() >= 3 * 3);
+    for (path, content) in one.iter().filter(|(path, _)| path.starts_with("studies")) {
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        assert!(name == "study.toml" || (name.starts_with("log-") && name.ends_with(".csv")), "{name}");
+        let text = String::from_utf8_lossy(content);
+        assert!(!WORDS_OF_CAUSES.iter().any(|word| text.contains(word)), "{name}");
+    }
+    let truth = json(&dir.path().join("one/truth/000.json"));
+    assert_eq!((&truth["scenario"], &truth["scatter"]), (&"drop".into(), &0.03.into()));
+}
+
+#[test]
+fn answers_about_a_robot_are_sealed_opened_and_scored() {
+    let dir = tempfile::tempdir().unwrap();
+    let words = ["blind", "--robot", "--scenario", "drop", "--trials", "1", "--seed", "6", "--cause", "none"];
+    let out = expect_code(dir.path(), &[&words[..], &["--json", "run.json", "--rates", "rates.toml"]].concat(), 0);
+    let folder = dir.path().join("fits/blind-robot");
+    let truths = fs::read(folder.join("truths.json")).unwrap();
+    let hash: String = Sha256::digest(&truths).iter().map(|byte| format!("{byte:02x}")).collect();
+    let (sealed, opened) = (out.find(&format!("1 answers sealed: SHA-256 {hash}")), out.find("answers opened"));
+    assert!(sealed.is_some() && sealed < opened, "{out}");
+    let run = json(&dir.path().join("run.json"));
+    assert_eq!((&run["seal_holds"], &run["score"]["false_alarms"]["of"]), (&true.into(), &1.into()));
+    assert_eq!(run["trials"][0]["judgement"]["top"], run["trials"][0]["answer"]["verdict"] == "none");
+    let rates = fs::read_to_string(dir.path().join("rates.toml")).unwrap();
+    assert!(rates.contains("aibo-fit blind --robot") && rates.contains("answers = 1"), "{rates}");
+    let page = fs::read_to_string(folder.join("report.html")).unwrap();
+    assert!(page.contains("</html>") && !page.contains("<script") && !page.contains("src="));
+}
+
+#[test]
+fn causes_that_a_scenario_cannot_show_are_refused() {
+    let refused = [
+        (vec!["blind", "--robot", "--cause", "gremlins"], "`gremlins` is no cause of a robot"),
+        (vec!["blind", "--robot", "--cause", "payload", "--scenario", "air"], "no log of scenario `air` shows it"),
+        (vec!["blind", "--robot", "--cause", "delay", "--scenario", "drop"], "no log of scenario `drop` shows it"),
+        (vec!["blind", "--scenario", "air"], "--robot"),
+    ];
+    for (words, why) in refused {
+        let output = run_in(Path::new("."), &words);
+        let err = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{err}");
+        assert!(err.contains(why), "{err}");
+    }
 }

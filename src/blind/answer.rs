@@ -18,7 +18,7 @@ pub struct StatedNumber {
 }
 
 impl StatedNumber {
-    fn of(number: &Number) -> Self {
+    pub(super) fn of(number: &Number) -> Self {
         Self {
             name: number.name.clone(),
             value: number.value,

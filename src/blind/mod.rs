@@ -18,6 +18,7 @@ mod mechanism;
 mod motion;
 mod plan;
 mod record;
+pub mod robot;
 mod score;
 mod seal;
 mod sim;

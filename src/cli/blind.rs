@@ -1,12 +1,14 @@
 //! `aibo-fit blind`: sealed trials of the diagnosis.
 
+mod robot;
+
 use super::CliError;
 use super::common::{CommonArgs, json_text, print};
 use super::progress::Progress;
 use super::provenance::provenance;
 use crate::blind::{
-    Answered, CauseFilter, Judgement, Made, RunRecord, Sealed, TRUTHS_FILE, Trial, TrialRecord, Truth, make_filtered,
-    score,
+    Answered, CauseFilter, Judgement, Made, RunRecord, Sealed, TRUTHS_FILE, Trial, TrialRecord, Truth, UnknownCause,
+    make_filtered, score,
 };
 use crate::gap::{Diagnosis, GapOptions, Rates, Verdict, diagnose};
 use crate::identify::Case;
@@ -14,6 +16,7 @@ use crate::log::{LogError, Outputs};
 use crate::report::{BlindReport, GapReport, blind_figures, blind_html, blind_text, gap_json};
 use clap::Args;
 use rayon::prelude::*;
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -21,11 +24,14 @@ use std::time::Instant;
 /// Test the diagnosis on studies whose cause is drawn at random and sealed before it starts
 ///
 /// Makes studies of joints with a hidden cause, prints and stores the SHA-256 of the answers, diagnoses every study from
-/// its files, opens the answers and scores. The maker has its own integrator, formulas and mechanisms. Writes studies,
+/// its files, opens the answers and scores. The maker has its own integrator, formulas and mechanisms. With --robot the
+/// studies are of the whole ERS-7, walking in the air or on the floor or dropping a leg: made by the simulator with
+/// another integrator and step than the diagnosis, masses, friction and floor off by some percent. Writes studies,
 /// sealed.sha256, diagnoses, truths.json, score.json, report.html and the figures as SVG.
 #[derive(Args, Debug)]
 #[command(after_help = "Causes: any, none, calibration, effect, pair, outside; the id of an effect, as delay; two of \
-them, as delay+stribeck; a mechanism that the catalogue does not have, as cogging.\n\n\
+them, as delay+stribeck; a mechanism that the catalogue does not have, as cogging. Of robots also payload, \
+floor_friction, floor_slope, floor_stiffness, coulomb, viscous.\n\n\
 Check of the seal: sha256sum --check sealed.sha256, in the output folder.\n\n\
 Example: aibo-fit blind --trials 20 --seed 7")]
 pub(super) struct BlindArgs {
@@ -37,11 +43,17 @@ pub(super) struct BlindArgs {
     seed: Option<u64>,
     /// What is behind the gaps
     #[arg(long, value_name = "CAUSE", default_value = "any")]
-    cause: CauseFilter,
+    cause: String,
+    /// Studies of a whole robot
+    #[arg(long)]
+    robot: bool,
+    /// Scenario of all robot studies [default: drawn, of a hundred 60 air, 25 floor, 15 drop]
+    #[arg(long, value_name = "SCENARIO", requires = "robot", value_parser = ["air", "floor", "drop"])]
+    scenario: Option<String>,
     /// Diagnose nothing; write the studies to DIR/studies and the open answers to DIR/truth
     #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "json"])]
     make_only: Option<PathBuf>,
-    /// Write how often answers of each standing were right, as TOML in the form of data/rates.toml
+    /// Write how often answers of each standing were right, as TOML in the form of data/rates.toml (or rates-robot.toml)
     #[arg(long, value_name = "FILE", conflicts_with = "make_only")]
     rates: Option<PathBuf>,
     #[command(flatten)]
@@ -53,29 +65,57 @@ const SEAL_FILE: &str = "sealed.sha256";
 
 /// Runs the command.
 pub(super) fn run(args: &BlindArgs) -> Result<u8, CliError> {
+    if args.robot {
+        return robot::run(args);
+    }
+    let filter: CauseFilter = args.cause.parse().map_err(|error: UnknownCause| CliError::Usage(error.to_string()))?;
+    let make = |seed: u64, trial: u64| {
+        let Made { study, truth } = make_filtered(seed, trial, filter);
+        Ok((study, truth))
+    };
+    run_with(args, "blind", &make, |seed, folder, truths, sealed, progress| {
+        let trials = diagnose_all(args, truths, folder, progress)?;
+        progress.say("opening and scoring");
+        let report = open(seed, folder, trials)?;
+        let page = write(args, folder, &report, sealed)?;
+        Ok((blind_text(&report), page))
+    })
+}
+
+/// Names and contents of a study's files, and what is true of it.
+type Study<T> = (Vec<(String, String)>, T);
+
+/// Makes, seals, and lets `rest` diagnose, open and write; its text and page are printed.
+fn run_with<T: Serialize + Send>(
+    args: &BlindArgs,
+    name: &str,
+    make: &(dyn Fn(u64, u64) -> Result<Study<T>, CliError> + Sync),
+    rest: impl FnOnce(u64, &Path, &[T], &Sealed, &Progress) -> Result<(String, PathBuf), CliError>,
+) -> Result<u8, CliError> {
     let progress = Progress::new(args.common.quiet);
     let seed = args.seed.unwrap_or_else(rand::random);
     if let Some(folder) = &args.make_only {
-        args.common.on_threads(|| make_only(args, seed, folder, &progress))??;
+        let truths = args.common.on_threads(|| make_all(args, seed, folder, make, &progress))??;
+        let mut outputs = Outputs::default();
+        for (trial, truth) in truths.iter().enumerate() {
+            outputs.add(folder.join("truth").join(format!("{trial:03}.json")), json_text(truth)?);
+        }
+        outputs.write()?;
         drop(progress);
         say(args, &format!("{} studies, seed {seed}, in {}\n", args.trials, folder.display()));
         return Ok(0);
     }
-    let folder = args.common.folder("blind");
-    let truths = args.common.on_threads(|| make_all(args, seed, &folder, &progress))??;
+    let folder = args.common.folder(name);
+    let truths = args.common.on_threads(|| make_all(args, seed, &folder, make, &progress))??;
     let sealed = Sealed::new(&truths).map_err(encode)?;
     forget_earlier(&folder)?;
     let mut seal = Outputs::default();
     seal.add(folder.join(SEAL_FILE), sealed.line());
     seal.write()?;
     progress.pause(|| say(args, &format!("{} answers sealed: SHA-256 {}\n", truths.len(), sealed.sha256)));
-
-    let trials = diagnose_all(args, &truths, &folder, &progress)?;
-    progress.say("opening and scoring");
-    let report = open(seed, &folder, trials)?;
-    let page = write(args, &folder, &report, &sealed)?;
+    let (text, page) = rest(seed, &folder, &truths, &sealed, &progress)?;
     drop(progress);
-    say(args, &format!("\n{}\nreport: {}\n", blind_text(&report), page.display()));
+    say(args, &format!("\n{text}\nreport: {}\n", page.display()));
     Ok(0)
 }
 
@@ -95,10 +135,16 @@ fn study_folder(folder: &Path, trial: u64) -> PathBuf {
 }
 
 /// Makes and writes every study; what is true of them stays in memory.
-fn make_all(args: &BlindArgs, seed: u64, folder: &Path, progress: &Progress) -> Result<Vec<Truth>, CliError> {
+fn make_all<T: Send>(
+    args: &BlindArgs,
+    seed: u64,
+    folder: &Path,
+    make: &(dyn Fn(u64, u64) -> Result<Study<T>, CliError> + Sync),
+    progress: &Progress,
+) -> Result<Vec<T>, CliError> {
     let done = AtomicUsize::new(0);
     let one = |trial: u64| {
-        let Made { study, truth } = make_filtered(seed, trial, args.cause);
+        let (study, truth) = make(seed, trial)?;
         let mut outputs = Outputs::default();
         for (name, content) in study {
             outputs.add(study_folder(folder, trial).join(name), content);
@@ -110,50 +156,56 @@ fn make_all(args: &BlindArgs, seed: u64, folder: &Path, progress: &Progress) -> 
     (0..u64::from(args.trials)).into_par_iter().map(one).collect()
 }
 
-fn make_only(args: &BlindArgs, seed: u64, folder: &Path, progress: &Progress) -> Result<(), CliError> {
-    let truths = make_all(args, seed, folder, progress)?;
-    let mut outputs = Outputs::default();
-    for truth in &truths {
-        outputs.add(folder.join("truth").join(format!("{:03}.json", truth.trial)), json_text(truth)?);
-    }
-    Ok(outputs.write()?)
-}
-
 /// Diagnoses every study from its files; results in the order of the trials.
-///
-/// Each diagnosis has one thread of its own, so that its time is its own: a shared pool would let it wait for others.
 fn diagnose_all(
     args: &BlindArgs,
     truths: &[Truth],
     folder: &Path,
     progress: &Progress,
 ) -> Result<Vec<Trial>, CliError> {
+    one_by_one(args, truths, progress, &|truth: &Truth| {
+        let study = study_folder(folder, truth.trial).join("study.toml");
+        let began = Instant::now();
+        let diagnosis = diagnose_one(&study);
+        let wall_s = began.elapsed().as_secs_f64();
+        let answer = diagnosis.as_ref().map(|(_, diagnosis)| Answered::of(diagnosis)).map_err(Clone::clone);
+        if let Ok((case, diagnosis)) = diagnosis {
+            let report = GapReport::new(&case, diagnosis, GapOptions::default(), provenance(case.inputs())?);
+            write_diagnosis(folder, truth.trial, &gap_json(&report))?;
+        }
+        Ok(Trial { truth: truth.clone(), answer, wall_s })
+    })
+}
+
+fn write_diagnosis(folder: &Path, trial: u64, diagnosis: &impl Serialize) -> Result<(), CliError> {
+    let mut output = Outputs::default();
+    output.add(folder.join("diagnoses").join(format!("{trial:03}.json")), json_text(diagnosis)?);
+    Ok(output.write()?)
+}
+
+/// Results in the order of the truths.
+///
+/// Each diagnosis has one thread of its own, so that its time is its own: a shared pool would let it wait for others.
+fn one_by_one<T: Sync, R: Send>(
+    args: &BlindArgs,
+    truths: &[T],
+    progress: &Progress,
+    diagnose: &(dyn Fn(&T) -> Result<R, CliError> + Sync),
+) -> Result<Vec<R>, CliError> {
     let threads = args.common.threads.map_or_else(rayon::current_num_threads, usize::from).min(truths.len());
     let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let worker = || -> Result<Vec<(usize, Trial)>, CliError> {
+    let worker = || -> Result<Vec<(usize, R)>, CliError> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
         let pool = pool.map_err(|error| CliError::Threads(error.to_string()))?;
         let mut trials = Vec::new();
         loop {
             let at = next.fetch_add(1, Ordering::Relaxed);
             let Some(truth) = truths.get(at) else { return Ok(trials) };
-            let study = study_folder(folder, truth.trial).join("study.toml");
-            let began = Instant::now();
-            let diagnosis = pool.install(|| diagnose_one(&study));
-            let wall_s = began.elapsed().as_secs_f64();
-            let answer = diagnosis.as_ref().map(|(_, diagnosis)| Answered::of(diagnosis)).map_err(Clone::clone);
-            if let Ok((case, diagnosis)) = diagnosis {
-                let report = GapReport::new(&case, diagnosis, GapOptions::default(), provenance(case.inputs())?);
-                let path = folder.join("diagnoses").join(format!("{:03}.json", truth.trial));
-                let mut output = Outputs::default();
-                output.add(path, json_text(&gap_json(&report))?);
-                output.write()?;
-            }
-            trials.push((at, Trial { truth: truth.clone(), answer, wall_s }));
+            trials.push((at, pool.install(|| diagnose(truth))?));
             progress.say(&format!("diagnosing: {} of {}", 1 + done.fetch_add(1, Ordering::Relaxed), truths.len()));
         }
     };
-    let found: Vec<Result<Vec<(usize, Trial)>, CliError>> = std::thread::scope(|scope| {
+    let found: Vec<Result<Vec<(usize, R)>, CliError>> = std::thread::scope(|scope| {
         let workers: Vec<_> = (0..threads).map(|_| scope.spawn(worker)).collect();
         let join = |worker: std::thread::ScopedJoinHandle<'_, _>| match worker.join() {
             Ok(found) => found,
@@ -192,13 +244,19 @@ fn forget_earlier(folder: &Path) -> Result<(), CliError> {
 /// Opens the answers, compares them with the seal that was stored before the first diagnosis, and scores.
 fn open(seed: u64, folder: &Path, trials: Vec<Trial>) -> Result<BlindReport, CliError> {
     let truths: Vec<Truth> = trials.iter().map(|trial| trial.truth.clone()).collect();
-    let opened = Sealed::new(&truths).map_err(encode)?;
-    let file = folder.join(SEAL_FILE);
-    let stored = std::fs::read_to_string(&file).map_err(|source| LogError::Read { file, source })?;
-    let seal_holds = stored == opened.line();
+    let (sha256, seal_holds) = opened(folder, &truths)?;
     let score = score(&trials);
     let provenance = provenance([])?;
-    Ok(BlindReport { seed, sha256: opened.sha256, seal_holds, score, trials, provenance })
+    Ok(BlindReport { seed, sha256, seal_holds, score, trials, provenance })
+}
+
+/// The hash of the answers as they are now, and whether it is the one that was stored.
+fn opened(folder: &Path, truths: &[impl Serialize]) -> Result<(String, bool), CliError> {
+    let opened = Sealed::new(truths).map_err(encode)?;
+    let file = folder.join(SEAL_FILE);
+    let stored = std::fs::read_to_string(&file).map_err(|source| LogError::Read { file, source })?;
+    let holds = stored == opened.line();
+    Ok((opened.sha256, holds))
 }
 
 fn write(args: &BlindArgs, folder: &Path, report: &BlindReport, sealed: &Sealed) -> Result<PathBuf, CliError> {
@@ -221,14 +279,20 @@ fn write(args: &BlindArgs, folder: &Path, report: &BlindReport, sealed: &Sealed)
     let page = folder.join("report.html");
     outputs.add(&page, blind_html(report)?);
     args.common.add_json(&mut outputs, &record)?;
-    if let Some(path) = &args.rates {
+    if args.rates.is_some() {
         let answered = report.trials.iter().filter_map(|t| Some((t.answer.as_ref().ok()?, Judgement::of(t))));
         // Wrong numbers are rightly called so, whichever of them is named first.
         let right = |a: &Answered, j: Judgement| if a.verdict == Verdict::Effect { j.set } else { j.verdict };
         let counted = answered.map(|(a, j)| (a.standing.as_str(), right(a, j)));
-        let rates = Rates::count(report.provenance.command.clone(), counted);
-        outputs.add(path, toml::to_string(&rates).map_err(|error| CliError::Encode(error.to_string()))?);
+        add_rates(args, &mut outputs, Rates::count(report.provenance.command.clone(), counted))?;
     }
     outputs.write()?;
     Ok(page)
+}
+
+fn add_rates(args: &BlindArgs, outputs: &mut Outputs, rates: Rates) -> Result<(), CliError> {
+    if let Some(path) = &args.rates {
+        outputs.add(path, toml::to_string(&rates).map_err(|error| CliError::Encode(error.to_string()))?);
+    }
+    Ok(())
 }

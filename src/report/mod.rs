@@ -28,7 +28,10 @@ mod walk;
 
 pub use animation::{Animation, Dog, GifOptions, Recording, animation_gif, animation_html, animation_strip};
 pub use assemble::drop_report;
-pub use blind::{BlindReport, blind_figures, blind_html, blind_text};
+pub use blind::{
+    BlindReport, RobotBlindReport, blind_figures, blind_html, blind_text, robot_blind_figures, robot_blind_html,
+    robot_blind_text,
+};
 pub use error::ReportError;
 pub use fit_json::{EffectFit, FitFile, JointFit, LogFit, ModelFit, Quantity, SCHEMA};
 pub use full::{FullCurves, FullDrop, FullRow, HeldRow};

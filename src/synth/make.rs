@@ -7,7 +7,7 @@ use super::spec::{Believed, Spec};
 use super::truth::{self, Truth};
 use super::write;
 use crate::log::{Forward, LogError, RobotStudy, RobotStudyLog};
-use crate::robot::simulate::{Method, PositionSensor, Recording, run};
+use crate::robot::simulate::{Method, PositionSensor, Recording, Setpoints, run};
 use crate::robot::{Model, Nominal};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -29,17 +29,39 @@ pub struct Made {
 /// Name of the robot's file beside a study.
 const ROBOT_FILE: &str = "robot.toml";
 
+/// What a caller changes that no spec can say, after all that the spec says.
+#[derive(Clone, Copy)]
+pub struct Alteration<'a> {
+    /// The true robot.
+    pub robot: &'a (dyn Fn(&mut Nominal) + Sync),
+    /// The setpoints on their way to the controllers; the log says what was asked.
+    pub setpoints: &'a (dyn Fn(&mut Setpoints) + Sync),
+}
+
+impl Alteration<'_> {
+    /// Changes nothing.
+    pub const NONE: Alteration<'static> = Alteration { robot: &|_| {}, setpoints: &|_| {} };
+}
+
 /// Makes logs, study and truth; the same spec gives the same bytes on any number of threads (`None`: all cores).
 ///
 /// # Errors
 /// [`SynthError`] naming the spec's key where a truth, an effect or a log cannot be, or where the motion ran away.
 pub fn make(spec: &Spec, threads: Option<usize>) -> Result<Made, SynthError> {
-    let Some(threads) = threads else { return made(spec) };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    pool.map_err(|error| SynthError::Threads(error.to_string()))?.install(|| made(spec))
+    make_altered(spec, threads, Alteration::NONE)
 }
 
-fn made(spec: &Spec) -> Result<Made, SynthError> {
+/// The same of a robot that is altered beyond what a spec can say; of that the truth says nothing.
+///
+/// # Errors
+/// As [`make()`].
+pub fn make_altered(spec: &Spec, threads: Option<usize>, alteration: Alteration<'_>) -> Result<Made, SynthError> {
+    let Some(threads) = threads else { return made(spec, alteration) };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.map_err(|error| SynthError::Threads(error.to_string()))?.install(|| made(spec, alteration))
+}
+
+fn made(spec: &Spec, alteration: Alteration<'_>) -> Result<Made, SynthError> {
     let blame = Blame { file: &spec.file };
     let (Believed::Robot(study) | Believed::Joint(study, _)) = &spec.believed;
     let (text, read) = match &study.model_path {
@@ -53,10 +75,11 @@ fn made(spec: &Spec) -> Result<Made, SynthError> {
     let robot = read.as_ref().unwrap_or(Model::ers7());
     // The belief has to make sense by itself.
     Nominal::on(robot, study).map_err(|error| blame.refused("[robot]", error))?;
-    let (truth_robot, method, truth) = truth::of(spec, robot, study)?;
+    let (mut truth_robot, method, truth) = truth::of(spec, robot, study)?;
+    (alteration.robot)(&mut truth_robot);
     let period_s = study.sensor.period_s.unwrap_or(PERIOD_S);
     let plans = plans(spec, robot, period_s)?;
-    let make = Make { spec, study, robot: &truth_robot, method, period_s };
+    let make = Make { spec, study, robot: &truth_robot, method, period_s, alteration };
     let made: Vec<Result<(RobotStudyLog, String), SynthError>> =
         plans.par_iter().enumerate().map(|(k, plan)| make.log(k, plan)).collect();
     let made: Vec<(RobotStudyLog, String)> = made.into_iter().collect::<Result<_, _>>()?;
@@ -75,6 +98,7 @@ struct Make<'a> {
     robot: &'a Nominal,
     method: Method,
     period_s: f64,
+    alteration: Alteration<'a>,
 }
 
 impl Make<'_> {
@@ -82,8 +106,10 @@ impl Make<'_> {
     fn log(&self, k: usize, plan: &Plan) -> Result<(RobotStudyLog, String), SynthError> {
         let blame = Blame { file: &self.spec.file };
         let refused = |error| blame.refused(&format!("[[log]] {}", k + 1), error);
-        let scene = self.robot.scene(&plan.entry, &plan.asked).map_err(refused)?;
-        let recording = run(&self.robot.scenario(&scene, self.period_s), self.method).map_err(refused)?;
+        let mut scene = self.robot.scene(&plan.entry, &plan.asked).map_err(refused)?;
+        let asked = scene.setpoints.clone();
+        (self.alteration.setpoints)(&mut scene.setpoints);
+        let mut recording = run(&self.robot.scenario(&scene, self.period_s), self.method).map_err(refused)?;
         if let Some(source) = recording.diverged {
             let (file, log) = (self.spec.file.clone(), plan.entry.file.clone());
             return Err(SynthError::Diverged { file, log, source: Box::new(source) });
@@ -95,6 +121,13 @@ impl Make<'_> {
         let mut rng = ChaCha8Rng::seed_from_u64(self.spec.seed);
         rng.set_stream(1 + k as u64);
         let (model, joints) = (&self.robot.model, &self.robot.joints);
+        if scene.setpoints != asked {
+            for (id, column) in model.joint_ids().zip(&mut recording.setpoint_rad) {
+                for (setpoint, t_s) in column.iter_mut().zip(&recording.t_s) {
+                    *setpoint = asked.at(id, *t_s).unwrap_or(*setpoint);
+                }
+            }
+        }
         let text = match &self.spec.believed {
             Believed::Robot(_) => {
                 let has_base = self.spec.logs.get(k).is_some_and(|log| log.base);

@@ -18,7 +18,7 @@ mod truth;
 mod write;
 
 pub use error::SynthError;
-pub use make::{Made, make};
+pub use make::{Alteration, Made, make, make_altered};
 pub use spec::{
     Believed, EffectSpec, ExtraSpec, FloorTruth, FrictionTruth, JointBench, JointChoice, LogSpec, MassScale,
     PayloadSpec, Spec, TruthSpec,

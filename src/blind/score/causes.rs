@@ -50,21 +50,26 @@ pub(super) fn by_cause(judged: &[(&Trial, Judgement)]) -> Vec<ByCause> {
     }
     let group = |((_, cause), items): ((u8, String), Vec<&(&Trial, Judgement)>)| {
         let rate = |is: &dyn Fn(&Judgement) -> bool| Rate::over(items.iter().map(|(_, judgement)| is(judgement)));
-        let mut wrong: BTreeMap<String, u32> = BTreeMap::new();
-        for (trial, _) in items.iter().filter(|(_, judgement)| !judgement.top) {
-            *wrong.entry(answer(trial)).or_default() += 1;
-        }
+        let wrong = items.iter().filter(|(_, judgement)| !judgement.top);
         ByCause {
             verdict: rate(&|j| j.verdict),
             top: rate(&|j| j.top),
             set: rate(&|j| j.set),
             stage: Rate::over(items.iter().filter_map(|(_, judgement)| judgement.stage)),
-            // of equally frequent ones the first by name
-            taken_for: wrong.into_iter().rev().max_by_key(|(_, count)| *count),
+            taken_for: taken_for(wrong.map(|(trial, _)| answer(trial))),
             cause,
         }
     };
     groups.into_iter().map(group).collect()
+}
+
+/// The most frequent of wrong answers, and how often it was given; of equally frequent ones the first by name.
+pub(in crate::blind) fn taken_for(wrong: impl Iterator<Item = String>) -> Option<(String, u32)> {
+    let mut counts: BTreeMap<String, u32> = BTreeMap::new();
+    for answer in wrong {
+        *counts.entry(answer).or_default() += 1;
+    }
+    counts.into_iter().rev().max_by_key(|(_, count)| *count)
 }
 
 /// Single effects, by what recalibration leaves of them.

@@ -28,10 +28,15 @@ pub struct Table {
 impl Table {
     /// Counts trials.
     pub fn of(trials: &[Trial]) -> Self {
-        let cells: Vec<(&'static str, &'static str)> =
-            trials.iter().map(|trial| (row(&trial.truth), column(&trial.answer))).collect();
-        let tail = [PAIR, "none", "calibration", OUTSIDE, "unexplained", FAILED];
-        let all: Vec<&'static str> = EffectId::ALL.iter().map(|effect| effect.id()).chain(tail).collect();
+        let cells = trials.iter().map(|trial| (row(&trial.truth), column(&trial.answer))).collect();
+        let names: Vec<&'static str> = EffectId::ALL.iter().map(|effect| effect.id()).chain([PAIR]).collect();
+        Self::count(cells, &names)
+    }
+
+    /// Counts pairs of what was there and what was answered; `names` are of what may be named.
+    pub(in crate::blind) fn count(cells: Vec<(&'static str, &'static str)>, names: &[&'static str]) -> Self {
+        let tail = ["none", "calibration", OUTSIDE, "unexplained", FAILED];
+        let all: Vec<&'static str> = names.iter().copied().chain(tail).collect();
         let kept = |used: &dyn Fn(&str) -> bool| all.iter().copied().filter(|name| used(name)).collect::<Vec<_>>();
         let rows = kept(&|name| cells.iter().any(|(row, _)| *row == name));
         // a column beside each row that is also an answer, so that the diagonal is whole

@@ -9,6 +9,7 @@ mod stated;
 #[cfg(test)]
 mod tests;
 
+pub(super) use causes::taken_for;
 pub use causes::{ByCause, BySize};
 pub use confusion::Table;
 pub use coverage::Coverage;
@@ -147,15 +148,18 @@ pub fn score(trials: &[Trial]) -> Score {
         causes: causes::by_cause(&judged),
         sizes: causes::by_size(&judged),
         confusion: Table::of(trials),
-        wall: wall(trials),
+        wall: WallTime::of(trials.iter().map(|trial| trial.wall_s)),
     }
 }
 
-fn wall(trials: &[Trial]) -> WallTime {
-    let mut seconds: Vec<f64> = trials.iter().map(|trial| trial.wall_s).collect();
-    seconds.sort_unstable_by(f64::total_cmp);
-    WallTime {
-        median_s: seconds.get(seconds.len() / 2).copied().unwrap_or(0.0),
-        max_s: seconds.last().copied().unwrap_or(0.0),
+impl WallTime {
+    /// Of diagnoses that took so many seconds.
+    pub(super) fn of(seconds: impl Iterator<Item = f64>) -> Self {
+        let mut seconds: Vec<f64> = seconds.collect();
+        seconds.sort_unstable_by(f64::total_cmp);
+        Self {
+            median_s: seconds.get(seconds.len() / 2).copied().unwrap_or(0.0),
+            max_s: seconds.last().copied().unwrap_or(0.0),
+        }
     }
 }

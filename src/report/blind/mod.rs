@@ -3,12 +3,14 @@
 mod confusion;
 mod html;
 mod reliability;
+mod robot;
 mod rows;
 #[cfg(test)]
 mod tests;
 mod text;
 
 pub use html::blind_html;
+pub use robot::{RobotBlindReport, robot_blind_figures, robot_blind_html, robot_blind_text};
 pub use text::blind_text;
 
 use super::plot::Figure;

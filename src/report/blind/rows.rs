@@ -1,6 +1,6 @@
 //! The numbers of a score in words, for terminal and page alike.
 
-use crate::blind::{Rate, Score};
+use crate::blind::{Rate, Score, Stated};
 
 /// One line: what, how often of how many, and its share with interval.
 pub(super) struct Row {
@@ -76,18 +76,20 @@ pub(super) fn rates(score: &Score) -> Vec<Row> {
     ]
 }
 
+/// How good stated probabilities are.
+pub(super) fn stated(name: &str, s: &Stated) -> (String, String) {
+    let text = match (s.brier, s.log_score, s.excess) {
+        (Some(brier), Some(log), Some(excess)) => {
+            let word = if excess >= 0.0 { "too sure" } else { "too modest" };
+            format!("Brier {brier:.3}, log score {log:.3}, {word} by {:.0} points", 100.0 * excess.abs())
+        }
+        _ => "none stated".to_owned(),
+    };
+    (name.to_owned(), text)
+}
+
 /// What is one number each.
 pub(super) fn numbers(score: &Score) -> Vec<(String, String)> {
-    let stated = |name: &str, s: &crate::blind::Stated| {
-        let text = match (s.brier, s.log_score, s.excess) {
-            (Some(brier), Some(log), Some(excess)) => {
-                let word = if excess >= 0.0 { "too sure" } else { "too modest" };
-                format!("Brier {brier:.3}, log score {log:.3}, {word} by {:.0} points", 100.0 * excess.abs())
-            }
-            _ => "none stated".to_owned(),
-        };
-        (name.to_owned(), text)
-    };
     vec![
         stated("probability that the answer is right", &score.stated),
         stated("the same, for the set", &score.stated_set),

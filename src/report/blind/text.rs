@@ -4,7 +4,7 @@ use comfy_table::{Cell, ContentArrangement};
 
 use super::BlindReport;
 use super::rows::{Row, counts, interval, numbers, percent, rates, sentence, share};
-use crate::blind::{Score, Table as Confusion};
+use crate::blind::{ByCause, Score, Stated, Table as Confusion};
 use crate::report::text::{finish, number, table, wrap};
 
 /// Columns of the text.
@@ -19,24 +19,24 @@ pub fn blind_text(report: &BlindReport) -> String {
     let mut blocks = vec![
         wrap(WIDTH, &head, "", ""),
         wrap(WIDTH, &sentence(score), "", ""),
-        rate_table(score),
+        rate_table(rates(score)),
         number_table(score),
-        confusion(&score.confusion),
+        confusion_table(&score.confusion),
     ];
-    blocks.push(causes(score));
+    blocks.push(cause_table(&score.causes, "stage"));
     if !score.sizes.is_empty() {
         blocks.push(sizes(score));
     }
-    blocks.push(stated(score));
+    blocks.push(stated_table(&score.stated));
     if score.coverage.iter().any(|c| c.textbook.of + c.variant.of > 0) {
         blocks.push(coverage(score));
     }
     blocks.join("\n\n") + "\n"
 }
 
-fn rate_table(score: &Score) -> String {
+pub(super) fn rate_table(rows: Vec<Row>) -> String {
     let mut table = table(WIDTH, &[""], &["how often", "share", "95 %"]);
-    for Row { what, count, share, interval } in rates(score) {
+    for Row { what, count, share, interval } in rows {
         table.add_row([Cell::new(what), number(count), number(share), number(interval)]);
     }
     finish(&mut table)
@@ -48,7 +48,7 @@ fn number_table(score: &Score) -> String {
 }
 
 /// Columns are named by numbers, so that twenty fit; rows that are answers bear the same numbers.
-fn confusion(counts: &Confusion) -> String {
+pub(super) fn confusion_table(counts: &Confusion) -> String {
     let number_of = |name: &str| counts.columns.iter().position(|column| *column == name).map(|at| at + 1);
     let headings: Vec<String> = (1..=counts.columns.len()).map(|k| k.to_string()).collect();
     let headings: Vec<&str> = headings.iter().map(String::as_str).collect();
@@ -69,9 +69,9 @@ fn confusion(counts: &Confusion) -> String {
     format!("What was there (rows) and what was answered (columns, by the rows' numbers)\n{}{key}", finish(&mut table))
 }
 
-fn causes(score: &Score) -> String {
-    let mut table = table(WIDTH, &["cause", "else taken for"], &["right", "in the set", "stage"]);
-    for cause in &score.causes {
+pub(super) fn cause_table(causes: &[ByCause], stage: &str) -> String {
+    let mut table = table(WIDTH, &["cause", "else taken for"], &["right", "in the set", stage]);
+    for cause in causes {
         let taken = cause.taken_for.as_ref().map_or_else(String::new, |(name, count)| format!("{name} ({count})"));
         table.add_row([
             Cell::new(&cause.cause),
@@ -101,9 +101,9 @@ fn sizes(score: &Score) -> String {
     finish(&mut table)
 }
 
-fn stated(score: &Score) -> String {
+pub(super) fn stated_table(stated: &Stated) -> String {
     let mut table = table(WIDTH, &["stated probability"], &["mean stated", "right", "share", "95 %"]);
-    for bin in score.stated.bins.iter().filter(|bin| bin.right.of > 0) {
+    for bin in stated.bins.iter().filter(|bin| bin.right.of > 0) {
         let [low, high] = bin.range;
         table.add_row([
             Cell::new(format!("{low} to {high}")),

@@ -1,0 +1,27 @@
+//! Sealed trials of a whole robot.
+//!
+//! The maker uses the program's own simulator, by another integrator and step than the diagnosis
+//! ([`RobotTruth::method`]), with masses, friction and floor off by some percent everywhere, and with faults that the
+//! catalogue does not have ([`RobotOutside`]). So a trial tests the diagnosis, and not the simulator.
+
+mod answer;
+mod cause;
+mod fault;
+mod judge;
+mod make;
+mod outside;
+mod record;
+mod scene;
+mod score;
+#[cfg(test)]
+mod score_tests;
+mod size;
+mod truth;
+
+pub use answer::{RobotAnswered, RobotRanked, StatedCause};
+pub use cause::{RobotFilter, RobotOutside, RobotTrueCause, UnknownRobotCause};
+pub use judge::{RobotJudgement, RobotTrial};
+pub use make::{RobotMade, RobotOrder, make_robot};
+pub use record::{RobotRunRecord, RobotTrialRecord};
+pub use score::{RobotBySize, RobotGroup, RobotScore, score_robots};
+pub use truth::{RobotTruth, TrueFault};
