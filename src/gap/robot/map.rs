@@ -74,6 +74,9 @@ const BINS: usize = 10;
 /// The range that is named holds this share of the gap.
 const IN_RANGE: f64 = 0.6;
 
+/// A variable that travels less explains nothing.
+const STILL: f64 = 1e-6;
+
 /// What the gap of some joints depends on most, and between which values most of it lies.
 pub(super) fn dependence(bench: &Bench<'_>, joints: &[usize], left: &[f64]) -> Option<(Variable, [f64; 2])> {
     const VARIABLES: [Variable; 6] = [
@@ -92,6 +95,7 @@ pub(super) fn dependence(bench: &Bench<'_>, joints: &[usize], left: &[f64]) -> O
             pairs.extend(counts.map(|(k, value)| (value, left[k])));
         }
         pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let travels = pairs.last()?.0 - pairs.first()?.0 > STILL;
         let total: f64 = pairs.iter().map(|(_, r)| r * r).sum();
         let bins = if variable == Variable::Direction { 2 } else { BINS };
         let size = pairs.len().div_ceil(bins).max(1);
@@ -111,7 +115,7 @@ pub(super) fn dependence(bench: &Bench<'_>, joints: &[usize], left: &[f64]) -> O
         });
         let (from, n) = run?;
         let range = [binned[from].first()?.0, binned[from + n - 1].last()?.0];
-        (total > 0.0).then_some((explained / total, range))
+        (travels && total > 0.0).then_some((explained / total, range))
     };
     let best = VARIABLES.into_iter().filter_map(|variable| of(variable).map(|(share, range)| (share, variable, range)));
     let best = best.max_by(|a, b| a.0.total_cmp(&b.0))?;
