@@ -26,6 +26,9 @@ const ON_THE_FLOOR: Limits = Limits { first: 250.0, second: 400.0, second_share:
 /// Explained, too: so much of what is left by the robot as given is gone, on fitted and on held-out samples.
 const CLOSES: f64 = 0.8;
 
+/// Share of what the uncertain numbers take out to first order that their second order may leave.
+const SECOND_ORDER: f64 = 0.01;
+
 /// An answer before it is put in words.
 pub(super) struct Decision<'a> {
     pub verdict: Verdict,
@@ -55,9 +58,11 @@ fn limits(bench: &Bench<'_>) -> &'static Limits {
     if bench.case.is_clamped() { &CLAMPED } else { &ON_THE_FLOOR }
 }
 
-/// Gain from which on a cause would have been named.
-pub(super) fn threshold(bench: &Bench<'_>) -> f64 {
-    limits(bench).first
+/// Gain from which on a first cause is named. What the uncertain numbers take out is known to first order only: the
+/// more they take, the more a cause must gain.
+pub(super) fn needed(bench: &Bench<'_>, given: &Hypothesis) -> f64 {
+    let squares = given.residual.iter().zip(&bench.noise.weight).map(|(left, weight)| weight * left.powi(2));
+    limits(bench).first + SECOND_ORDER * f64::max(squares.sum::<f64>() - given.loss, 0.0)
 }
 
 /// Weighs what was tried.
@@ -65,7 +70,7 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
     let limits = limits(bench);
     let samples = bench.noise.count().max(1) as f64;
     let excess_of = |hypothesis: &Hypothesis| hypothesis.loss / samples - 1.0;
-    let best = a.firsts.first().filter(|first| a.given.loss - first.loss > limits.first);
+    let best = a.firsts.first().filter(|first| a.given.loss - first.loss > needed(bench, &a.given));
     let Some(best) = best else {
         let excess = excess_of(&a.given);
         let verdict = if excess < limits.explained { Verdict::None } else { Verdict::Unexplained };

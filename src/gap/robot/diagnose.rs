@@ -4,7 +4,7 @@ use super::attribute::{Attribution, attribute};
 use super::bench::Bench;
 use super::case::RobotCase;
 use super::cause::Cause;
-use super::decide::{Decision, decide, threshold};
+use super::decide::{Decision, decide, needed};
 use super::diagnosis::{
     Found, GaitCell, GaitPhase, JointTrace, RobotAnswer, RobotCandidate, RobotDetectable, RobotDiagnosis, RobotGap,
     RobotOptions, RobotWhere,
@@ -88,9 +88,10 @@ pub fn diagnose_robot(
     let location = location(&bench, &decision, &phases, first.as_ref());
     progress("what these logs could have shown");
     let ranking = ranking(&bench, &tried, &decision, &gap, probability);
+    let least = needed(&bench, &tried.given);
     let detectable = Cause::all().filter(|cause| considered(*cause)).map(|cause| {
         let (name, unit) = cause.named()[0];
-        RobotDetectable { cause, value: detectable(&bench, &tried.columns, cause, threshold(&bench)), name, unit }
+        RobotDetectable { cause, value: detectable(&bench, &tried.columns, cause, least), name, unit }
     });
     let detectable = detectable.collect();
     let next: Option<Next> = next(&bench, &tried, &decision);
