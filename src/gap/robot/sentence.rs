@@ -40,12 +40,14 @@ fn mrad(rad: f64) -> String {
     if rad >= 0.0995 { format!("{:.0} mrad", 1e3 * rad) } else { format!("{:.2} mrad", 1e3 * rad) }
 }
 
+/// What is left may be a little less than the noise: no more than all is said to close.
 fn share(gap: &RobotGap) -> String {
+    let percent = |share: f64| 100.0 * share.min(1.0);
     match (gap.closed, gap.closed_interval) {
         (Some(closed), Some([low, high])) => {
-            format!("{:.0} % [{:.0}, {:.0}] of the gap", 100.0 * closed, 100.0 * low, 100.0 * high)
+            format!("{:.0} % [{:.0}, {:.0}] of the gap", percent(closed), percent(low), percent(high))
         }
-        (Some(closed), None) => format!("{:.0} % of the gap", 100.0 * closed),
+        (Some(closed), None) => format!("{:.0} % of the gap", percent(closed)),
         _ => "the gap".into(),
     }
 }
