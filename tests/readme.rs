@@ -41,14 +41,16 @@ fn commands_of_the_readme_run() {
         };
         // Output goes to a folder of the test's own; what one command writes the next may read.
         let words = words.replace(" fits/", &format!(" {}/", fits.display()));
-        let spec = words.strip_prefix("synth data/examples/synth/").and_then(|spec| spec.strip_suffix(".toml"));
-        let name = match spec {
-            Some(spec) => spec.to_owned(),
-            None if words.contains("ak80") => "ak80-simple-pendulum".to_owned(),
-            None => "q".to_owned(),
+        // What a command leaves in a folder of its own the next one reads there.
+        let of_spec = command.split_once("synth data/examples/synth/").and_then(|(_, spec)| spec.strip_suffix(".toml"));
+        let of_study = command.split_once("gap fits/").and_then(|(_, study)| study.strip_suffix("/study.toml"));
+        let name = match of_spec.or(of_study) {
+            Some(name) => name,
+            None if words.contains("ak80") => "ak80-simple-pendulum",
+            None => "q",
         };
         let mut words: Vec<String> = words.split_whitespace().map(str::to_owned).collect();
-        words.extend(["--out".to_owned(), fits.join(&name).display().to_string()]);
+        words.extend(["--out".to_owned(), fits.join(name).display().to_string()]);
         let expected = i32::from(command.contains("q3-bare"));
         Command::cargo_bin("aibo-fit").expect("built").current_dir(root()).args(&words).assert().code(expected);
         ran += 1;

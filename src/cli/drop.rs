@@ -11,6 +11,7 @@ use crate::fit::{Budget, Method, Stop};
 use crate::identify::{Case, Directives, DropError, DropFit, DropOptions, fit_drop};
 use crate::log::Outputs;
 use crate::report::{DropReport, FitFile, drop_report, drop_text, figures, render_html};
+use crate::robot::Model;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -50,6 +51,10 @@ pub(super) struct DropArgs {
     /// Friction by (3.11): static friction above Coulomb's and a Stribeck speed
     #[arg(long)]
     stribeck: bool,
+    /// The robot that repeats the drop, in the format of data/ers7.toml: what hangs on it, its gains and its effects; the
+    /// leg's masses and the joint's friction are the fit's [default: the embedded ERS-7]
+    #[arg(long, value_name = "FILE")]
+    robot: Option<PathBuf>,
     /// Fit inertia and moment of the link even where its bodies are known
     #[arg(long)]
     lump: bool,
@@ -126,6 +131,8 @@ pub(super) fn run(args: &DropArgs) -> Result<u8, CliError> {
             (Case::of_logs(&args.logs, args.joint.as_deref())?, name)
         }
     };
+    let robot = args.robot.as_deref().map(Model::read).transpose()?;
+    let inputs: Vec<PathBuf> = case.inputs().into_iter().chain(args.robot.clone()).collect();
     let options = DropOptions {
         method: args.method.into(),
         directives: Directives {
@@ -144,9 +151,9 @@ pub(super) fn run(args: &DropArgs) -> Result<u8, CliError> {
         fit => fit?,
     };
     progress.say("the same drop in the whole robot");
-    let full = args.common.on_threads(|| full_drop(&case, &fit))??;
+    let full = args.common.on_threads(|| full_drop(&case, &fit, robot.as_ref().unwrap_or(Model::ers7())))??;
     progress.say("drawing");
-    let mut report = drop_report(&case, &fit, provenance(case.inputs())?);
+    let mut report = drop_report(&case, &fit, provenance(inputs)?);
     report.full = full;
     let written = write_report(args, &case, &fit, &report, &name)?;
     drop(progress);
@@ -177,7 +184,7 @@ fn write_report(
     let page = folder.join("report.html");
     outputs.add(&page, render_html(report)?);
     args.common.add_json(&mut outputs, &file)?;
-    write_outputs(outputs, &case.inputs())?;
+    write_outputs(outputs, &case.inputs().into_iter().chain(args.robot.clone()).collect::<Vec<_>>())?;
     Ok(page)
 }
 

@@ -19,12 +19,15 @@ const ZERO_STEPS: usize = 3;
 const NUDGE_RAD: f64 = 2e-3;
 
 /// Every log of a leg in the full model; `None` where the logs are not of an ERS-7 leg whose pose and masses are known.
-pub(super) fn full_drop(case: &Case, fit: &DropFit) -> Result<Option<FullDrop>, CliError> {
+///
+/// `robot` is the robot that drops, with the masses of the fit.
+pub(super) fn full_drop(case: &Case, fit: &DropFit, robot: &Model) -> Result<Option<FullDrop>, CliError> {
     let Some(leg) = case.leg.as_ref().filter(|leg| leg.pose_known && fit.by_bodies()) else { return Ok(None) };
     let fitted = fit.fitted.iter().zip(&fit.extensive.predictions);
     let all: Vec<(&Experiment, &Prediction)> = fitted.chain(fit.validated.iter().zip(&fit.predictions)).collect();
     let free = all.into_iter().filter(|(e, _)| !e.is_driven());
-    let benches: Vec<Bench<'_>> = free.map(|(e, prediction)| Bench::of(case, fit, leg, e, prediction)).collect();
+    let benches: Vec<Bench<'_>> =
+        free.map(|(e, prediction)| Bench::of((case, robot), fit, leg, e, prediction)).collect();
     if benches.is_empty() {
         return Ok(None);
     }
@@ -66,12 +69,19 @@ fn refitted(benches: &[Bench<'_>], fitted_rad: f64) -> Result<f64, CliError> {
 struct Bench<'a> {
     e: &'a Experiment,
     prediction: &'a Prediction,
+    robot: &'a Model,
     /// With the fitted zero and the others rigid.
     drop: BenchDrop<'a>,
 }
 
 impl<'a> Bench<'a> {
-    fn of(case: &Case, fit: &DropFit, leg: &'a LegCase, e: &'a Experiment, prediction: &'a Prediction) -> Self {
+    fn of(
+        (case, robot): (&Case, &'a Model),
+        fit: &DropFit,
+        leg: &'a LegCase,
+        e: &'a Experiment,
+        prediction: &'a Prediction,
+    ) -> Self {
         let value = |name: &str| fit.extensive.estimate(name).map(|e| e.value);
         let bodies = [
             ("mass_shoulder", LinkBody::Shoulder),
@@ -100,12 +110,12 @@ impl<'a> Bench<'a> {
             release_s,
             held: Held::Rigid,
         };
-        Self { e, prediction, drop }
+        Self { e, prediction, robot, drop }
     }
 
     fn run(&self, held: Held, zero_rad: f64) -> Result<Dropped, CliError> {
         let drop = BenchDrop { held, zero_rad, ..self.drop.clone() };
-        Ok(bench_drop(Model::ers7(), &drop, &self.e.t_s, Method::default())?)
+        Ok(bench_drop(self.robot, &drop, &self.e.t_s, Method::default())?)
     }
 
     fn answer(&self, refitted_rad: f64) -> Result<(FullRow, FullCurves), CliError> {

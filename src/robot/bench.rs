@@ -80,6 +80,7 @@ pub fn bench_drop(model: &Model, drop: &BenchDrop<'_>, t_s: &[f64], method: Meth
         joints.set_friction(&model, FRICTION)?;
         joints.set_control(&model, GAINS, Control::default())?;
     }
+    joints.add_effects_of_file(&model)?;
     let in_leg: Vec<JointId> =
         LegJoint::ALL.iter().map(|joint| model.joint(&joint_name(drop.leg.leg, *joint))).collect::<Result<_, _>>()?;
     for id in model.joint_ids() {

@@ -6,7 +6,7 @@ use super::GapReport;
 use super::plot::GapFigures;
 use super::rows::{effect_rows, joint_rows};
 use super::words;
-use crate::gap::{Candidate, Detectable, Diagnosis, Gap, LogGap};
+use crate::gap::{Candidate, Detectable, Diagnosis, LogGap};
 use crate::joint::Stage;
 use crate::report::ReportError;
 use crate::report::html::{figure_views, health_view, open_and_folded, parameter_view, render};
@@ -35,7 +35,7 @@ pub fn render_gap_html(report: &GapReport) -> Result<String, ReportError> {
         source => with_code(answer.probability_source.trim_end_matches('.')),
         answer => words::answer(diagnosis),
         has_second => answer.second.is_some(),
-        gap => gap_view(gap),
+        gap => gap_view([gap.before, gap.calibrated, gap.after_first, gap.after, gap.floor]),
         closed => words::closed(gap.closed, gap.closed_interval),
         held_out => with_code(&gap.held_out),
         health => health.iter().map(health_view).collect::<Vec<_>>(),
@@ -85,13 +85,14 @@ fn chain_view(diagnosis: &Diagnosis) -> Vec<Value> {
     Stage::ALL.into_iter().map(view).collect()
 }
 
-fn gap_view(gap: &Gap) -> Value {
+/// As given, recalibrated, with the first effect, with all, and the noise \[rad\].
+pub(in crate::report) fn gap_view([before, calibrated, after_first, after, floor]: [f64; 5]) -> Value {
     context! {
-        before => mrad(gap.before),
-        calibrated => mrad(gap.calibrated),
-        after_first => mrad(gap.after_first),
-        after => mrad(gap.after),
-        floor => mrad(gap.floor),
+        before => mrad(before),
+        calibrated => mrad(calibrated),
+        after_first => mrad(after_first),
+        after => mrad(after),
+        floor => mrad(floor),
     }
 }
 

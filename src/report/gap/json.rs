@@ -148,11 +148,12 @@ impl Ranked {
     }
 }
 
+/// The smallest size that would have been seen.
 #[derive(Serialize)]
-struct Threshold {
-    value: Option<f64>,
-    unit: &'static str,
-    parameter: &'static str,
+pub(in crate::report) struct Threshold {
+    pub value: Option<f64>,
+    pub unit: &'static str,
+    pub parameter: &'static str,
 }
 
 impl Threshold {
@@ -161,8 +162,9 @@ impl Threshold {
     }
 }
 
+/// The next experiment.
 #[derive(Serialize)]
-struct Proposal<'a> {
+pub(in crate::report) struct Proposal<'a> {
     what: &'a str,
     power: f64,
     /// File of the motion, beside the report.
@@ -170,7 +172,7 @@ struct Proposal<'a> {
 }
 
 impl<'a> Proposal<'a> {
-    fn of(next: &'a Next) -> Self {
+    pub fn of(next: &'a Next) -> Self {
         Self { what: &next.what, power: next.power, motion: next.motion.as_ref().map(|_| super::NEXT_FILE) }
     }
 }

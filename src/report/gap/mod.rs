@@ -6,17 +6,17 @@
 
 mod fit;
 mod html;
-mod json;
+pub(super) mod json;
 pub(super) mod plot;
 mod rows;
 #[cfg(test)]
 pub(super) mod sample;
-mod text;
+pub(super) mod text;
 pub(super) mod words;
 
 pub(super) use fit::quantities;
 pub use html::render_gap_html;
-pub(super) use html::with_code;
+pub(super) use html::{gap_view, with_code};
 pub use json::gap_json;
 pub use plot::gap_figures;
 pub use text::gap_text;

@@ -11,7 +11,7 @@ use crate::report::rows::shorten;
 use crate::report::text::{finish, number, one_line, parameter_table, table, wrap};
 
 /// Columns of the text.
-const WIDTH: usize = 100;
+pub(in crate::report) const WIDTH: usize = 100;
 /// Characters of a file name.
 const NAME: usize = 36;
 
@@ -37,15 +37,18 @@ pub fn gap_text(report: &GapReport) -> String {
     blocks.into_iter().flatten().collect::<Vec<_>>().join("\n\n") + "\n"
 }
 
-fn paragraph(text: &str) -> String {
+/// A paragraph of the page's width.
+pub(in crate::report) fn paragraph(text: &str) -> String {
     wrap(WIDTH, text, "", "")
 }
 
-fn file(name: &str) -> Cell {
+/// A file's name, shortened where it is long.
+pub(in crate::report) fn file(name: &str) -> Cell {
     Cell::new(shorten(&one_line(name), NAME))
 }
 
-fn mrad(rad: f64) -> Cell {
+/// An angle in mrad.
+pub(in crate::report) fn mrad(rad: f64) -> Cell {
     number(significant(1e3 * rad, 3))
 }
 

@@ -5,11 +5,11 @@ use minijinja::{Value, context};
 use super::RobotGapReport;
 use super::plot::RobotGapFigures;
 use super::words;
-use crate::gap::robot::{Displacement, JointGap, RobotCandidate, RobotDetectable, RobotDiagnosis, RobotGap};
+use crate::gap::robot::{Displacement, JointGap, RobotCandidate, RobotDetectable, RobotDiagnosis};
 use crate::report::ReportError;
-use crate::report::gap::{with_code, words as joint_words};
+use crate::report::gap::{gap_view, with_code, words as joint_words};
 use crate::report::html::{figure_views, open_and_folded, render};
-use crate::report::number::{mrad, percent, significant};
+use crate::report::number::{percent, significant};
 use crate::report::rows::typeset_unit;
 
 /// Puts a robot's diagnosis into one HTML page: verdict, where, which, how far, joints, what could have been seen, next
@@ -35,7 +35,7 @@ pub fn robot_gap_html(report: &RobotGapReport) -> Result<String, ReportError> {
         source => with_code(answer.probability_source.trim_end_matches('.')),
         answer => words::answer(answer),
         has_second => answer.second.is_some(),
-        gap => gap_view(gap),
+        gap => gap_view([gap.before, gap.calibrated, gap.after_first, gap.after, gap.floor]),
         closed => joint_words::closed(gap.closed, gap.closed_interval),
         held_out => with_code(&gap.held_out),
         location => with_code(&words::location(&diagnosis.location)),
@@ -62,16 +62,6 @@ pub fn robot_gap_html(report: &RobotGapReport) -> Result<String, ReportError> {
         inputs => provenance.inputs.clone(),
     };
     render("robot_gap.html", include_str!("../templates/robot_gap.html"), values)
-}
-
-fn gap_view(gap: &RobotGap) -> Value {
-    context! {
-        before => mrad(gap.before),
-        calibrated => mrad(gap.calibrated),
-        after_first => mrad(gap.after_first),
-        after => mrad(gap.after),
-        floor => mrad(gap.floor),
-    }
 }
 
 fn joint_view(joint: &JointGap) -> Value {

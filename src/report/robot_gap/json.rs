@@ -6,6 +6,7 @@ use crate::gap::robot::{
     Cause, Change, Found, GaitCell, GaitPhase, RobotCandidate, RobotDetectable, RobotGap, RobotStage, RobotWhere,
 };
 use crate::gap::{Variable, Verdict};
+use crate::report::gap::json::{Proposal, Threshold};
 use crate::report::gap::quantities;
 use crate::report::{HashedInput, JointFit, Quantity, SCHEMA};
 use serde::Serialize;
@@ -38,9 +39,9 @@ pub fn robot_gap_json(report: &RobotGapReport) -> impl Serialize + '_ {
         place: Place::of(&diagnosis.location),
         gap: &diagnosis.gap,
         ranking: diagnosis.ranking.iter().map(Ranked::of).collect(),
-        detectable: diagnosis.detectable.iter().map(|d| (d.cause.id(), Threshold::of(d))).collect(),
+        detectable: diagnosis.detectable.iter().map(|d| (d.cause.id(), threshold(d))).collect(),
         joint: JointFit::of(&[]),
-        next: diagnosis.next.as_ref().map(|next| Proposal { what: &next.what, power: next.power, motion: None }),
+        next: diagnosis.next.as_ref().map(Proposal::of),
         probability_source: &answer.probability_source,
         standing: &answer.standing,
         partial: id(&answer.partial),
@@ -48,6 +49,7 @@ pub fn robot_gap_json(report: &RobotGapReport) -> impl Serialize + '_ {
         intervals_trusted: answer.intervals_trusted,
         effects: answer.first.iter().chain(&answer.second).map(Effect::of).collect(),
         changes: diagnosis.changes.iter().map(|change| Changed::of(change, joints)).collect(),
+        repaired: Repaired { file: super::REPAIRED_FILE, rms: super::words::repaired_rms_rad(diagnosis) },
         confusion: None,
         notes: &diagnosis.notes,
         health: logs.iter().map(health).collect(),
@@ -59,6 +61,10 @@ pub fn robot_gap_json(report: &RobotGapReport) -> impl Serialize + '_ {
         command: &provenance.command,
         inputs: provenance.hashed(),
     }
+}
+
+fn threshold(detectable: &RobotDetectable) -> Threshold {
+    Threshold { value: detectable.value, unit: detectable.unit, parameter: detectable.name }
 }
 
 #[derive(Serialize)]
@@ -88,6 +94,7 @@ struct Document<'a> {
     intervals_trusted: bool,
     effects: Vec<Effect<'a>>,
     changes: Vec<Changed<'a>>,
+    repaired: Repaired,
     /// Twins are of joint studies.
     confusion: Option<()>,
     notes: &'a [String],
@@ -187,25 +194,11 @@ impl<'a> Changed<'a> {
     }
 }
 
+/// What the repaired robot's file leaves over the held-out samples \[rad RMS\]: with the changes and nothing adapted.
 #[derive(Serialize)]
-struct Threshold {
-    value: Option<f64>,
-    unit: &'static str,
-    parameter: &'static str,
-}
-
-impl Threshold {
-    fn of(detectable: &RobotDetectable) -> Self {
-        Self { value: detectable.value, unit: detectable.unit, parameter: detectable.name }
-    }
-}
-
-#[derive(Serialize)]
-struct Proposal<'a> {
-    what: &'a str,
-    power: f64,
-    /// Motions of a robot are proposed in words.
-    motion: Option<&'static str>,
+struct Repaired {
+    file: &'static str,
+    rms: Option<f64>,
 }
 
 #[derive(Serialize)]

@@ -10,6 +10,10 @@ mod html;
 mod json;
 mod plot;
 mod repaired;
+#[cfg(test)]
+mod sample;
+#[cfg(test)]
+mod tests;
 mod text;
 mod words;
 

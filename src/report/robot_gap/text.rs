@@ -5,15 +5,10 @@ use comfy_table::{Cell, Table};
 use super::RobotGapReport;
 use super::words;
 use crate::gap::robot::{GaitCell, GaitPhase, RobotCandidate, RobotDiagnosis, RobotGap};
+use crate::report::gap::text::{WIDTH, file, mrad, paragraph};
 use crate::report::gap::words as joint_words;
 use crate::report::number::{UNKNOWN, percent, significant};
-use crate::report::rows::shorten;
 use crate::report::text::{finish, number, one_line, table, wrap};
-
-/// Columns of the text.
-const WIDTH: usize = 100;
-/// Characters of a file name.
-const NAME: usize = 36;
 
 /// Writes a robot's diagnosis as plain text, as a rule at most 100 columns wide, ending in a newline.
 ///
@@ -35,18 +30,6 @@ pub fn robot_gap_text(report: &RobotGapReport) -> String {
         notes(report),
     ];
     blocks.into_iter().flatten().collect::<Vec<_>>().join("\n\n") + "\n"
-}
-
-fn paragraph(text: &str) -> String {
-    wrap(WIDTH, text, "", "")
-}
-
-fn file(name: &str) -> Cell {
-    Cell::new(shorten(&one_line(name), NAME))
-}
-
-fn mrad(rad: f64) -> Cell {
-    number(significant(1e3 * rad, 3))
 }
 
 /// Words, then the map of joint and phase.

@@ -2,9 +2,11 @@
 
 use super::RobotGapReport;
 use crate::gap::Verdict;
-use crate::gap::robot::{Found, GaitCell, GaitPhase, RobotAnswer, RobotCandidate, RobotDetectable, RobotWhere};
+use crate::gap::robot::{
+    Found, GaitCell, GaitPhase, RobotAnswer, RobotCandidate, RobotDetectable, RobotDiagnosis, RobotWhere,
+};
 use crate::report::gap::words::{range, size, variable};
-use crate::report::number::percent;
+use crate::report::number::{mrad, percent};
 
 /// What stands above the sizes that would have been seen.
 pub(super) const DETECTABLE: &str =
@@ -109,9 +111,32 @@ pub(super) fn threshold(detectable: &RobotDetectable) -> String {
     size(detectable.name, detectable.value, detectable.unit)
 }
 
-/// The notes of the diagnosis, then what was left out or singled out by demand.
+/// What the changes of the answer alone leave over the held-out samples, masses and friction as the study has them
+/// \[rad RMS\]; `None` where nothing was held out.
+pub(super) fn repaired_rms_rad(diagnosis: &RobotDiagnosis) -> Option<f64> {
+    let squares = diagnosis.traces.iter().flat_map(|trace| {
+        let both = trace.measured_rad.iter().zip(&trace.after_rad).zip(&trace.held);
+        both.filter(|(_, held)| **held).map(|((measured, after), _)| (measured - after).powi(2))
+    });
+    let (sum, count) = squares.fold((0.0, 0.0), |(sum, count), square| (sum + square, count + 1.0));
+    (count > 0.0).then(|| f64::sqrt(sum / count)).filter(|rms| rms.is_finite())
+}
+
+/// The repaired robot is worth a note where it leaves so much more than the answer.
+const WORSE: f64 = 1.2;
+
+/// The notes of the diagnosis, what the repaired robot leaves, then what was left out or singled out by demand.
 pub(super) fn notes(report: &RobotGapReport) -> Vec<String> {
     let mut notes = report.diagnosis.notes.clone();
+    let after = report.diagnosis.gap.after;
+    if let Some(rms) = repaired_rms_rad(&report.diagnosis).filter(|rms| *rms > WORSE * after) {
+        notes.push(format!(
+            "The repaired robot itself leaves {}, more than the {} above: those have masses and friction adapted within \
+             what is uncertain anyway, which its file does not have.",
+            mrad(rms),
+            mrad(after)
+        ));
+    }
     let listed = |causes: &[crate::gap::robot::Cause]| causes.iter().map(|c| c.id()).collect::<Vec<_>>().join(", ");
     if !report.diagnosis.withheld.is_empty() {
         notes.push(format!("Withheld from the catalogue on demand: {}.", listed(&report.diagnosis.withheld)));

@@ -39,3 +39,58 @@ impl Model {
         (self.tables.floor.as_ref(), self.tables.floor_slope_rad)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::robot_file::ERS7_TOML;
+    use crate::robot::simulate::Joints;
+    use crate::robot::study::floor_on;
+    use std::path::Path;
+
+    const MORE: &str = r#"
+[[effect]]
+id = "delay"
+joints = ["q3"]
+parameters = { T = 0.02 }
+[[attached]]
+part = "trunk"
+mass_kg = 0.3
+at_m = [0.0, 0.02, -0.05]
+[floor]
+coulomb = 0.4
+[gains.printed.si]
+lf1 = [6.0, 0.0, 0.4]
+"#;
+
+    fn with(more: &str) -> Result<Model, RobotError> {
+        let sloped = ERS7_TOML.replacen("root = ", "floor_slope_rad = [0.1, 0.0]\nroot = ", 1);
+        Model::from_toml(Path::new("mine.toml"), &(sloped + more))
+    }
+
+    #[test]
+    fn effects_masses_floor_and_gains_of_a_file_are_the_robot_s() {
+        let (robot, ers7) = (with(MORE).unwrap(), Model::ers7());
+        assert!((robot.total_mass_kg() - ers7.total_mass_kg() - 0.3).abs() < 1e-12);
+        let id = |name: &str| robot.joint(name).unwrap();
+        let effects = robot.effects().unwrap();
+        assert_eq!(effects.len(), 4);
+        assert!(effects.contains(&(EffectId::Delay, id("rr3"), vec![0.02])));
+        assert_eq!(robot.gains("printed", id("lf1")).unwrap().kp_nm_rad, 6.0);
+        assert_eq!(robot.gains("printed", id("rf1")), ers7.gains("printed", id("rf1")));
+        let floor = floor_on(&robot, &FloorSpec::default());
+        assert_eq!((floor.coulomb, floor.static_friction), (0.4, 0.7));
+        assert!((floor.normal.z - 0.1_f64.tan()).abs() < 1e-12);
+        // What a study states comes first.
+        assert_eq!(floor_on(&robot, &FloorSpec { coulomb: Some(0.5), ..FloorSpec::default() }).coulomb, 0.5);
+        assert!(Joints::of_thesis(&robot).is_ok());
+    }
+
+    #[test]
+    fn an_effect_that_cannot_be_is_named() {
+        let said = |from: &str, to: &str| with(&MORE.replace(from, to)).unwrap_err().to_string();
+        assert!(said("delay", "gremlin").contains("[[effect]] 1: `gremlin` is not an effect"));
+        assert!(said("T =", "tau =").contains("parameters.tau: delay has T"));
+        assert!(said("{ T = 0.02 }", "{}").contains("parameters.T is missing"));
+    }
+}
