@@ -4,6 +4,7 @@ use super::bench::Bench;
 use super::diagnosis::{GaitCell, GaitPhase};
 use super::layout::Row;
 use crate::gap::Variable;
+use crate::joint::Setpoint;
 
 /// False discoveries among cells that are called significant.
 const FALSE_DISCOVERIES: f64 = 0.05;
@@ -135,6 +136,11 @@ fn along(bench: &Bench<'_>, row: &Row, joint: usize, variable: Variable) -> Opti
     let rate = |k: usize| slope(&|k| q[k], k);
     let id = bench.case.model().joint_ids().nth(joint)?;
     let setpoint = |k: usize| log.scene.setpoints.at(id, t_s[k]).unwrap_or(q[k]);
+    let chain = &bench.case.nominal.joints.drive(id).chain;
+    let asked_nm = |k: usize| {
+        let setpoint = Setpoint { angle_rad: setpoint(k), rate_rad_s: slope(&setpoint, k) };
+        chain.motor_nm(setpoint, q[k], rate(k), 0.0)
+    };
     Some(
         (0..n)
             .map(|k| match variable {
@@ -142,7 +148,7 @@ fn along(bench: &Bench<'_>, row: &Row, joint: usize, variable: Variable) -> Opti
                 Variable::Direction => rate(k).signum(),
                 Variable::Time => t_s[k],
                 Variable::SetpointRate => slope(&setpoint, k),
-                Variable::Torque => setpoint(k) - q[k],
+                Variable::Torque => asked_nm(k),
                 _ => q[k],
             })
             .collect(),

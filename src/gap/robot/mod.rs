@@ -30,6 +30,8 @@ mod screen;
 mod sentence;
 mod standing;
 mod start;
+#[cfg(test)]
+mod tests;
 mod torque;
 
 pub use case::RobotCase;

@@ -1,0 +1,90 @@
+//! Promises about the parts of a robot's diagnosis, on logs of its own making.
+
+use super::bench::Bench;
+use super::case::RobotCase;
+use super::cause::Cause;
+use super::diagnosis::GaitPhase;
+use super::layout::period_s;
+use super::phases::phases;
+use super::place::Place;
+use super::refine::{Part, refine};
+use super::scatter::Scatter;
+use crate::joint::EffectId;
+use crate::synth::{Spec, make};
+use std::path::Path;
+
+/// A walk in the air whose left front knee hears its setpoints 18 ms late.
+const LATE: &str = r#"
+schema = 1
+seed = 3
+[robot]
+model = "ers7"
+scenario = "air"
+[sensor]
+resolution = 0.006
+period = 0.008
+noise = 0.002
+[truth]
+step = 5e-4
+[[effect]]
+id = "delay"
+joints = ["lf3"]
+T = 0.018
+[[log]]
+file = "trot.csv"
+duration = 5.0
+"#;
+
+fn case(folder: &Path) -> RobotCase {
+    let made = make(&Spec::from_toml(Path::new("spec.toml"), LATE).unwrap(), None).unwrap();
+    for (name, text) in made.logs.into_iter().chain([("study.toml".to_owned(), made.study_toml)]) {
+        std::fs::write(folder.join(name), text).unwrap();
+    }
+    RobotCase::of_study(&folder.join("study.toml")).unwrap()
+}
+
+#[test]
+fn a_delay_is_recovered_and_the_held_out_cycle_is_a_whole_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = case(folder.path());
+    let log = &case.logs[0];
+    let begins_s = log.motion_begins_s();
+    assert!((begins_s - 2.0).abs() < 0.05, "{begins_s}");
+    let period_s = period_s(log, begins_s).expect("a trot repeats");
+    assert!((period_s - 1.0).abs() < 0.02, "{period_s}");
+    let bench = Bench::new(&case).unwrap();
+    let (_, row) = bench.layout.joints().next().unwrap();
+    let held = row.range.clone().filter(|k| bench.layout.held[*k]).count();
+    assert!((held as f64 * 0.008 - 1.0).abs() < 0.03, "{held} samples");
+
+    let joint = case.names.iter().position(|name| name == "lf3").unwrap();
+    let cause = Cause::Effect(EffectId::Delay);
+    let part = Part { cause, place: Place::joint(joint), values: vec![0.010] };
+    let late = refine(&bench, vec![part]).expect("it does not run away");
+    let (found, sd) = (late.parts[0].values[0], late.sd(0, 0).expect("determined"));
+    assert!((found - 0.018).abs() < 5.0 * (0.01 * sd).max(1e-5), "{found} +- {sd} hundredths");
+    let per_sample = late.loss / bench.noise.count() as f64;
+    assert!((0.8..1.2).contains(&per_sample), "{per_sample} noise variances are left");
+}
+
+#[test]
+fn legs_hold_then_swing_about_half_of_the_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = case(folder.path());
+    let phases = phases(&case, &case.logs[0]);
+    for (joint, of) in phases.iter().enumerate().take(12) {
+        let share = |phase: GaitPhase, from: usize| {
+            of[from..].iter().filter(|of| **of == phase).count() as f64 / (of.len() - from) as f64
+        };
+        assert!(of[..240].iter().all(|phase| *phase == GaitPhase::Hold), "{}", case.names[joint]);
+        let (swing, stance) = (share(GaitPhase::Swing, 260), share(GaitPhase::Stance, 260));
+        assert!((0.35..0.65).contains(&swing) && stance > 0.2, "{}: {swing} {stance}", case.names[joint]);
+    }
+}
+
+#[test]
+fn a_robot_is_drawn_from_its_number_alone() {
+    let model = crate::robot::Model::ers7();
+    assert_eq!(Scatter::drawn(model, 4), Scatter::drawn(model, 4));
+    assert_ne!(Scatter::drawn(model, 4), Scatter::drawn(model, 5));
+}
