@@ -15,17 +15,23 @@ struct Limits {
     /// ... a second more than this, and more than this share of the first's gain.
     second: f64,
     second_share: f64,
+    /// ... and the first leaves more than this of a noise variance per sample.
+    second_excess: f64,
     /// Explained: no more than this is left of a noise variance per sample.
     explained: f64,
     /// Causes stand equally well that are no farther apart.
     equal: f64,
 }
 
-const CLAMPED: Limits = Limits { first: 40.0, second: 60.0, second_share: 0.002, explained: 0.15, equal: 9.0 };
-const ON_THE_FLOOR: Limits = Limits { first: 250.0, second: 400.0, second_share: 0.01, explained: 0.3, equal: 120.0 };
+const CLAMPED: Limits =
+    Limits { first: 40.0, second: 60.0, second_share: 0.002, second_excess: 0.0, explained: 0.15, equal: 9.0 };
+const ON_THE_FLOOR: Limits =
+    Limits { first: 250.0, second: 400.0, second_share: 0.01, second_excess: 0.2, explained: 0.3, equal: 120.0 };
 /// Explained, too: so much of what is left by the robot as given is gone, on fitted and on held-out samples.
 const CLOSES: f64 = 0.8;
 
+/// A cause with fewer values stands as well if it is behind by no more than this share of the gain.
+const SIMPLER: f64 = 0.005;
 /// Share of what the uncertain numbers take out to first order that their second order may leave.
 const SECOND_ORDER: f64 = 0.01;
 
@@ -87,11 +93,17 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
         };
     };
     // Of those that stand equally well the one with the fewest values, then joints.
-    let equal: Vec<&Hypothesis> = a.firsts.iter().filter(|other| other.loss - best.loss < limits.equal).collect();
-    let first = *equal.iter().min_by_key(|h| (h.free(), h.parts[0].place.joints.len())).unwrap_or(&best);
     let gain = a.given.loss - best.loss;
+    let is_equal = |other: &&Hypothesis| {
+        let behind = other.loss - best.loss;
+        // What is contained in the best, or hardly worse with fewer values, is preferred.
+        behind < limits.equal || other.free() < best.free() && behind < SIMPLER * gain
+    };
+    let equal: Vec<&Hypothesis> = a.firsts.iter().filter(is_equal).collect();
+    let first = *equal.iter().min_by_key(|h| (h.free(), h.parts[0].place.joints.len())).unwrap_or(&best);
     let needed = limits.second.max(limits.second_share * gain);
-    let second = a.seconds.first().filter(|pair| best.loss - pair.loss > needed);
+    let leaves_enough = excess_of(best) > limits.second_excess;
+    let second = a.seconds.first().filter(|pair| leaves_enough && best.loss - pair.loss > needed);
     let answer = second.unwrap_or(first);
     let leading = match answer.parts.as_slice() {
         // A number that is off beside an effect: the effect is the answer.

@@ -130,7 +130,10 @@ pub(super) fn refine(bench: &Bench<'_>, parts: Vec<Part>) -> Option<Hypothesis> 
     let (mut simulations, mut damping) = (1, 1e-2);
     let n = free.len();
     let mut curvature = DMatrix::zeros(n, n);
-    while n > 0 {
+    loop {
+        if n == 0 {
+            break;
+        }
         let slope = |k: &(usize, usize)| -> Option<Weighed> {
             [nudge, -nudge].into_iter().find_map(|by| {
                 let there = stepped(&parts, *k, by);

@@ -5,11 +5,11 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// Standard deviation of a part's mass, as a share.
-pub(super) const MASS: f64 = 0.05;
+pub(super) const MASS: f64 = 0.03;
 /// Of a joint's Coulomb and viscous friction.
-pub(super) const FRICTION: f64 = 0.10;
+pub(super) const FRICTION: f64 = 0.04;
 /// Of the floor's stiffness, damping and friction.
-pub(super) const FLOOR: f64 = 0.10;
+pub(super) const FLOOR: f64 = 0.05;
 /// No number is off by more than this factor.
 const LEAST: f64 = 0.5;
 

@@ -28,7 +28,7 @@ pub(super) fn residual_torque_nm(bench: &Bench<'_>, index: usize) -> Vec<Vec<f64
     still.base_orientation = state.base_orientation;
     let (mut acceleration, mut needed) = (vec![0.0; 6 + n], vec![0.0; 6 + n]);
     let mut weight = vec![0.0; 6 + n];
-    for k in 0..samples {
+    for (k, &t_s) in log.log.t_s.iter().enumerate() {
         for (joint, motion) in motion.iter().enumerate() {
             state.angle_rad[joint] = motion.angle_rad[k];
             state.rate_rad_s[joint] = motion.rate_rad_s[k];
@@ -40,7 +40,6 @@ pub(super) fn residual_torque_nm(bench: &Bench<'_>, index: usize) -> Vec<Vec<f64
         for (joint, id) in model.joint_ids().enumerate() {
             let drive = case.nominal.joints.drive(id);
             let (angle_rad, rate_rad_s) = (state.angle_rad[joint], state.rate_rad_s[joint]);
-            let t_s = log.log.t_s[k];
             let is_off = log.release.is_some_and(|(released, at_s)| released == joint && t_s >= at_s);
             let setpoint_rad = |t: f64| log.scene.setpoints.at(id, t).unwrap_or(angle_rad);
             let rate = (setpoint_rad(t_s + 1e-3) - setpoint_rad(t_s - 1e-3)) / 2e-3;
