@@ -53,6 +53,20 @@ pub(super) fn attribute(
     let pairs = self::chosen(&rest, TRIED_SECOND[usize::from(!bench.case.is_clamped())], is_other);
     let pair = |candidate: &Candidate| refine(bench, vec![named.clone(), part(candidate)]);
     let seconds = best(pairs.into_par_iter().filter_map(pair).collect());
+    // A search that began elsewhere may have missed what one of the two explains alone.
+    let of_best = seconds.first().map_or(Vec::new(), |pair| pair.parts.clone());
+    let alone: Vec<Hypothesis> = of_best.into_par_iter().filter_map(|part| refine(bench, vec![part])).collect();
+    let is_new = |hypothesis: &Hypothesis| {
+        let same = |other: &&Hypothesis| other.parts[0].place == hypothesis.parts[0].place;
+        let of_cause = firsts.iter().filter(|other| other.parts[0].cause == hypothesis.parts[0].cause);
+        of_cause.filter(same).all(|other| hypothesis.loss < other.loss - CLEAR_GAIN)
+    };
+    let better: Vec<Hypothesis> = alone.into_iter().filter(is_new).collect();
+    let replaced = |old: &Hypothesis| {
+        better.iter().any(|new| (new.parts[0].cause, &new.parts[0].place) == (old.parts[0].cause, &old.parts[0].place))
+    };
+    let kept: Vec<Hypothesis> = firsts.iter().filter(|old| !replaced(old)).cloned().collect();
+    let firsts = best(kept.into_iter().chain(better.iter().cloned()).collect());
     Attribution { columns, given, firsts, seconds }
 }
 

@@ -24,7 +24,7 @@ struct Limits {
 }
 
 const CLAMPED: Limits =
-    Limits { first: 40.0, second: 60.0, second_share: 0.002, second_excess: 0.0, explained: 0.15, equal: 9.0 };
+    Limits { first: 40.0, second: 60.0, second_share: 0.01, second_excess: 0.0, explained: 0.15, equal: 9.0 };
 const ON_THE_FLOOR: Limits =
     Limits { first: 250.0, second: 400.0, second_share: 0.01, second_excess: 0.2, explained: 0.3, equal: 120.0 };
 /// Explained, too: so much of what is left by the robot as given is gone, on fitted and on held-out samples.
@@ -76,7 +76,10 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
     let limits = limits(bench);
     let samples = bench.noise.count().max(1) as f64;
     let excess_of = |hypothesis: &Hypothesis| hypothesis.loss / samples - 1.0;
-    let best = a.firsts.first().filter(|first| a.given.loss - first.loss > needed(bench, &a.given));
+    let held = HeldOut::new(bench);
+    let is_seen =
+        |first: &&Hypothesis| a.given.loss - first.loss > needed(bench, &a.given) && held.shows(first, &a.given);
+    let best = a.firsts.first().filter(is_seen);
     let Some(best) = best else {
         let excess = excess_of(&a.given);
         let verdict = if excess < limits.explained { Verdict::None } else { Verdict::Unexplained };
@@ -103,7 +106,8 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
     let first = *equal.iter().min_by_key(|h| (h.free(), h.parts[0].place.joints.len())).unwrap_or(&best);
     let needed = limits.second.max(limits.second_share * gain);
     let leaves_enough = excess_of(best) > limits.second_excess;
-    let second = a.seconds.first().filter(|pair| leaves_enough && best.loss - pair.loss > needed);
+    let is_needed = |pair: &&Hypothesis| leaves_enough && best.loss - pair.loss > needed && held.shows(pair, best);
+    let second = a.seconds.first().filter(is_needed);
     let answer = second.unwrap_or(first);
     let leading = match answer.parts.as_slice() {
         // A number that is off beside an effect: the effect is the answer.
@@ -133,7 +137,7 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
     let margin = rivals.iter().find(is_rival).map_or(f64::INFINITY, |rival| rival.loss - answer.loss);
     let excess = excess_of(answer);
     let closes = |given: f64, left: f64| given > 0.0 && left < (1.0 - CLOSES) * given;
-    let held_excess = |hypothesis: &Hypothesis| held_out_excess(bench, hypothesis);
+    let held_excess = |hypothesis: &Hypothesis| held.left(hypothesis) / held.samples.len().max(1) as f64 - 1.0;
     let explained = excess < limits.explained
         || closes(excess_of(&a.given), excess) && closes(held_excess(&a.given), held_excess(answer));
     let calibration = answer.parts.iter().all(|part| part.cause.is_calibration());
@@ -154,11 +158,32 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
     }
 }
 
-/// What a hypothesis leaves on the samples that no fit saw, per sample above a noise variance.
-fn held_out_excess(bench: &Bench<'_>, hypothesis: &Hypothesis) -> f64 {
-    let left = bench.noise.adapted(&hypothesis.residual);
-    let weight = &bench.noise_of_all.weight;
-    let held = (0..left.len()).filter(|k| bench.layout.held[*k] && weight[*k] > 0.0);
-    let (sum, count) = held.fold((0.0, 0.0), |(sum, count), k| (sum + weight[k] * left[k].powi(2), count + 1.0));
-    sum / f64::max(count, 1.0) - 1.0
+/// Samples that no fit saw.
+struct HeldOut<'a> {
+    bench: &'a Bench<'a>,
+    samples: Vec<usize>,
+}
+
+/// On samples that no fit saw a cause gains at least so much, and this share of what the fitted ones promise of them.
+const GAINED: f64 = 8.0;
+const OF_PROMISED: f64 = 0.3;
+
+impl<'a> HeldOut<'a> {
+    fn new(bench: &'a Bench<'a>) -> Self {
+        let weight = &bench.noise_of_all.weight;
+        Self { bench, samples: (0..weight.len()).filter(|k| bench.layout.held[*k] && weight[*k] > 0.0).collect() }
+    }
+
+    /// Weighed sum of squares that a hypothesis leaves, uncertain numbers adapted.
+    fn left(&self, hypothesis: &Hypothesis) -> f64 {
+        let left = self.bench.noise.adapted(&hypothesis.residual);
+        self.samples.iter().map(|k| self.bench.noise_of_all.weight[*k] * left[*k].powi(2)).sum()
+    }
+
+    /// Whether these samples, too, are for the richer hypothesis.
+    fn shows(&self, rich: &Hypothesis, simple: &Hypothesis) -> bool {
+        let share = self.samples.len() as f64 / self.bench.noise.count().max(1) as f64;
+        let promised = share * (simple.loss - rich.loss);
+        self.left(simple) - self.left(rich) > GAINED.max(OF_PROMISED * promised)
+    }
 }

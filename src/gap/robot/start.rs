@@ -74,7 +74,7 @@ impl Cause {
                 let quarters: &[f64] = if is_coarse { &[0.0, 2.0] } else { &[0.0, 1.0, 2.0, -1.0] };
                 quarters.iter().map(|quarters| size(&[0.5, quarters * FRAC_PI_2], [0.0, 2.0])).collect()
             }
-            Cause::Effect(E::FrictionDrift) => vec![size(&[0.02], EITHER_WAY)],
+            Cause::Effect(E::FrictionDrift) => vec![size(&[0.02], [-4.0, 50.0])],
             Cause::Effect(E::Backlash) => {
                 let plays: &[f64] = if is_coarse { &[0.012] } else { &[0.004, 0.012, 0.035] };
                 plays.iter().map(|play| Start::fixed(&[*play, 0.25])).collect()
@@ -106,13 +106,21 @@ impl Cause {
                 shares.iter().map(|share| Start::fixed(&[share * most])).collect()
             }
             Cause::Effect(E::SpeedLimit) => {
-                let all = [(1.1, 1.0), (1.1, 0.5), (1.6, 1.0), (1.6, 0.5), (3.0, 0.9), (3.0, 0.6)];
-                let some = if is_coarse { &all[1..4] } else { &all[..] };
-                some.iter().map(|(no_load, stall)| Start::fixed(&[no_load * speed, stall * most])).collect()
+                let coarse = [(1.1, 0.5), (1.6, 1.0), (1.6, 0.5), (0.7, 2.0)];
+                let more = [(1.1, 1.0), (3.0, 0.9), (3.0, 0.6), (0.3, 4.0), (0.5, 8.0), (0.9, 5.0), (0.5, 2.0)];
+                let more = if is_coarse { &more[..0] } else { &more[..] };
+                coarse
+                    .iter()
+                    .chain(more)
+                    .map(|(no_load, stall)| Start::fixed(&[no_load * speed, stall * most]))
+                    .collect()
             }
-            Cause::Effect(E::MotorGain) => vec![Start::at_size(&[0.8], 1.0, [-10.0, 4.5])],
-            Cause::Coulomb => vec![Start::at_size(&[coulomb + 0.003], coulomb, [-coulomb / 0.003, 30.0])],
-            Cause::Viscous => vec![Start::at_size(&[viscous + 0.004], viscous, [-viscous / 0.004, 40.0])],
+            Cause::Effect(E::MotorGain) => {
+                let far = [0.45, 0.2].map(|gain| Start::fixed(&[gain]));
+                std::iter::once(Start::at_size(&[0.8], 1.0, [-10.0, 4.5])).chain(far).collect()
+            }
+            Cause::Coulomb => vec![Start::at_size(&[coulomb + 0.003], coulomb, [-coulomb / 0.003, 100.0])],
+            Cause::Viscous => vec![Start::at_size(&[viscous + 0.004], viscous, [-viscous / 0.004, 100.0])],
             Cause::Payload => [[0.0, 0.0], [0.0, -0.07], [0.0, 0.07], [0.04, 0.0], [-0.04, 0.0]]
                 .map(|[right, rear]| size(&[0.15, right, rear], [0.1, 5.0]))
                 .to_vec(),
