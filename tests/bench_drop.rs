@@ -69,7 +69,7 @@ fn refits_about_q3(folder: &str) -> Refits {
     let log = |load: &str, k: usize| root().join(format!("data/{folder}/q3-{load}-{k}.csv"));
     let logs = ["220g", "402g"].map(|load| [log(load, 0), log(load, 1)]).concat();
     let case = Case::of_logs(&logs, None).expect("a case");
-    let logs = BenchLogs::of(&case).expect("an ERS-7 leg").expect("free swings that begin held");
+    let logs = BenchLogs::of(&case, 2).expect("an ERS-7 leg").expect("free swings that begin held");
     Refits::of(&logs, false).expect("fits")
 }
 

@@ -14,6 +14,9 @@ use rayon::prelude::*;
 /// Span at the end of a log over which its angle of rest is the mean \[s\].
 const REST_S: f64 = 0.3;
 
+/// Swings with each extra mass that are refitted.
+const OF_EACH_LOAD: usize = 2;
+
 /// Every log of a leg in the full model; `None` where the logs are not of an ERS-7 leg whose pose and masses are known.
 pub(super) fn full_drop(case: &Case, fit: &DropFit) -> Result<Option<FullDrop>, CliError> {
     let Some(leg) = case.leg.as_ref().filter(|leg| leg.pose_known && fit.by_bodies()) else { return Ok(None) };
@@ -24,7 +27,7 @@ pub(super) fn full_drop(case: &Case, fit: &DropFit) -> Result<Option<FullDrop>, 
     if benches.is_empty() {
         return Ok(None);
     }
-    let logs = BenchLogs::of(case)?;
+    let logs = BenchLogs::of(case, OF_EACH_LOAD)?;
     let refits = logs.as_ref().map(|logs| Refits::of(logs, true).map_err(DropError::from)).transpose()?;
     let refitted = logs.as_ref().zip(refits.as_ref());
     let answers: Vec<(FullRow, FullCurves)> =

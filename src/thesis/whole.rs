@@ -16,9 +16,13 @@ pub struct Whole {
     pub found: Vec<Row>,
 }
 
+/// Swings of a joint that are refitted, shared out over the extra masses.
+const LOGS: usize = 4;
+
 /// Refits the whole robot to swings; `None` where none begins held.
 pub(super) fn whole(swings: &JointSwings) -> Result<Option<Whole>, TablesError> {
-    let Some(logs) = BenchLogs::of(&swings.case)? else { return Ok(None) };
+    let loads = swings.loads.iter().filter(|load| !load.moving.is_empty()).count();
+    let Some(logs) = BenchLogs::of(&swings.case, (LOGS / loads.max(1)).max(1))? else { return Ok(None) };
     let refits = Refits::of(&logs, false)?;
     let held = match refits.verdict() {
         Verdict::Give => "others give",
@@ -33,6 +37,8 @@ pub(super) fn whole(swings: &JointSwings) -> Result<Option<Whole>, TablesError> 
         let (of, quantity, thesis) = match cause {
             Cause::Mass => (Of::Body("lower leg".into()), "mass", printed.mass_kg("lower leg")),
             Cause::Coulomb => (joint(), "coulomb", friction.map(|row| row.coulomb_nm)),
+            Cause::LoadFriction => (joint(), "mu_l", Some(0.0)),
+            Cause::Direction => (joint(), "delta", Some(0.0)),
             _ => (joint(), cause.id(), Some(0.0)),
         };
         estimate(Row::new(of, quantity, held, unit(cause), thesis), value, interval)
@@ -42,6 +48,15 @@ pub(super) fn whole(swings: &JointSwings) -> Result<Option<Whole>, TablesError> 
     let thesis = friction.map(|row| row.viscous_nm_s_rad);
     let (value, interval) = best.viscous;
     found.push(estimate(Row::new(joint(), "viscous", held, "N m s/rad", thesis), value, interval));
+    if refits.lacks_something() {
+        for row in &mut found {
+            row.identifiable = false;
+        }
+        if let Some(mass) = found.iter_mut().find(|row| row.quantity == "mass") {
+            mass.remark =
+                format!("about {}, something else is in these drops; the interval leaves out its bias", swings.joint);
+        }
+    }
     Ok(Some(Whole { joint: swings.joint, refits, found }))
 }
 

@@ -192,7 +192,7 @@ pub(in crate::report) fn refit_words(refit: &RefitSummary) -> String {
             false => needed.join(", "),
         };
         format!(
-            " At rest the nominal robot is off by {}, the best by {}; needed for that, the most first: {needed}.",
+            " At rest the nominal robot is off by {}, the best by {}; needed to follow the drops, the most first: {needed}.",
             mrad(nominal.rest_rms),
             mrad(best.rest_rms)
         )
@@ -208,10 +208,10 @@ pub(in crate::report) fn refit_words(refit: &RefitSummary) -> String {
     } else {
         format!(" Nothing but noise ({}) remains.", mrad(refit.noise))
     };
+    let logs = if refit.files.len() == 1 { "one log".to_owned() } else { format!("{} logs", refit.files.len()) };
     format!(
-        "Refitted there to {} logs (zero, lower leg's mass, all friction, load friction, friction by direction): {} with rigid \
+        "Refitted there to {logs} (zero, lower leg's mass, all friction, load friction, friction by direction): {} with rigid \
          joints, {} with joints held by PID: {verdict}.{rest}{remains}",
-        refit.files.len(),
         mrad(rigid.rms),
         mrad(controlled.rms)
     )

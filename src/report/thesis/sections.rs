@@ -90,7 +90,7 @@ pub(super) fn sections(tables: &Tables) -> Vec<Section<'_>> {
         },
         Section {
             title: "Whole robot, all effects together",
-            words: "Two swings with each extra mass fitted in the whole robot, the other joints rigid or held by PID, \
+            words: "Up to four swings of each joint fitted in the whole robot, the other joints rigid or held by PID, \
                     whichever fits better. On each joint: lower leg's mass, friction, encoder's zero, load friction (mu_l), \
                     friction by direction (delta).",
             key: "whole_robot",

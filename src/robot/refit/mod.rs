@@ -120,8 +120,6 @@ struct BenchLog<'a> {
     release_s: f64,
 }
 
-/// Swings with each extra mass that are fitted; more say the same again.
-const OF_EACH_LOAD: usize = 2;
 /// Within this of its last angle a joint rests \[rad\]; so many samples of rest are compared.
 const RESTS_RAD: f64 = 0.015;
 const REST_SAMPLES: usize = 60;
@@ -134,12 +132,12 @@ const BUDGET: Budget = Budget { evaluations: 45 };
 pub const DECIDED: f64 = 10.0;
 
 impl<'a> BenchLogs<'a> {
-    /// Free swings of a case that begin held, up to two with each extra mass; `None` where there are none or the case is
+    /// Free swings of a case that begin held, up to `of_each_load` with each extra mass (more say the same again); `None` where there are none or the case is
     /// of no leg in a known pose.
     ///
     /// # Errors
     /// [`SimulateError`] where the robot has no such leg.
-    pub fn of(case: &'a Case) -> Result<Option<Self>, SimulateError> {
+    pub fn of(case: &'a Case, of_each_load: usize) -> Result<Option<Self>, SimulateError> {
         let Some(leg) = case.leg.as_ref().filter(|leg| leg.pose_known) else { return Ok(None) };
         let mut logs: Vec<BenchLog<'a>> = Vec::new();
         for item in &case.items {
@@ -148,7 +146,7 @@ impl<'a> BenchLogs<'a> {
             let mass = |extra: &Option<ExtraMass>| extra.map_or(0.0, |extra| extra.mass_kg);
             let same = |log: &&BenchLog<'_>| mass(&log.extra) == mass(&item.entry.extra);
             let end = e.measured_rad.len();
-            if logs.iter().filter(same).count() >= OF_EACH_LOAD || end < 2 * END_SAMPLES {
+            if logs.iter().filter(same).count() >= of_each_load || end < 2 * END_SAMPLES {
                 continue;
             }
             let rest_rad = mean(&e.measured_rad[end - END_SAMPLES..]);
