@@ -6,6 +6,7 @@ use aibo_fit::Case;
 use aibo_fit::log::{Role, read_sidecar_for};
 use aibo_fit::robot::Model;
 use aibo_fit::robot::bench::{BenchDrop, Held, bench_drop};
+use aibo_fit::robot::refit::{BenchLogs, Cause, Refits, Verdict};
 use aibo_fit::robot::simulate::Method;
 use support::root;
 
@@ -43,6 +44,8 @@ fn every_swing_of_the_thesis_robot_lies_within_1_2_times_the_noise_floor() {
             coulomb_nm,
             viscous_nm_s_rad,
             stribeck: None,
+            effects: Vec::new(),
+            others: Vec::new(),
             zero_rad: 0.0,
             angle_rad: release.setpoint_rad.expect("stated"),
             rate_rad_s: 0.0,
@@ -61,13 +64,25 @@ fn every_swing_of_the_thesis_robot_lies_within_1_2_times_the_noise_floor() {
     println!("{} swings: mean {:.3}, worst {worst:.3} of the noise floor", logs.len(), sum / logs.len() as f64);
 }
 
+/// Two logs with each extra mass about q3.
+fn refits_about_q3(folder: &str) -> Refits {
+    let log = |load: &str, k: usize| root().join(format!("data/{folder}/q3-{load}-{k}.csv"));
+    let logs = ["220g", "402g"].map(|load| [log(load, 0), log(load, 1)]).concat();
+    let case = Case::of_logs(&logs, None).expect("a case");
+    let logs = BenchLogs::of(&case, 2).expect("an ERS-7 leg").expect("free swings that begin held");
+    Refits::of(&logs, false).expect("fits")
+}
+
 #[test]
-fn the_gap_is_split_at_a_zero_that_has_not_taken_in_the_droop() {
-    let found = support::drop_json(root(), &["data/q1.csv"]);
-    let row = &found["whole_robot"][0];
-    let rms = |held: &str| row[held]["rms"].as_f64().expect("a number");
-    // The zero is the best for joints that give, and so no longer for rigid ones.
-    assert!(rms("controlled_apart") < rms("controlled") && rms("rigid_apart") > rms("rigid"), "{row}");
-    let zero_rad = row["zero_apart"].as_f64().expect("a number");
-    assert!((-0.004..-5e-4).contains(&zero_rad), "{zero_rad}");
+fn refitted_drops_say_whether_the_held_joints_gave() {
+    // Their README: held by the PID of Table B.2 there, rigidly here, with Table 3.3's friction.
+    let sealed = refits_about_q3("sealed-robot");
+    assert_eq!(sealed.verdict(), Verdict::Give, "{}", sealed.gives_by);
+    assert!(sealed.controlled.rms_rad < 0.5 * sealed.rigid.rms_rad, "{:?}", sealed.controlled.found);
+    let thesis = refits_about_q3("thesis-robot");
+    assert_eq!(thesis.verdict(), Verdict::Rigid, "{}", thesis.gives_by);
+    assert!(!thesis.lacks_something(), "{} rad", thesis.rigid.rms_rad);
+    let (_, value, interval) = thesis.rigid.found.iter().find(|(cause, ..)| *cause == Cause::Mass).expect("searched");
+    let [low, high] = interval.expect("determined");
+    assert!(low < 0.036 && 0.036 < high && high - low < 0.3 * value, "[{low}, {high}] kg"); // Table 3.2.
 }

@@ -2,21 +2,20 @@
 
 use super::CliError;
 use crate::geometry::LinkBody;
-use crate::identify::{Case, DropFit, Experiment, LegCase, Prediction};
+use crate::identify::{Case, DropError, DropFit, Experiment, LegCase, Prediction};
 use crate::joint::Stribeck;
-use crate::report::{FullCurves, FullDrop, FullRow, HeldRow};
+use crate::report::{FullCurves, FullDrop, FullRow, HeldRow, RefitSummary};
 use crate::robot::Model;
 use crate::robot::bench::{BenchDrop, Dropped, Held, bench_drop};
+use crate::robot::refit::{BenchLogs, Refit, Refits};
 use crate::robot::simulate::Method;
 use rayon::prelude::*;
 
 /// Span at the end of a log over which its angle of rest is the mean \[s\].
 const REST_S: f64 = 0.3;
 
-/// Steps of the search for the zero; it converges like Newton's.
-const ZERO_STEPS: usize = 3;
-/// The zero is moved by this much to see what that does \[rad\].
-const NUDGE_RAD: f64 = 2e-3;
+/// Swings with each extra mass that are refitted.
+const OF_EACH_LOAD: usize = 2;
 
 /// Every log of a leg in the full model; `None` where the logs are not of an ERS-7 leg whose pose and masses are known.
 ///
@@ -31,38 +30,13 @@ pub(super) fn full_drop(case: &Case, fit: &DropFit, robot: &Model) -> Result<Opt
     if benches.is_empty() {
         return Ok(None);
     }
-    let zero_rad = benches[0].drop.zero_rad;
-    let refitted_rad = refitted(&benches, zero_rad)?;
+    let logs = BenchLogs::of(case, OF_EACH_LOAD)?;
+    let refits = logs.as_ref().map(|logs| Refits::of(logs, true).map_err(DropError::from)).transpose()?;
+    let refitted = logs.as_ref().zip(refits.as_ref());
     let answers: Vec<(FullRow, FullCurves)> =
-        benches.par_iter().map(|bench| bench.answer(refitted_rad)).collect::<Result<_, _>>()?;
+        benches.par_iter().map(|bench| bench.answer(refitted)).collect::<Result<_, _>>()?;
     let (rows, curves) = answers.into_iter().unzip();
-    Ok(Some(FullDrop { rows, curves, zero_rad, refitted_rad }))
-}
-
-/// The encoder's zero that suits the robot whose joints give \[rad\].
-///
-/// A zero that was fitted with rigid joints has taken in how far the others droop; only with this one do "rigid" and "by
-/// PID" differ by what the held joints do. Newton's method on the sum of squares, all else as fitted.
-fn refitted(benches: &[Bench<'_>], fitted_rad: f64) -> Result<f64, CliError> {
-    let mut zero_rad = fitted_rad;
-    for _ in 0..ZERO_STEPS {
-        let sums = |bench: &Bench<'_>| -> Result<[f64; 2], CliError> {
-            let low = bench.run(Held::ByController, zero_rad - NUDGE_RAD)?.reading_rad;
-            let high = bench.run(Held::ByController, zero_rad + NUDGE_RAD)?.reading_rad;
-            let both = low.iter().zip(&high).zip(&bench.e.measured_rad).skip(bench.e.uncompared);
-            let terms =
-                both.map(|((low, high), measured)| (measured - 0.5 * (low + high), (high - low) / (2.0 * NUDGE_RAD)));
-            let finite = terms.filter(|(error, slope)| error.is_finite() && slope.is_finite());
-            Ok(finite.fold([0.0, 0.0], |[a, b], (error, slope)| [a + error * slope, b + slope * slope]))
-        };
-        let by_log: Vec<[f64; 2]> = benches.par_iter().map(sums).collect::<Result<_, _>>()?;
-        let [a, b] = by_log.iter().fold([0.0, 0.0], |[a, b], [c, d]| [a + c, b + d]);
-        if !(b > 0.0) {
-            break;
-        }
-        zero_rad += (a / b).clamp(-0.1, 0.1);
-    }
-    Ok(zero_rad)
+    Ok(Some(FullDrop { rows, curves, refit: refits.as_ref().map(RefitSummary::of) }))
 }
 
 /// A log with the drop that repeats it.
@@ -104,6 +78,8 @@ impl<'a> Bench<'a> {
             coulomb_nm,
             viscous_nm_s_rad: value("viscous").unwrap_or(0.0),
             stribeck,
+            effects: Vec::new(),
+            others: Vec::new(),
             zero_rad: value("zero").unwrap_or(0.0),
             angle_rad: prediction.start[0],
             rate_rad_s,
@@ -113,27 +89,29 @@ impl<'a> Bench<'a> {
         Self { e, prediction, robot, drop }
     }
 
-    fn run(&self, held: Held, zero_rad: f64) -> Result<Dropped, CliError> {
-        let drop = BenchDrop { held, zero_rad, ..self.drop.clone() };
+    fn run(&self, held: Held) -> Result<Dropped, CliError> {
+        let drop = BenchDrop { held, ..self.drop.clone() };
         Ok(bench_drop(self.robot, &drop, &self.e.t_s, Method::default())?)
     }
 
-    fn answer(&self, refitted_rad: f64) -> Result<(FullRow, FullCurves), CliError> {
+    fn answer(&self, refitted: Option<(&BenchLogs<'_>, &Refits)>) -> Result<(FullRow, FullCurves), CliError> {
         let e = self.e;
-        let fitted_rad = self.drop.zero_rad;
-        let row = |dropped: &Dropped| held_row(e, &dropped.reading_rad);
-        let controlled = self.run(Held::ByController, fitted_rad)?;
-        let (rigid_apart, controlled_apart) =
-            (self.run(Held::Rigid, refitted_rad)?, self.run(Held::ByController, refitted_rad)?);
+        let (rigid, controlled) = (self.run(Held::Rigid)?, self.run(Held::ByController)?);
+        let (rigid_rad, controlled_rad) = match refitted.filter(|_| e.release_window_s.is_some()) {
+            Some((logs, refits)) => {
+                let readings = |refit: &Refit| refit.readings(logs, e, self.drop.extra);
+                (readings(&refits.rigid)?, readings(&refits.controlled)?)
+            }
+            None => (rigid.reading_rad.clone(), controlled.reading_rad.clone()),
+        };
         let row = FullRow {
             file: e.file.clone(),
             pendulum_rms: self.prediction.rms_rad,
-            rigid: row(&self.run(Held::Rigid, fitted_rad)?),
-            controlled: row(&controlled),
+            rigid: held_row(e, &rigid.reading_rad),
+            controlled: held_row(e, &controlled.reading_rad),
             give: controlled.give_rad,
-            zero_apart: refitted_rad,
-            rigid_apart: row(&rigid_apart),
-            controlled_apart: row(&controlled_apart),
+            rigid_refitted: held_row(e, &rigid_rad),
+            controlled_refitted: held_row(e, &controlled_rad),
         };
         let curves = FullCurves {
             file: e.file.clone(),
@@ -141,8 +119,8 @@ impl<'a> Bench<'a> {
             measured_rad: e.measured_rad.clone(),
             first: e.uncompared,
             pendulum_rad: self.prediction.angle_rad.clone(),
-            rigid_rad: rigid_apart.reading_rad,
-            controlled_rad: controlled_apart.reading_rad,
+            rigid_rad,
+            controlled_rad,
             half_step_rad: 0.5 * e.resolution_rad,
         };
         Ok((row, curves))

@@ -1,6 +1,6 @@
 //! `fit.json`: what a fit found, for programs (specification, section 6).
 
-use super::{DropReport, FullRow, ModelSummary, ParameterRow, ParameterStatus};
+use super::{DropReport, FullRow, ModelSummary, ParameterRow, ParameterStatus, RefitSummary};
 use crate::identify::DropFit;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -36,6 +36,9 @@ pub struct FitFile {
     /// Each drop in the whole robot, where the logs are of a leg whose pose is known.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub whole_robot: Vec<FullRow>,
+    /// The whole robot refitted to the drops, with each explanation and without it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub whole_robot_refit: Option<RefitSummary>,
     /// What was said to the reader.
     #[serde(default)]
     pub notes: Vec<String>,
@@ -183,6 +186,7 @@ impl FitFile {
             ratios: ratios.iter().map(|row| (row.name.clone(), Quantity::of(row))).collect(),
             models: report.models.iter().map(|m| (key(m).to_owned(), model(m))).collect(),
             whole_robot: report.full.as_ref().map(|full| full.rows.clone()).unwrap_or_default(),
+            whole_robot_refit: report.full.as_ref().and_then(|full| full.refit.clone()),
             logs: report
                 .logs
                 .iter()

@@ -34,7 +34,7 @@ pub use blind::{
 };
 pub use error::ReportError;
 pub use fit_json::{EffectFit, FitFile, JointFit, LogFit, ModelFit, Quantity, SCHEMA};
-pub use full::{FullCurves, FullDrop, FullRow, HeldRow};
+pub use full::{FullCurves, FullDrop, FullRow, HeldRow, RefitFit, RefitSummary};
 pub use gap::{GapReport, NEXT_FILE, gap_figures, gap_json, gap_text, render_gap_html};
 pub use html::render_html;
 pub use model::{

@@ -10,7 +10,7 @@ use crate::geometry::inertia::hollow_cylinder_inertia;
 use crate::geometry::robot_file::Base;
 use crate::geometry::{LegJoint, LinkBody, joint_name};
 use crate::identify::LegCase;
-use crate::joint::Stribeck;
+use crate::joint::{EffectId, Stribeck};
 use crate::log::{ExtraMass, Hold};
 
 /// How the joints that do not swing are held.
@@ -37,6 +37,10 @@ pub struct BenchDrop<'a> {
     pub viscous_nm_s_rad: f64,
     /// Its Stribeck part.
     pub stribeck: Option<Stribeck<f64>>,
+    /// Other effects on it, with their values in the catalogue's order.
+    pub effects: Vec<(EffectId, Vec<f64>)>,
+    /// Coulomb \[N m\] and viscous friction \[N m s/rad\] of other joints of the leg where they are not Table 3.3's.
+    pub others: Vec<(LegJoint, [f64; 2])>,
     /// What its encoder reads beyond the angle \[rad\].
     pub zero_rad: f64,
     /// Its reading until it is let go \[rad\].
@@ -73,12 +77,16 @@ const GAINS: &str = "printed";
 /// # Errors
 /// [`SimulateError`] where the robot has no such leg, or a value is impossible.
 pub fn bench_drop(model: &Model, drop: &BenchDrop<'_>, t_s: &[f64], method: Method) -> Result<Dropped, SimulateError> {
-    let model = on_the_bench(model, drop)?;
+    let model = on_the_bench(&model.limb(model.joint(&joint_name(drop.leg.leg, drop.leg.joint))?)?, drop)?;
     let released = model.joint(&joint_name(drop.leg.leg, drop.leg.joint))?;
     let mut joints = Joints::passive(&model);
     if drop.held == Held::ByController {
         joints.set_friction(&model, FRICTION)?;
         joints.set_control(&model, GAINS, Control::default())?;
+    }
+    for (joint, [coulomb_nm, viscous_nm_s_rad]) in &drop.others {
+        let friction = &mut joints.drive_mut(model.joint(&joint_name(drop.leg.leg, *joint))?).chain.friction;
+        (friction.coulomb_nm, friction.viscous_nm_s_rad) = (*coulomb_nm, *viscous_nm_s_rad);
     }
     joints.add_effects_of_file(&model)?;
     let in_leg: Vec<JointId> =
@@ -93,6 +101,10 @@ pub fn bench_drop(model: &Model, drop: &BenchDrop<'_>, t_s: &[f64], method: Meth
     let friction = &mut drive.chain.friction;
     (friction.coulomb_nm, friction.viscous_nm_s_rad) = (drop.coulomb_nm, drop.viscous_nm_s_rad);
     friction.stribeck = drop.stribeck;
+    for (effect, values) in &drop.effects {
+        joints.add_effect(&model, released, *effect, values)?;
+    }
+    let drive = joints.drive(released);
     let begin_rad = drive.true_rad(drop.angle_rad);
     let mut start = pose(&model, drop)?;
     start.angle_rad[released.index()] = begin_rad;

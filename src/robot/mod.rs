@@ -26,6 +26,7 @@ mod dynamics;
 mod error;
 mod gait;
 mod model;
+pub mod refit;
 pub mod simulate;
 mod spatial;
 mod state;

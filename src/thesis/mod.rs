@@ -16,6 +16,7 @@ mod row;
 mod shoulder;
 mod swings;
 pub mod weak_q2;
+mod whole;
 
 pub use chain::Weighed;
 pub use drop::Drop;
@@ -28,12 +29,14 @@ pub use ratios::RatioTable;
 pub use row::{Of, Row};
 pub use shoulder::{Proposal, Shoulder};
 pub use swings::{JointSwings, Load};
+pub use whole::Whole;
 
 use crate::fit::Rejected;
 use crate::geometry::{GeometryError, LegJoint};
 use crate::identify::{CaseError, DirectiveError};
 use crate::log::LogError;
 use crate::pendulum::Diverged;
+use crate::robot::simulate::SimulateError;
 use std::path::{Path, PathBuf};
 
 /// Chapter 3 on a folder of swings.
@@ -45,6 +48,8 @@ pub struct Tables {
     pub ratios: Vec<RatioTable>,
     /// Tables 3.2 to 3.4, by joint.
     pub weighed: Vec<Weighed>,
+    /// The swings of each joint in the whole robot.
+    pub whole: Vec<Whole>,
     /// Figure 3.6, about q1.
     pub drop: Option<Drop>,
     /// What may be behind Table 3.1 and section 3.3.2.
@@ -92,6 +97,9 @@ pub enum TablesError {
     /// No motion can be computed.
     #[error("no fit: {0}")]
     Rejected(#[from] Rejected),
+    /// The whole robot cannot be simulated.
+    #[error(transparent)]
+    Simulate(#[from] SimulateError),
     /// A motion runs away.
     #[error(transparent)]
     Diverged(#[from] Diverged),
@@ -108,6 +116,8 @@ pub fn tables(folder: &Path, progress: &(dyn Fn(&str) + Sync)) -> Result<Tables,
     let ratios = swings.iter().map(ratios::table).collect::<Result<_, _>>()?;
     let all = chain::weigh(&swings, progress)?;
     let puzzle = puzzle::scan(&swings, progress)?;
+    progress("the whole robot");
+    let whole = swings.iter().filter_map(|swings| whole::whole(swings).transpose()).collect::<Result<Vec<_>, _>>()?;
     let of_joint = |joint| swings.iter().zip(&all).find(|(swings, _)| swings.joint == joint);
     let (mut drop, mut knee, mut shoulder) = (None, None, None);
     if let Some((q1, weighed)) = of_joint(LegJoint::Q1) {
@@ -123,7 +133,7 @@ pub fn tables(folder: &Path, progress: &(dyn Fn(&str) + Sync)) -> Result<Tables,
     }
     let friction: Vec<&Row> = all.iter().flat_map(|weighed| &weighed.chosen).collect();
     let robot_toml = robot::robot_toml(&weighed_masses(&all), &friction);
-    Ok(Tables { swings, ratios, weighed: all, drop, puzzle, knee, shoulder, robot_toml })
+    Ok(Tables { swings, ratios, weighed: all, whole, drop, puzzle, knee, shoulder, robot_toml })
 }
 
 fn weighed_masses(all: &[Weighed]) -> Vec<&Row> {

@@ -1,9 +1,12 @@
 //! The drop repeated by the whole robot (Figure 3.6): what the pendulum cannot know of, and what remains.
 
 mod plot;
+mod ranking;
 mod text;
 
 pub(super) use plot::full_figures;
+pub use ranking::{RefitFit, RefitSummary};
+pub(super) use ranking::{causes_figure, causes_text, refit_words};
 pub(super) use text::{full_text, summary};
 
 use serde::{Deserialize, Serialize};
@@ -15,10 +18,8 @@ pub struct FullDrop {
     pub rows: Vec<FullRow>,
     /// Their curves, in the same order.
     pub curves: Vec<FullCurves>,
-    /// The encoder's zero as it was fitted with the other joints rigid \[rad\].
-    pub zero_rad: f64,
-    /// The zero that suits the robot whose other joints give \[rad\].
-    pub refitted_rad: f64,
+    /// The whole robot refitted; `None` where no log begins held.
+    pub refit: Option<RefitSummary>,
 }
 
 /// Numbers of one log.
@@ -28,21 +29,18 @@ pub struct FullRow {
     pub file: String,
     /// RMS of the extensive pendulum \[rad\].
     pub pendulum_rms: f64,
-    /// RMS of the whole robot with the other joints held rigidly \[rad\].
+    /// The whole robot with the pendulum's values and the other joints held rigidly.
     pub rigid: HeldRow,
     /// The same with the other joints held by their controllers.
     pub controlled: HeldRow,
     /// How far another joint of the leg gives way there \[rad\].
     pub give: f64,
-    /// The encoder's zero that suits the robot whose other joints give \[rad\], the same for all logs.
+    /// Rigid, refitted in the whole robot.
     #[serde(default)]
-    pub zero_apart: f64,
-    /// Rigid, with the zero refitted to joints that give: the gap that has not been taken in by the zero.
+    pub rigid_refitted: HeldRow,
+    /// By controllers, refitted in the whole robot.
     #[serde(default)]
-    pub rigid_apart: HeldRow,
-    /// By controllers, with that zero: what remains when the held joints have done their part.
-    #[serde(default)]
-    pub controlled_apart: HeldRow,
+    pub controlled_refitted: HeldRow,
 }
 
 /// The full model against the measurement, with the other joints held in one way.

@@ -1,6 +1,6 @@
 //! Figure 3.6 again: measurement, pendulum, whole robot.
 
-use super::{FullCurves, FullDrop};
+use super::{FullCurves, FullDrop, causes_figure};
 use crate::report::plot::canvas::{EXTENSIVE, POSITIVE, SIMPLE};
 use crate::report::plot::overlay::{Curve, Overlay, overlay};
 use crate::report::plot::plain;
@@ -15,21 +15,35 @@ pub(in crate::report) fn full_figures(joint: &str, full: &FullDrop) -> Result<Ve
         Ok(Figure {
             file_name: format!("full-{:02}-{}.svg", k + 1, plain(&curves.file)),
             title: format!("Figure 3.6, {}", curves.file),
-            caption: "The measured drop, the fitted pendulum, and the whole robot with the fitted values and the zero \
-                      that suits joints that give; below, measured minus model. Between the two robots: what the held \
-                      joints do. Between the last one and zero: what remains."
-                .to_owned(),
+            caption:
+                "The measured drop, the fitted pendulum, and the whole robot refitted with rigid neighbours and with \
+                      neighbours held by their PID; below, measured minus model."
+                    .to_owned(),
             svg: draw(joint, curves)?,
         })
     };
-    full.curves.iter().enumerate().map(figure).collect()
+    let mut figures: Vec<Figure> = full.curves.iter().enumerate().map(figure).collect::<Result<_, ReportError>>()?;
+    if let Some(refit) = full.refit.as_ref().filter(|refit| refit.ranked()) {
+        figures.insert(
+            0,
+            Figure {
+                file_name: "full-causes.svg".into(),
+                title: format!("{joint}: what the angle of rest needs"),
+                caption: "Model less measurement at rest [mrad] by log: the nominal robot, each explanation alone, all but one, \
+                          everything."
+                    .into(),
+                svg: causes_figure(joint, refit)?,
+            },
+        );
+    }
+    Ok(figures)
 }
 
 fn draw(joint: &str, curves: &FullCurves) -> Result<String, ReportError> {
     let models = [
         ("extensive pendulum", EXTENSIVE, &curves.pendulum_rad),
-        ("whole robot, others rigid", SIMPLE, &curves.rigid_rad),
-        ("whole robot, others by PID", POSITIVE, &curves.controlled_rad),
+        ("robot refitted, others rigid", SIMPLE, &curves.rigid_rad),
+        ("robot refitted, others by PID", POSITIVE, &curves.controlled_rad),
     ];
     let curve = |(name, colour, angle_rad): (&str, _, &'_ Vec<f64>)| (name.to_owned(), colour, angle_rad.clone());
     let owned = models.map(curve);

@@ -28,6 +28,7 @@ impl FitFile {
             ratios: BTreeMap::new(),
             models: BTreeMap::new(),
             whole_robot: Vec::new(),
+            whole_robot_refit: None,
             logs: diagnosis.traces.iter().filter_map(|log| log_fit(diagnosis, log)).collect(),
             notes: diagnosis.notes.clone(),
             sentence: diagnosis.answer.sentence.clone(),

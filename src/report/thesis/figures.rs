@@ -52,8 +52,8 @@ pub fn thesis_figures(report: &ThesisReport) -> Result<Vec<Figure>, ReportError>
         }
     }
     if let Some(drop) = &tables.drop {
-        let caption = "Predicted from its start with the values of Tables 3.2 and 3.4; nothing is fitted but the start. The \
-                       pendulum stands for the robot.";
+        let caption = "The whole robot with the values of Tables 3.2 and 3.4, from the angle at which it was held; nothing is \
+                       fitted to this drop.";
         add("figure-3-6", "Figure 3.6: drop about q1 with the chosen values", caption, drop_figure(drop)?);
     }
     for joint in &tables.puzzle.joints {
@@ -108,16 +108,19 @@ fn swing(
 
 fn drop_figure(drop: &Drop) -> Result<String, ReportError> {
     overlay(&Overlay {
-        title: "Figure 3.6: drop about q1, model with the chosen values",
+        title: "Figure 3.6: drop about q1, the whole robot with the chosen values",
         t_s: &drop.t_s,
         measured_rad: &drop.measured_rad,
         setpoint_rad: &[],
-        models: vec![Curve {
-            name: with_rms("model", drop.rms_rad),
-            colour: EXTENSIVE,
-            angle_rad: &drop.model_rad,
-            first: 1,
-        }],
+        models: [("others rigid", EXTENSIVE, &drop.rigid), ("others by PID", POSITIVE, &drop.controlled)]
+            .into_iter()
+            .map(|(name, colour, robot)| Curve {
+                name: with_rms(name, robot.rms_rad),
+                colour,
+                angle_rad: &robot.model_rad,
+                first: 1,
+            })
+            .collect(),
         half_step_rad: 0.0,
         shades: Vec::new(),
         shaded: "",

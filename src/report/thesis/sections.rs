@@ -89,6 +89,15 @@ pub(super) fn sections(tables: &Tables) -> Vec<Section<'_>> {
             rows: tables.table_3_4(),
         },
         Section {
+            title: "Whole robot, all effects together",
+            words: "Up to four swings of each joint fitted in the whole robot, the other joints rigid or held by PID, \
+                    whichever fits better. On each joint: lower leg's mass, friction, encoder's zero, load friction (mu_l), \
+                    friction by direction (delta).",
+            key: "whole_robot",
+            beside: "thesis",
+            rows: tables.whole.iter().flat_map(|w| &w.found).collect(),
+        },
+        Section {
             title: "Bias of the straight pendulum (3.8-3.10)",
             words: "All bodies on one line, as the thesis lumps them, fitted to the same swings; beside it the leg \
                     with every body in its place.",

@@ -2,9 +2,11 @@
 
 use super::ThesisReport;
 use super::sections::Shown;
+use crate::report::RefitSummary;
+use crate::report::full::refit_words;
 use crate::report::number::{as_given, format_with_uncertainty, mrad, percent, significant};
 use crate::thesis::{
-    Approach, BARE_FACTOR, JointPuzzle, Knee, LOADED_FACTOR, NEAR, Printed, Puzzle, Shoulder, Tables, Weighed,
+    Approach, BARE_FACTOR, JointPuzzle, Knee, LOADED_FACTOR, NEAR, Printed, Puzzle, Shoulder, Tables, Weighed, Whole,
 };
 
 /// An answer to one of the thesis's puzzles.
@@ -314,14 +316,19 @@ fn fits(tables: &Tables) -> Answer {
         })
         .collect();
     sentences.extend(tables.weighed.iter().filter(|w| w.lacks_something()).filter_map(by_load));
+    let in_the_robot =
+        |whole: &Whole| format!("{}, whole robot: {}", whole.joint, refit_words(&RefitSummary::of(&whole.refits)));
+    sentences.extend(tables.whole.iter().map(in_the_robot));
     if let Some(drop) = &tables.drop {
         sentences.push(format!(
-            "Figure 3.6: with the values of Tables 3.2 and 3.4 the drop of {} is met to {}; it ends at {} rad, the model at \
-             {} rad.",
+            "Figure 3.6: the whole robot with the values of Tables 3.2 and 3.4 meets the drop of {} to {} with the other joints \
+             rigid, to {} with them held by PID; the log ends at {} rad, the robot at {} and {} rad.",
             drop.file,
-            mrad(drop.rms_rad),
-            significant(drop.ends_rad[0], 4),
-            significant(drop.ends_rad[1], 4)
+            mrad(drop.rigid.rms_rad),
+            mrad(drop.controlled.rms_rad),
+            significant(drop.end_rad, 4),
+            significant(drop.rigid.end_rad, 4),
+            significant(drop.controlled.end_rad, 4)
         ));
     }
     Answer { question: "Do the models explain these swings?".into(), sentences, table: None }

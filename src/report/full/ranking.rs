@@ -1,0 +1,258 @@
+//! Which explanations the drops need: table, words and figure.
+
+use super::super::plot::canvas::{EXTENSIVE, POSITIVE};
+use super::super::plot::heat::{Heat, HeatCell, heat, tint};
+use crate::report::ReportError;
+use crate::report::number::{format_with_uncertainty, mrad, percent, significant};
+use crate::report::text::{finish, number, table};
+use crate::robot::refit::{Cause, DECIDED, Refit, Refits, Verdict};
+use comfy_table::Cell;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// The whole robot refitted to the drops of a joint.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
+pub struct RefitSummary {
+    /// `held joints give`, `rigid` or `cannot tell`.
+    pub verdict: String,
+    /// Schwarz's criterion with rigid neighbours less that with giving ones.
+    pub gives_by: f64,
+    /// Noise of the readings \[rad\].
+    pub noise: f64,
+    /// Share of what rigid neighbours leave above the noise that giving ones explain.
+    pub share: f64,
+    /// Logs that were fitted, in the order of `rest`.
+    pub files: Vec<String>,
+    /// The nominal robot; everything with rigid, with giving neighbours; then by cause, the most needed first, it alone and
+    /// all but it.
+    pub fits: Vec<RefitFit>,
+}
+
+/// One fit.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
+pub struct RefitFit {
+    /// `nominal`, `all, rigid`, `all, by PID`, `only` or `without`.
+    pub what: String,
+    /// The cause, where it is about one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cause: Option<String>,
+    /// How much the cause is needed, by Schwarz's criterion.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub needed: Option<f64>,
+    /// \[rad\]
+    pub rms: f64,
+    /// RMS of the distances at rest \[rad\].
+    pub rest_rms: f64,
+    /// Model less measurement at rest, by log \[rad\].
+    pub rest: Vec<f64>,
+    /// What was searched, with values and 95 % intervals.
+    pub values: Vec<Found>,
+}
+
+/// A number that was searched.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
+pub struct Found {
+    /// e.g. `zero`.
+    pub name: String,
+    /// e.g. `rad`.
+    pub unit: String,
+    /// In that unit.
+    pub value: f64,
+    /// 95 % interval; null where it is open.
+    pub interval: Option<[f64; 2]>,
+}
+
+impl RefitFit {
+    fn of(what: &str, cause: Option<(Cause, f64)>, refit: &Refit) -> Self {
+        let viscous = ("viscous", "N m s/rad", refit.viscous.0, refit.viscous.1);
+        let found = refit.found.iter().map(|(cause, value, interval)| (cause.id(), cause.unit(), *value, *interval));
+        let values = found.chain([viscous]).map(|(name, unit, value, interval)| Found {
+            name: name.into(),
+            unit: unit.into(),
+            value,
+            interval,
+        });
+        Self {
+            what: what.into(),
+            cause: cause.map(|(cause, _)| cause.words().into()),
+            needed: cause.map(|(_, needed)| needed),
+            rms: refit.rms_rad,
+            rest_rms: refit.rest_rms_rad(),
+            rest: refit.rest_rad.clone(),
+            values: values.collect(),
+        }
+    }
+}
+
+impl RefitSummary {
+    /// What was fitted.
+    pub fn of(refits: &Refits) -> Self {
+        let mut fits = vec![
+            RefitFit::of("nominal", None, &refits.nominal),
+            RefitFit::of("all, rigid", None, &refits.rigid),
+            RefitFit::of("all, by PID", None, &refits.controlled),
+        ];
+        for row in &refits.ranked {
+            fits.push(RefitFit::of("only", Some((row.cause, row.needed)), &row.alone));
+            fits.push(RefitFit::of("without", Some((row.cause, row.needed)), &row.without));
+        }
+        let verdict = match refits.verdict() {
+            Verdict::Give => "held joints give",
+            Verdict::Rigid => "rigid",
+            Verdict::CannotTell => "cannot tell",
+        };
+        Self {
+            verdict: verdict.into(),
+            gives_by: refits.gives_by,
+            noise: refits.noise_rad,
+            share: refits.share(),
+            files: refits.files.clone(),
+            fits,
+        }
+    }
+
+    /// Whether single causes were ranked.
+    pub(in crate::report) fn ranked(&self) -> bool {
+        self.fits.iter().any(|fit| fit.cause.is_some())
+    }
+
+    fn fit(&self, what: &str) -> Option<&RefitFit> {
+        self.fits.iter().find(|fit| fit.what == what)
+    }
+
+    fn best(&self) -> Option<&RefitFit> {
+        self.fit(if self.gives_by < 0.0 { "all, rigid" } else { "all, by PID" })
+    }
+}
+
+/// Causes, the most needed first.
+pub(in crate::report) fn causes_text(refit: &RefitSummary, width: usize) -> String {
+    let numbers = [
+        "alone: RMS,\nat rest [mrad]",
+        "without: RMS,\nat rest [mrad]",
+        "needed\nby",
+        "with all others: value",
+        "unit",
+    ];
+    let mut rows = table(width, &["explanation"], &numbers);
+    let both = |fit: &RefitFit| format!("{}, {}", significant(1e3 * fit.rms, 3), significant(1e3 * fit.rest_rms, 3));
+    let only = refit.fits.iter().filter(|fit| fit.what == "only");
+    for (only, without) in only.zip(refit.fits.iter().filter(|fit| fit.what == "without")) {
+        let cause = only.cause.as_deref().unwrap_or_default();
+        let id = Cause::ALL.into_iter().find(|c| c.words() == cause).map_or("", Cause::id);
+        let found = refit.best().and_then(|best| best.values.iter().find(|value| value.name == id));
+        rows.add_row([
+            Cell::new(cause),
+            number(both(only)),
+            number(both(without)),
+            number(significant(only.needed.unwrap_or(f64::NAN), 3)),
+            number(found.map_or_else(String::new, value)),
+            number(found.map_or_else(String::new, |found| found.unit.clone())),
+        ]);
+    }
+    finish(&mut rows)
+}
+
+fn value(found: &Found) -> String {
+    match found.interval {
+        Some(interval) => {
+            let shown = format_with_uncertainty(found.value, interval);
+            format!("{} [{}, {}]", shown.value, shown.low, shown.high)
+        }
+        None => "open".to_owned(),
+    }
+}
+
+/// What the refits say, as sentences.
+pub(in crate::report) fn refit_words(refit: &RefitSummary) -> String {
+    let (Some(nominal), Some(rigid), Some(controlled), Some(best)) =
+        (refit.fit("nominal"), refit.fit("all, rigid"), refit.fit("all, by PID"), refit.best())
+    else {
+        return String::new();
+    };
+    let by = significant(refit.gives_by.abs(), 3);
+    let verdict = match refit.verdict.as_str() {
+        "held joints give" => format!(
+            "the held joints give (better by {by} in Schwarz's criterion, {DECIDED} decide), which explains {} of the mean \
+             square that rigid ones leave above the noise",
+            percent(refit.share)
+        ),
+        "rigid" => {
+            format!("the other joints were held rigidly (better by {by} in Schwarz's criterion, {DECIDED} decide)")
+        }
+        _ => format!(
+            "these drops do not tell whether the held joints give ({by} in Schwarz's criterion, {DECIDED} decide)"
+        ),
+    };
+    let needed = refit.fits.iter().filter(|fit| fit.what == "without" && fit.needed.is_some_and(|by| by > DECIDED));
+    let needed: Vec<&str> = needed.filter_map(|fit| fit.cause.as_deref()).collect();
+    let rest = if refit.ranked() {
+        let needed = match needed.is_empty() {
+            true => "none of the explanations".to_owned(),
+            false => needed.join(", "),
+        };
+        format!(
+            " At rest the nominal robot is off by {}, the best by {}; needed to follow the drops, the most first: {needed}.",
+            mrad(nominal.rest_rms),
+            mrad(best.rest_rms)
+        )
+    } else {
+        String::new()
+    };
+    let remains = if best.rms > REMAINS * refit.noise {
+        format!(
+            " {} remain against {} of noise: something else is in these drops, and the intervals do not allow for its bias.",
+            mrad(best.rms),
+            mrad(refit.noise)
+        )
+    } else {
+        format!(" Nothing but noise ({}) remains.", mrad(refit.noise))
+    };
+    let logs = if refit.files.len() == 1 { "one log".to_owned() } else { format!("{} logs", refit.files.len()) };
+    format!(
+        "Refitted there to {logs} (zero, lower leg's mass, all friction, load friction, friction by direction): {} with rigid \
+         joints, {} with joints held by PID: {verdict}.{rest}{remains}",
+        mrad(rigid.rms),
+        mrad(controlled.rms)
+    )
+}
+
+/// An RMS this many times the noise is more than noise.
+const REMAINS: f64 = 1.3;
+
+/// Distances at rest by fit and log.
+///
+/// # Errors
+/// [`ReportError::Font`] and [`ReportError::Draw`], neither of which depends on the data.
+pub(in crate::report) fn causes_figure(joint: &str, refit: &RefitSummary) -> Result<String, ReportError> {
+    let name = |fit: &RefitFit| match &fit.cause {
+        Some(cause) => format!("{} {cause}", fit.what),
+        None => fit.what.clone(),
+    };
+    let group = |what: &'static str| refit.fits.iter().filter(move |fit| fit.what == what);
+    let fits: Vec<&RefitFit> =
+        ["nominal", "only", "without", "all, rigid", "all, by PID"].into_iter().flat_map(group).collect();
+    let rows: Vec<String> = fits.iter().map(|fit| name(fit)).collect();
+    let short =
+        |file: &String| Path::new(file).file_stem().map_or_else(|| file.clone(), |s| s.to_string_lossy().into_owned());
+    let columns: Vec<String> = refit.files.iter().map(short).collect();
+    let most = fits.iter().flat_map(|fit| &fit.rest).fold(1e-3f64, |most, rest| most.max(rest.abs()));
+    let ends = [format!("+{} mrad", significant(1e3 * most, 2)), format!("-{} mrad", significant(1e3 * most, 2))];
+    let colour = |share: f64| if share < 0.0 { tint(EXTENSIVE, -share) } else { tint(POSITIVE, share) };
+    let map = Heat {
+        title: &format!("{joint}: angle at rest, model less measurement [mrad]"),
+        rows: &rows,
+        columns: &columns,
+        axes: ["", ""],
+        names_above: true,
+        name_room: 150.0,
+        cell: [84.0, 24.0],
+        colour: |of| if of < 0.0 { tint(EXTENSIVE, -of) } else { tint(POSITIVE, of) },
+        scale: &[(1.0, &ends[0]), (0.0, "0"), (-1.0, &ends[1])],
+        nothing: "no drops",
+    };
+    heat(&map, |row, column| {
+        let rest = fits.get(row).and_then(|fit| fit.rest.get(column)).copied().unwrap_or(f64::NAN);
+        HeatCell { ground: colour(rest / most), words: format!("{:+.0}", 1e3 * rest), framed: false }
+    })
+}
