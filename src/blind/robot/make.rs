@@ -189,7 +189,8 @@ fn finish(
     };
     let mut study_toml = made.study_toml;
     if !scene.states_noise {
-        study_toml = study_toml.lines().filter(|line| !line.starts_with("noise = ")).map(|l| format!("{l}\n")).collect();
+        study_toml =
+            study_toml.lines().filter(|line| !line.starts_with("noise = ")).map(|l| format!("{l}\n")).collect();
     }
     let outside = faults.iter().find_map(|(fault, _)| match fault.kind {
         Kind::Outside(outside) => Some(outside),

@@ -1,9 +1,7 @@
 //! What a made study looks like before anything is the matter: scenario, sensors, logs.
 
 use crate::blind::dice::{Dice, significant};
-use crate::log::{
-    ControlSpec, FloorSpec, LegFrictionSpec, RobotScenario, RobotSensorSpec, RobotStudy,
-};
+use crate::log::{ControlSpec, FloorSpec, LegFrictionSpec, RobotScenario, RobotSensorSpec, RobotStudy};
 use crate::synth::{Believed, LogSpec, Spec, TruthSpec};
 use std::collections::BTreeMap;
 use std::path::PathBuf;

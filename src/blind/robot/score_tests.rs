@@ -36,11 +36,8 @@ fn truth(verdict: Verdict, causes: &[(Cause, &[&str])]) -> RobotTruth {
 }
 
 fn answered(verdict: Verdict, causes: &[(Cause, &[&str])]) -> RobotAnswered {
-    let mut stated = causes.iter().map(|(cause, joints)| StatedCause {
-        cause: *cause,
-        joints: names(joints),
-        parameters: vec![],
-    });
+    let mut stated =
+        causes.iter().map(|(cause, joints)| StatedCause { cause: *cause, joints: names(joints), parameters: vec![] });
     let (first, second) = (stated.next(), stated.next());
     RobotAnswered {
         verdict,

@@ -159,7 +159,8 @@ pub fn robot_blind_figures(report: &RobotBlindReport) -> Result<Vec<Figure>, Rep
 /// on the data.
 pub fn robot_blind_html(report: &RobotBlindReport) -> Result<String, ReportError> {
     let score = &report.score;
-    let view = |row: Row| context! { what => row.what, count => row.count, share => row.share, interval => row.interval };
+    let view =
+        |row: Row| context! { what => row.what, count => row.count, share => row.share, interval => row.interval };
     let sizes = score.sizes.iter().map(|size| {
         context! {
             from => size.from, to => size.to,
@@ -303,7 +304,10 @@ mod tests {
         let trial = |truth, answer| RobotTrial { truth, answer: Ok(answer), wall_s: 60.0 };
         let wrong = answer(Verdict::Calibration, Some(stated(Cause::Coulomb, &["lf1"])));
         let trials = vec![
-            trial(truth(Verdict::Effect, vec![Cause::Payload]), answer(Verdict::Effect, Some(stated(Cause::Payload, &[])))),
+            trial(
+                truth(Verdict::Effect, vec![Cause::Payload]),
+                answer(Verdict::Effect, Some(stated(Cause::Payload, &[]))),
+            ),
             trial(truth(Verdict::None, vec![]), wrong),
         ];
         let provenance = Provenance { version: "1".to_owned(), command: "aibo-fit <b>".to_owned(), inputs: vec![] };
