@@ -171,7 +171,7 @@ fn place(kind: Kind, scene: &Scene, moving: &[String], dice: &mut Dice) -> Vec<S
     }
 }
 
-/// From weak to strong by equal ratios.
+/// From weak to as strong as a robot may plausibly have it, by equal ratios.
 fn grow(weak: f64, strong: f64) -> impl Fn(f64) -> f64 + Sync {
     move |strength| weak * (strong / weak).powf(strength)
 }
@@ -194,12 +194,12 @@ fn of_cause(cause: Cause, joint: &str, plain: &Readings, dice: &mut Dice) -> Num
                 let (grows, v_st) = (grow(0.002, 0.4), dice.log_uniform(0.03, 0.5));
                 Box::new(move |strength| vec![0.010 + grows(strength), v_st])
             }
-            LoadFriction => one(0.02, 4.0, &[]),
+            LoadFriction => one(0.02, 1.0, &[]),
             GearFriction => one(0.01, 0.9, &[]),
             QuadraticDrag => one(1e-4, 0.2, &[]),
             AsymmetricFriction => one(sign * 5e-4, sign * 0.1, &[]),
             PositionFriction => one(0.2, 2.0, &[dice.uniform(-PI, PI)]),
-            FrictionDrift => one(0.02, 1.5, &[]),
+            FrictionDrift => one(0.02, 0.6, &[]),
             Backlash => one(0.003, 0.12, &[dice.uniform(0.15, 0.5)]),
             JointSpring => one(0.005, 4.0, &[low - 0.3 + dice.uniform(0.0, 1.0) * (span + 0.6)]),
             EndStop => {
@@ -215,7 +215,7 @@ fn of_cause(cause: Cause, joint: &str, plain: &Readings, dice: &mut Dice) -> Num
             TorqueLimit => one(1.5, 0.01, &[]),
             SpeedLimit => one(15.0, 0.4, &[dice.log_uniform(0.3, 1.2)]),
             MotorGain => {
-                let grows = grow(0.01, if sign > 0.0 { 1.0 } else { 0.9 });
+                let grows = grow(0.01, if sign > 0.0 { 1.0 } else { 0.8 });
                 Box::new(move |strength| vec![1.0 + sign * grows(strength)])
             }
         },
@@ -240,7 +240,7 @@ fn of_cause(cause: Cause, joint: &str, plain: &Readings, dice: &mut Dice) -> Num
 fn of_outside(outside: RobotOutside, plain: &Readings, dice: &mut Dice) -> Numbers {
     match outside {
         RobotOutside::Boot => one(0.003, 0.15, &[]),
-        RobotOutside::TiltedTrunk => one(0.02, 0.9, &[dice.uniform(-PI, PI)]),
+        RobotOutside::TiltedTrunk => one(0.02, 0.5, &[dice.uniform(-PI, PI)]),
         RobotOutside::CoarseSetpoints => one(0.005, 0.25, &[]),
         RobotOutside::LostSetpoints => one(0.002, 0.15, &[]),
         RobotOutside::SlowSetpoints => one(0.002, 0.2, &[]),

@@ -66,7 +66,8 @@ impl RobotJudgement {
         let mut named: Vec<Cause> = answer.named().map(|stated| stated.cause).collect();
         let few = named.len() <= there.len();
         let in_set = few && there.iter().all(|cause| named.contains(cause) || answer.equivalent.contains(cause));
-        (there.sort_unstable(), named.sort_unstable());
+        there.sort_unstable();
+        named.sort_unstable();
         let is_named = named == there;
         let places = |list: Vec<&[String]>| {
             let mut list: Vec<Vec<String>> = list.into_iter().map(sorted).collect();
