@@ -99,10 +99,16 @@ pub enum TablesError {
     Rejected(#[from] Rejected),
     /// The whole robot cannot be simulated.
     #[error(transparent)]
-    Simulate(#[from] SimulateError),
+    Simulate(Box<SimulateError>),
     /// A motion runs away.
     #[error(transparent)]
     Diverged(#[from] Diverged),
+}
+
+impl From<SimulateError> for TablesError {
+    fn from(error: SimulateError) -> Self {
+        TablesError::Simulate(Box::new(error))
+    }
 }
 
 /// Chapter 3 on the swings of a folder. `progress` is told what is being done.
