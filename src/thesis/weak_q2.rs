@@ -116,13 +116,13 @@ impl Diagnosed {
 pub enum WeakQ2Error {
     /// A "real" robot could not be made.
     #[error(transparent)]
-    Synth(#[from] SynthError),
+    Synth(Box<SynthError>),
     /// Its spec or files cannot be read.
     #[error(transparent)]
-    Log(#[from] crate::log::LogError),
+    Log(Box<crate::log::LogError>),
     /// Its study does not fit the robot.
     #[error(transparent)]
-    Simulate(#[from] SimulateError),
+    Simulate(Box<SimulateError>),
     /// There is nothing to diagnose.
     #[error(transparent)]
     Gap(#[from] RobotGapError),
@@ -134,6 +134,24 @@ pub enum WeakQ2Error {
         /// Why.
         source: std::io::Error,
     },
+}
+
+impl From<SynthError> for WeakQ2Error {
+    fn from(error: SynthError) -> Self {
+        Self::Synth(Box::new(error))
+    }
+}
+
+impl From<crate::log::LogError> for WeakQ2Error {
+    fn from(error: crate::log::LogError) -> Self {
+        Self::Log(Box::new(error))
+    }
+}
+
+impl From<SimulateError> for WeakQ2Error {
+    fn from(error: SimulateError) -> Self {
+        Self::Simulate(Box::new(error))
+    }
 }
 
 /// Makes a rival's logs under a folder and diagnoses them from the files alone.

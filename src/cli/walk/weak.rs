@@ -5,6 +5,7 @@ use super::super::progress::Progress;
 use super::super::provenance::provenance;
 use super::WalkArgs;
 use super::study::{empty, write};
+use crate::log::LogError;
 use crate::report::{Comparison, Figure, StudyTable, before_and_after_figure};
 use crate::thesis::weak_q2::{Diagnosed, Rival, WeakQ2Error, diagnose_rival};
 use serde::Serialize;
@@ -48,6 +49,18 @@ impl Row {
     }
 }
 
+impl From<WeakQ2Error> for CliError {
+    fn from(error: WeakQ2Error) -> Self {
+        match error {
+            WeakQ2Error::Synth(error) => CliError::Synth(error),
+            WeakQ2Error::Log(error) => CliError::Log(*error),
+            WeakQ2Error::Simulate(error) => CliError::RobotCase(error),
+            WeakQ2Error::Gap(error) => CliError::RobotGap(error),
+            WeakQ2Error::Write { file, source } => CliError::Log(LogError::Write { file, source }),
+        }
+    }
+}
+
 /// Runs the case.
 pub(super) fn run(args: &WalkArgs) -> Result<u8, CliError> {
     let progress = Progress::new(args.common.quiet);
@@ -59,7 +72,7 @@ pub(super) fn run(args: &WalkArgs) -> Result<u8, CliError> {
             let say = |what: &str| progress.say(&format!("{}, {place}: {what}", rival.words()));
             say("making the logs");
             let diagnosed = args.common.on_threads(|| diagnose_rival(rival, in_the_air, &folder, args.seed, &say))?;
-            all.push(diagnosed.map_err(|error: WeakQ2Error| CliError::Usage(error.to_string()))?);
+            all.push(diagnosed?);
         }
     }
     progress.say("drawing");
