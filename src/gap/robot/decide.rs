@@ -39,7 +39,7 @@ const SECOND_ORDER: f64 = 0.01;
 /// them with friction made smooth, differ by less; with many joints the mere gain would show it.
 const MATERIAL: f64 = 0.05;
 /// Share of what the uncertain numbers take out that may be left of a robot with which nothing is the matter.
-const LEFT_OVER: f64 = 0.001;
+const LEFT_OVER: f64 = 0.005;
 
 /// Gain below which a cause on a place is no more than a matter of how one simulates.
 fn material(bench: &Bench<'_>, place: &Place) -> f64 {
