@@ -36,7 +36,7 @@ const FAULTS: usize = 12;
 const SCENES: usize = 12;
 /// Steps of the maker \[s\], the finer for free play and stops, and its tolerance.
 const STIFF_S: f64 = 1e-4;
-const FINE_S: f64 = 5e-5;
+const FINE_S: f64 = 2e-5;
 const TOLERANCE: f64 = 1e-6;
 
 /// Makes study `trial` of a run; `None` where no cause shows in logs of the scenario asked for.

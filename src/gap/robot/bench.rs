@@ -22,6 +22,10 @@ pub(super) struct Steps {
 /// In the air joints are the same to 0.01 mrad at all these steps; on the floor feet land a little differently.
 const CLAMPED: Steps = Steps { coarse: 2e-3, fine: 1e-3 };
 const ON_THE_FLOOR: Steps = Steps { coarse: 5e-4, fine: 2.5e-4 };
+/// A joint with free play hunts between its flanks many hundred times a second, which longer steps do not follow \[s\]; a
+/// look at what play would change does with the longer of the two.
+const PLAY: f64 = 5e-5;
+const PLAY_AT_A_GLANCE: f64 = 1e-4;
 /// Robots that are drawn to see how much a walk changes with numbers that are never quite right.
 const DRAWN: u64 = 24;
 /// Share of their variance that is taken as common shapes; the rest, and more, is taken as each sample's own.
@@ -115,10 +119,28 @@ impl<'a> Bench<'a> {
         Some(self.layout.predicted(self.case, &logs))
     }
 
-    /// Difference that changes make at the coarse step; 0 beyond `until_s`.
-    pub fn difference(&self, scatter: &Scatter, changes: &[Change], until_s: Option<f64>) -> Option<Vec<f64>> {
-        let there = self.simulate(scatter, changes, self.steps.coarse, until_s)?;
-        let pairs = there.iter().zip(&self.given_coarse);
+    /// Difference that changes make to the study's robot.
+    pub fn difference(&self, scatter: &Scatter, changes: &[Change]) -> Option<Vec<f64>> {
+        self.difference_at(scatter, changes, PLAY, None)
+    }
+
+    /// The same, roughly where there is free play; 0 beyond `until_s`.
+    pub fn glance(&self, changes: &[Change], until_s: Option<f64>) -> Option<Vec<f64>> {
+        self.difference_at(&Scatter::none(self.case.model()), changes, PLAY_AT_A_GLANCE, until_s)
+    }
+
+    /// At the coarse step against the coarse step, so that errors cancel; at that for play against the fine one.
+    fn difference_at(
+        &self,
+        scatter: &Scatter,
+        changes: &[Change],
+        play_s: f64,
+        until_s: Option<f64>,
+    ) -> Option<Vec<f64>> {
+        let (step_s, given) =
+            if has_play(changes) { (play_s, &self.given) } else { (self.steps.coarse, &self.given_coarse) };
+        let there = self.simulate(scatter, changes, step_s, until_s)?;
+        let pairs = there.iter().zip(given);
         Some(pairs.map(|(there, given)| if there.is_finite() { there - given } else { 0.0 }).collect())
     }
 
@@ -167,7 +189,7 @@ impl<'a> Bench<'a> {
                     Number::Viscous(joint) => scatter.friction[joint][1] += scatter::FRICTION,
                 }
             }
-            let Some(column) = self.difference(&scatter, &[], None) else { return Vec::new() };
+            let Some(column) = self.difference(&scatter, &[]) else { return Vec::new() };
             let groups = self.groups.iter().zip(&by_group).filter(|(_, numbers)| numbers.len() > k);
             groups.map(|(group, _)| self.restricted(column.clone(), group)).collect()
         };
@@ -178,7 +200,7 @@ impl<'a> Bench<'a> {
 
     /// On the floor: robots drawn at random. Where and when feet land changes with anything, and not in proportion.
     fn drawn(&self) -> (Vec<Vec<f64>>, Vec<f64>) {
-        let one = |number: u64| self.difference(&Scatter::drawn(self.case.model(), number), &[], None);
+        let one = |number: u64| self.difference(&Scatter::drawn(self.case.model(), number), &[]);
         let robots: Vec<Vec<f64>> = (0..DRAWN).into_par_iter().filter_map(one).collect();
         let count = robots.len().max(1) as f64;
         let mean_square = |k: usize| robots.iter().map(|robot: &Vec<f64>| robot[k].powi(2)).sum::<f64>() / count;
@@ -199,6 +221,16 @@ impl<'a> Bench<'a> {
         }
         column
     }
+}
+
+/// Whether a joint has free play.
+fn has_play(changes: &[Change]) -> bool {
+    changes.iter().any(|change| change.cause.is_play())
+}
+
+/// A step, or the one that free play needs \[s\].
+pub(super) fn followed_s(step_s: f64, changes: &[Change]) -> f64 {
+    if has_play(changes) { PLAY } else { step_s }
 }
 
 fn simulate_all(

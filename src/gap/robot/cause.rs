@@ -86,6 +86,11 @@ impl Cause {
         matches!(self, Cause::Coulomb | Cause::Viscous)
     }
 
+    /// Whether it is free play, in which a joint hunts: its simulation takes short steps and time.
+    pub(super) fn is_play(self) -> bool {
+        self == Cause::Effect(EffectId::Backlash)
+    }
+
     /// Where it acts.
     pub fn stage(self) -> RobotStage {
         use crate::joint::Stage;

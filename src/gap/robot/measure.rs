@@ -1,6 +1,6 @@
 //! How far the gap closes, over the samples that no fit saw.
 
-use super::bench::Bench;
+use super::bench::{Bench, followed_s};
 use super::decide::Decision;
 use super::diagnosis::{Displacement, JointGap, RobotGap};
 use super::forward::predict;
@@ -126,7 +126,9 @@ fn displacement(bench: &Bench<'_>, decision: &Decision<'_>) -> Vec<Displacement>
     let has_forward =
         |index: usize| bench.layout.rows.iter().any(|row| row.log == index && row.channel == Channel::Forward);
     let of = |(index, log): (usize, &super::case::CaseLog)| {
-        let after = predict(bench.case, log, &none, &changes, bench.steps.fine, f64::INFINITY).ok().flatten()?;
+        let after = predict(bench.case, log, &none, &changes, followed_s(bench.steps.fine, &changes), f64::INFINITY)
+            .ok()
+            .flatten()?;
         Some(Displacement {
             file: log.file.clone(),
             measured: log.forward?.distance_m,

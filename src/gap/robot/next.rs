@@ -1,7 +1,7 @@
 //! The motion that would tell apart what these logs cannot.
 
 use super::attribute::Attribution;
-use super::bench::Bench;
+use super::bench::{Bench, followed_s};
 use super::decide::Decision;
 use super::forward::predict;
 use super::refine::Hypothesis;
@@ -52,7 +52,9 @@ fn power(bench: &Bench<'_>, answer: &Hypothesis, rival: &Hypothesis, factor: f64
     for log in &bench.case.logs {
         let wide = log.widened(factor);
         let of = |h: &Hypothesis| {
-            predict(bench.case, &wide, &none, &h.changes(bench), bench.steps.coarse, f64::INFINITY).ok().flatten()
+            let changes = h.changes(bench);
+            let step_s = followed_s(bench.steps.coarse, &changes);
+            predict(bench.case, &wide, &none, &changes, step_s, f64::INFINITY).ok().flatten()
         };
         let (a, b) = (of(answer)?, of(rival)?);
         for joint in bench.layout.moving() {

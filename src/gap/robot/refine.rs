@@ -36,12 +36,14 @@ pub(super) struct Hypothesis {
 /// Trial points for one hypothesis.
 const CLAMPED: usize = 26;
 const ON_THE_FLOOR: usize = 16;
+/// The same with free play, of which every trial takes as long as dozens of others.
+const HUNTING: usize = 12;
 /// A step gains less than this: done.
 const DONE: f64 = 0.5;
 /// Change of a value for its slope, in units of its scale: on the floor only large changes rise above where feet happen
-/// to land.
-const NUDGE_CLAMPED: f64 = 0.03;
-const NUDGE_ON_THE_FLOOR: f64 = 0.15;
+/// to land, in free play above the joint's hunting.
+const NUDGE_SMOOTH: f64 = 0.03;
+const NUDGE_ROUGH: f64 = 0.15;
 /// Longest step in a value, in units of its scale.
 const LONGEST: f64 = 1.5;
 const HALVINGS: usize = 4;
@@ -114,12 +116,17 @@ pub(super) fn refine(bench: &Bench<'_>, parts: Vec<Part>) -> Option<Hypothesis> 
     let residual = |parts: &[Part]| -> Option<Weighed> {
         let changes: Vec<Change> =
             parts.iter().map(|part| change(bench, part.cause, &part.place, &part.values)).collect();
-        let difference = bench.difference(&none, &changes, None)?;
+        let difference = bench.difference(&none, &changes)?;
         let given = bench.residual();
         Some(bench.noise.weigh(given.iter().zip(&difference).map(|(given, change)| given - change).collect()))
     };
-    let (nudge, most) =
-        if bench.case.is_clamped() { (NUDGE_CLAMPED, CLAMPED) } else { (NUDGE_ON_THE_FLOOR, ON_THE_FLOOR) };
+    let hunts = parts.iter().any(|part| part.cause.is_play());
+    let nudge = if bench.case.is_clamped() && !hunts { NUDGE_SMOOTH } else { NUDGE_ROUGH };
+    let most = match (hunts, bench.case.is_clamped()) {
+        (true, _) => HUNTING,
+        (false, true) => CLAMPED,
+        (false, false) => ON_THE_FLOOR,
+    };
     let stepped = |parts: &[Part], (part, value): (usize, usize), by: f64| {
         let mut there = parts.to_vec();
         there[part].values[value] = moved(&parameters[part][value], there[part].values[value], by);

@@ -4,7 +4,6 @@
 use super::bench::Bench;
 use super::cause::{Cause, Change};
 use super::place::{Place, places};
-use super::scatter::Scatter;
 use super::start::{Grid, Start};
 use crate::joint::EffectId;
 use rayon::prelude::*;
@@ -37,28 +36,43 @@ const WINDOW_S: f64 = 4.6;
 const ALONE: usize = 4;
 const IN_PAIRS: usize = 3;
 const IN_SETS: usize = 6;
-/// Free play is slow to simulate: it is tried on the joints that have most left only.
+/// Free play is slow to simulate: it is tried on the joints that have most left only, and if that is so many variances.
 const PLAYS: usize = 3;
+const PLAY_LEAVES: f64 = 1.15;
 
 /// Columns of all causes that are considered.
 pub(super) fn columns(bench: &Bench<'_>, considered: &(dyn Fn(Cause) -> bool + Sync), residual: &[f64]) -> Vec<Column> {
-    let suspects = suspects(bench, residual);
+    let suspects = Suspects::of(bench, residual);
     if bench.case.is_clamped() { clamped(bench, considered, &suspects) } else { free(bench, considered, &suspects) }
 }
 
 /// Joints by what they have left beyond what noise and uncertain numbers leave, most first.
 pub(super) fn suspects(bench: &Bench<'_>, residual: &[f64]) -> Vec<usize> {
-    let adapted = bench.noise.adapted(residual);
-    let excess = |joint: usize| {
-        let rows = bench.layout.joints().filter(|(of, _)| *of == joint);
-        let samples = rows.flat_map(|(_, row)| row.range.clone()).filter(|k| bench.noise.weight[*k] > 0.0);
-        let (sum, count) =
-            samples.fold((0.0, 0.0), |(s, n), k| (s + bench.noise.weight[k] * adapted[k].powi(2), n + 1.0));
-        sum / f64::max(count, 1.0)
-    };
-    let mut joints: Vec<(f64, usize)> = bench.layout.moving().into_iter().map(|joint| (excess(joint), joint)).collect();
-    joints.sort_by(|a, b| b.0.total_cmp(&a.0));
-    joints.into_iter().map(|(_, joint)| joint).collect()
+    Suspects::of(bench, residual).joints
+}
+
+struct Suspects {
+    joints: Vec<usize>,
+    /// Those of the first that have so much left that free play is worth a try.
+    play: Vec<usize>,
+}
+
+impl Suspects {
+    fn of(bench: &Bench<'_>, residual: &[f64]) -> Self {
+        let adapted = bench.noise.adapted(residual);
+        let variances = |joint: usize| {
+            let rows = bench.layout.joints().filter(|(of, _)| *of == joint);
+            let samples = rows.flat_map(|(_, row)| row.range.clone()).filter(|k| bench.noise.weight[*k] > 0.0);
+            let (sum, count) =
+                samples.fold((0.0, 0.0), |(s, n), k| (s + bench.noise.weight[k] * adapted[k].powi(2), n + 1.0));
+            sum / f64::max(count, 1.0)
+        };
+        let mut joints: Vec<(f64, usize)> =
+            bench.layout.moving().into_iter().map(|joint| (variances(joint), joint)).collect();
+        joints.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let play = joints.iter().take(PLAYS).filter(|(left, _)| *left > PLAY_LEAVES).map(|(_, joint)| *joint).collect();
+        Self { joints: joints.into_iter().map(|(_, joint)| joint).collect(), play }
+    }
 }
 
 fn joint_causes(considered: &dyn Fn(Cause) -> bool) -> Vec<Cause> {
@@ -80,15 +94,14 @@ pub(super) fn change(bench: &Bench<'_>, cause: Cause, place: &Place, values: &[f
 }
 
 /// Legs of a clamped robot do not feel each other: the same number of start is tried on all of them at once.
-fn clamped(bench: &Bench<'_>, considered: &dyn Fn(Cause) -> bool, suspects: &[usize]) -> Vec<Column> {
+fn clamped(bench: &Bench<'_>, considered: &dyn Fn(Cause) -> bool, suspects: &Suspects) -> Vec<Column> {
     type Try = (Cause, usize, usize, Start);
     let mut by_group: Vec<Vec<Try>> = Vec::new();
     for group in &bench.groups {
         let mut tries = Vec::new();
         for cause in joint_causes(considered) {
             for joint in group {
-                let is_play = cause == Cause::Effect(EffectId::Backlash);
-                if is_play && !suspects.iter().take(PLAYS).any(|suspect| suspect == joint) {
+                if cause.is_play() && !suspects.play.contains(joint) {
                     continue;
                 }
                 let starts = starts(bench, cause, *joint, Grid::Fine).into_iter().enumerate();
@@ -104,8 +117,6 @@ fn clamped(bench: &Bench<'_>, considered: &dyn Fn(Cause) -> bool, suspects: &[us
         start,
         change,
     };
-    let none = Scatter::none(bench.case.model());
-    let window = window_s(bench);
     let all_at_once = |k: usize| -> Vec<Column> {
         let tries: Vec<(&Vec<usize>, &Try)> =
             bench.groups.iter().zip(&by_group).filter_map(|(group, tries)| Some((group, tries.get(k)?))).collect();
@@ -113,17 +124,14 @@ fn clamped(bench: &Bench<'_>, considered: &dyn Fn(Cause) -> bool, suspects: &[us
             .iter()
             .map(|(_, (cause, joint, _, start))| change(bench, *cause, &Place::joint(*joint), &start.values))
             .collect();
-        let until = |changes: &[Change]| {
-            changes.iter().any(|change| change.cause == Cause::Effect(EffectId::Backlash)).then_some(window)
-        };
-        if let Some(all) = bench.difference(&none, &changes, until(&changes)) {
+        if let Some(all) = bench.glance(&changes, None) {
             let of = |(group, of): &(&Vec<usize>, &Try)| column((*of).clone(), bench.restricted(all.clone(), group));
             return tries.iter().map(of).collect();
         }
         // One of them runs away: each on its own.
         let alone = |((group, of), change): (&(&Vec<usize>, &Try), &Change)| {
             let changes = std::slice::from_ref(change);
-            let difference = bench.difference(&none, changes, until(changes))?;
+            let difference = bench.glance(changes, None)?;
             Some(column((*of).clone(), bench.restricted(difference, group)))
         };
         tries.iter().zip(&changes).filter_map(alone).collect()
@@ -133,9 +141,9 @@ fn clamped(bench: &Bench<'_>, considered: &dyn Fn(Cause) -> bool, suspects: &[us
 }
 
 /// With the trunk free every try is a walk: on the joints that have most left, on sets of them, and on the whole robot.
-fn free(bench: &Bench<'_>, considered: &dyn Fn(Cause) -> bool, suspects: &[usize]) -> Vec<Column> {
+fn free(bench: &Bench<'_>, considered: &dyn Fn(Cause) -> bool, suspects: &Suspects) -> Vec<Column> {
     let among = |place: &Place, first: usize| {
-        place.joints.iter().filter(|joint| suspects.iter().take(first).any(|suspect| suspect == *joint)).count()
+        place.joints.iter().filter(|joint| suspects.joints.iter().take(first).any(|suspect| suspect == *joint)).count()
     };
     let named: Vec<(usize, &str)> =
         bench.layout.moving().into_iter().map(|joint| (joint, bench.case.names[joint].as_str())).collect();
@@ -147,7 +155,8 @@ fn free(bench: &Bench<'_>, considered: &dyn Fn(Cause) -> bool, suspects: &[usize
     let mut tries: Vec<(Cause, Place, usize, Start)> = Vec::new();
     for place in places(&named).into_iter().filter(is_near) {
         for cause in joint_causes(considered) {
-            if place.joints.len() > 4 && is_of_one_joint(cause) {
+            let plays = place.joints.iter().any(|joint| suspects.play.contains(joint));
+            if place.joints.len() > 4 && is_of_one_joint(cause) || cause.is_play() && !plays {
                 continue;
             }
             // Of the set the joint that is asked for most.
@@ -161,11 +170,10 @@ fn free(bench: &Bench<'_>, considered: &dyn Fn(Cause) -> bool, suspects: &[usize
         let starts = starts(bench, cause, 0, Grid::Coarse).into_iter().enumerate();
         tries.extend(starts.map(|(number, start)| (cause, Place::robot(), number, start)));
     }
-    let none = Scatter::none(bench.case.model());
     let window = window_s(bench);
     let one = |(cause, place, number, start): (Cause, Place, usize, Start)| {
         let changes = [change(bench, cause, &place, &start.values)];
-        let change = bench.difference(&none, &changes, Some(window))?;
+        let change = bench.glance(&changes, (!grows(cause)).then_some(window))?;
         Some(Column { cause, place, number, start, change })
     };
     tries.into_par_iter().filter_map(one).collect()
@@ -175,6 +183,11 @@ fn free(bench: &Bench<'_>, considered: &dyn Fn(Cause) -> bool, suspects: &[usize
 fn is_of_one_joint(cause: Cause) -> bool {
     use EffectId::{Backlash, EndStop, PositionFriction};
     [Backlash, EndStop, PositionFriction].into_iter().any(|effect| cause == Cause::Effect(effect))
+}
+
+/// Whether it shows late, if at all.
+fn grows(cause: Cause) -> bool {
+    cause == Cause::Effect(EffectId::FrictionDrift)
 }
 
 /// Until when the screening simulates \[s\].
@@ -196,9 +209,14 @@ pub(super) fn rank(bench: &Bench<'_>, columns: &[Column], residual: &[f64]) -> V
         }
         bench.noise.only(|k| seen[k])
     });
-    let noise = windowed.as_ref().unwrap_or(&bench.noise);
-    let residual = noise.weigh(residual.to_vec());
+    let whole = bench.noise.weigh(residual.to_vec());
+    let early = windowed.as_ref().map(|noise| (noise, noise.weigh(residual.to_vec())));
     let judge = |members: &[&Column], place: &Place| {
+        let in_full = (&bench.noise, &whole);
+        let (noise, residual) = match &early {
+            Some((noise, residual)) if !grows(members.first()?.cause) => (*noise, residual),
+            _ => in_full,
+        };
         let mut change = members.first()?.change.clone();
         for member in &members[1..] {
             for (sum, other) in change.iter_mut().zip(&member.change) {
@@ -206,7 +224,7 @@ pub(super) fn rank(bench: &Bench<'_>, columns: &[Column], residual: &[f64]) -> V
             }
         }
         let change = noise.weigh(change);
-        let (along, size) = (noise.dot(&residual, &change), noise.dot(&change, &change));
+        let (along, size) = (noise.dot(residual, &change), noise.dot(&change, &change));
         if !(size > 1e-9) {
             return None;
         }

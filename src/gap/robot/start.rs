@@ -45,6 +45,22 @@ pub(super) enum Grid {
     Coarse,
 }
 
+/// How far beyond what the logs show a joint's travel may go \[rad\], and how many times the torque that its motor is
+/// asked for friction may have: a walk uses little of either.
+const BEYOND_RAD: f64 = 0.6;
+const BEYOND_TORQUE: f64 = 3.0;
+/// How far the zero of an angle may be off \[rad\].
+const ZERO_RAD: f64 = 0.4;
+
+fn beyond(reach: &Reach) -> Reach {
+    let [low, high] = reach.angle_rad;
+    Reach {
+        angle_rad: [low - BEYOND_RAD, high + BEYOND_RAD],
+        torque_nm: BEYOND_TORQUE * reach.torque_nm,
+        ..reach.clone()
+    }
+}
+
 const EITHER_WAY: [f64; 2] = [-20.0, 20.0];
 const GROWN: [f64; 2] = [0.0, 20.0];
 
@@ -60,26 +76,35 @@ impl Cause {
         use EffectId as E;
         let is_coarse = grid == Grid::Coarse;
         let size = |values: &[f64], amplitude| Start::at_size(values, 0.0, amplitude);
+        // On the floor what is tried has to rise above where feet happen to land.
+        let of = |in_the_air: f64, on_the_floor: f64| if is_coarse { on_the_floor } else { in_the_air };
         let [low, high] = reach.angle_rad;
         let span = (high - low).max(1e-3);
         let (speed, most) = (reach.speed_rad_s, reach.driven.map_or(reach.torque_nm, |driven| driven.command_nm));
         let period_s = reach.driven.map_or(0.008, |driven| driven.period_s);
         match self {
-            Cause::Effect(E::Stribeck) => [0.05, 0.4].map(|speed| size(&[0.01, speed], GROWN)).to_vec(),
+            Cause::Effect(E::Stribeck) => [0.05, 0.4].map(|speed| size(&[of(0.01, 0.02), speed], GROWN)).to_vec(),
             Cause::Effect(E::LoadFriction) => vec![size(&[0.2], GROWN)],
-            Cause::Effect(E::GearFriction) => vec![size(&[0.1], [0.0, 5.0])],
-            Cause::Effect(E::QuadraticDrag) => vec![size(&[0.003], GROWN)],
-            Cause::Effect(E::AsymmetricFriction) => vec![size(&[0.3 * coulomb.max(1e-3)], EITHER_WAY)],
+            Cause::Effect(E::GearFriction) => vec![size(&[0.1], [0.0, 5.0]), Start::fixed(&[0.7])],
+            Cause::Effect(E::QuadraticDrag) => vec![size(&[of(0.003, 0.02)], GROWN)],
+            Cause::Effect(E::AsymmetricFriction) => vec![size(&[of(0.3 * coulomb.max(1e-3), 0.004)], EITHER_WAY)],
             Cause::Effect(E::PositionFriction) => {
                 let quarters: &[f64] = if is_coarse { &[0.0, 2.0] } else { &[0.0, 1.0, 2.0, -1.0] };
                 quarters.iter().map(|quarters| size(&[0.5, quarters * FRAC_PI_2], [0.0, 2.0])).collect()
             }
-            Cause::Effect(E::FrictionDrift) => vec![size(&[0.02], [-4.0, 50.0])],
+            Cause::Effect(E::FrictionDrift) => {
+                let rate = of(0.02, 0.15);
+                vec![size(&[rate], [-0.08 / rate, 1.0 / rate])]
+            }
             Cause::Effect(E::Backlash) => {
-                let plays: &[f64] = if is_coarse { &[0.012] } else { &[0.004, 0.012, 0.035] };
+                let plays: &[f64] = if is_coarse { &[0.015, 0.05] } else { &[0.007, 0.015, 0.03, 0.06, 0.1] };
                 plays.iter().map(|play| Start::fixed(&[*play, 0.25])).collect()
             }
-            Cause::Effect(E::JointSpring) => [low - 0.1, high + 0.1].map(|rest| size(&[0.05, rest], GROWN)).to_vec(),
+            Cause::Effect(E::JointSpring) => {
+                let away: &[f64] = if is_coarse { &[0.1] } else { &[0.1, 0.35] };
+                let rests = away.iter().flat_map(|away| [low - away, high + away]);
+                rests.chain([0.5 * (low + high)]).map(|rest| size(&[0.05, rest], GROWN)).collect()
+            }
             Cause::Effect(E::EndStop) => {
                 let shares: &[f64] = if is_coarse { &[0.04, 0.2] } else { &[0.01, 0.04, 0.1, 0.2, 0.35] };
                 let stiffness = 30.0 * most / span;
@@ -87,7 +112,8 @@ impl Cause {
                 let places = shares.iter().flat_map(|share| [(high - share * span, 1.0), (low + share * span, -1.0)]);
                 places.map(|(angle, side)| Start::fixed(&[angle, side, stiffness, damping])).collect()
             }
-            Cause::Effect(E::AngleOffset | E::SensorGain) => vec![size(&[0.02], [-8.0, 8.0])],
+            Cause::Effect(E::AngleOffset) => vec![size(&[of(0.02, 0.06)], [-8.0, 8.0])],
+            Cause::Effect(E::SensorGain) => vec![size(&[0.02], [-8.0, 8.0])],
             Cause::Effect(E::Delay) => [0.006, 0.02, 0.06].map(|late| size(&[late], [0.3, 2.0])).to_vec(),
             Cause::Effect(E::SetpointHold) => {
                 let periods: &[f64] = if is_coarse {
@@ -119,8 +145,14 @@ impl Cause {
                 let far = [0.45, 0.2].map(|gain| Start::fixed(&[gain]));
                 std::iter::once(Start::at_size(&[0.8], 1.0, [-10.0, 4.5])).chain(far).collect()
             }
-            Cause::Coulomb => vec![Start::at_size(&[coulomb + 0.003], coulomb, [-coulomb / 0.003, 100.0])],
-            Cause::Viscous => vec![Start::at_size(&[viscous + 0.004], viscous, [-viscous / 0.004, 100.0])],
+            Cause::Coulomb => {
+                let more = of(0.003, 0.005);
+                vec![Start::at_size(&[coulomb + more], coulomb, [-coulomb / more, 60.0])]
+            }
+            Cause::Viscous => {
+                let more = of(0.004, 0.01);
+                vec![Start::at_size(&[viscous + more], viscous, [-viscous / more, 60.0])]
+            }
             Cause::Payload => [[0.0, 0.0], [0.0, -0.07], [0.0, 0.07], [0.04, 0.0], [-0.04, 0.0]]
                 .map(|[right, rear]| size(&[0.15, right, rear], [0.1, 5.0]))
                 .to_vec(),
@@ -146,6 +178,22 @@ impl Cause {
         let logarithm =
             |name, unit, [lower, upper]: [f64; 2]| EffectParameter { name, unit, lower, upper, scan: Scan::Logarithm };
         match self {
+            Cause::Effect(effect @ (EffectId::JointSpring | EffectId::AsymmetricFriction | EffectId::Stribeck)) => {
+                effect.parameters(&beyond(reach))
+            }
+            Cause::Effect(EffectId::SpeedLimit) => {
+                let most_nm = reach.driven.map_or(reach.torque_nm, |driven| driven.command_nm);
+                vec![
+                    logarithm("w_max", "rad/s", [0.15 * reach.speed_rad_s, 5.0 * reach.speed_rad_s]),
+                    logarithm("tau_stall", "N m", [0.02 * most_nm, 20.0 * most_nm]),
+                ]
+            }
+            Cause::Effect(EffectId::FrictionDrift) => {
+                let unit = 1.0 / reach.duration_s;
+                vec![linear("r", "1/s", [-0.98 * unit, 20.0 * unit], unit)]
+            }
+            // An encoder's zero is off by a tooth of a gear, not by half a turn.
+            Cause::Effect(EffectId::AngleOffset) => vec![linear("d", "rad", [-ZERO_RAD, ZERO_RAD], 0.1)],
             Cause::Effect(effect) => effect.parameters(reach),
             Cause::Coulomb => vec![linear("mu_c", "N m", [0.0, 0.5], 0.005)],
             Cause::Viscous => vec![linear("mu_v", "N m s/rad", [0.0, 1.0], 0.01)],
