@@ -134,23 +134,23 @@ fn an_answer_has_every_key_of_the_contract_and_its_report_is_the_same_on_any_num
 #[test]
 fn what_is_withheld_is_not_the_answer_and_only_keeps_to_its_list() {
     let dir = tempfile::tempdir().unwrap();
-    write_made(dir.path(), 5, Cause::One(EffectId::MotorGain));
+    write_made(dir.path(), 5, Cause::One(EffectId::JointSpring));
     let found = diagnosed(dir.path(), &[]);
     assert_eq!(
         (&found["verdict"], &found["effect"]),
-        (&"effect".into(), &"motor_gain".into()),
+        (&"effect".into(), &"joint_spring".into()),
         "{}",
         found["sentence"]
     );
-    let found = diagnosed(dir.path(), &["--without", "motor_gain"]);
-    assert_ne!(found["effect"], "motor_gain");
-    assert_eq!(found["withheld"], serde_json::json!(["motor_gain"]));
-    assert!(found["ranking"].as_array().unwrap().iter().all(|c| c["effect"] != "motor_gain"));
-    let found = diagnosed(dir.path(), &["--only", "delay, motor_gain"]);
+    let found = diagnosed(dir.path(), &["--without", "joint_spring"]);
+    assert_ne!(found["effect"], "joint_spring");
+    assert_eq!(found["withheld"], serde_json::json!(["joint_spring"]));
+    assert!(found["ranking"].as_array().unwrap().iter().all(|c| c["effect"] != "joint_spring"));
+    let found = diagnosed(dir.path(), &["--only", "delay, joint_spring"]);
     let ranked: Vec<&str> = found["ranking"].as_array().unwrap().iter().filter_map(|c| c["effect"].as_str()).collect();
-    assert!(ranked.iter().all(|effect| ["delay", "motor_gain"].contains(effect)), "{ranked:?}");
+    assert!(ranked.iter().all(|effect| ["delay", "joint_spring"].contains(effect)), "{ranked:?}");
     assert_eq!(found["withheld"].as_array().unwrap().len(), EffectId::ALL.len() - 2);
-    assert_eq!(found["only"], serde_json::json!(["delay", "motor_gain"]));
+    assert_eq!(found["only"], serde_json::json!(["delay", "joint_spring"]));
 }
 
 #[test]

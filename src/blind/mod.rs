@@ -23,6 +23,7 @@ mod score;
 mod seal;
 mod sim;
 mod size;
+mod trial;
 mod truth;
 mod write;
 
@@ -31,6 +32,7 @@ pub use cause::{Cause, CauseFilter, OutsideId, UnknownCause};
 pub use joint::Family;
 pub use make::{Made, make, make_filtered, make_with};
 pub use record::{RunRecord, TrialRecord};
-pub use score::{Bin, ByCause, BySize, Coverage, Judgement, Rate, Score, Stated, Table, Trial, WallTime, score};
+pub use score::{Bin, ByCause, BySize, Coverage, Judgement, Rate, Score, Stated, Table, WallTime, score};
 pub use seal::{Sealed, TRUTHS_FILE};
+pub use trial::Trial;
 pub use truth::{FourNumbers, Nearest, TrueMechanism, TrueNumber, Truth};

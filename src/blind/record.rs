@@ -1,28 +1,26 @@
-//! A run as JSON: the score, and every trial.
+//! A run as JSON, of joints or of robots: the score, and every trial.
 
-use super::answer::Answered;
-use super::score::{Judgement, Score, Trial};
-use super::truth::Truth;
+use super::trial::Trial;
 use serde::Serialize;
 
-/// A trial as it is written down.
+/// A trial as it is written down: what is true (`T`), what was answered (`A`), what is right about it (`J`).
 #[derive(Clone, Debug, Serialize)]
-pub struct TrialRecord<'a> {
+pub struct TrialRecord<'a, T, A, J> {
     /// What is true.
-    pub truth: &'a Truth,
+    pub truth: &'a T,
     /// What was answered; `None` where the diagnosis failed.
-    pub answer: Option<&'a Answered>,
+    pub answer: Option<&'a A>,
     /// Why it failed.
     pub failure: Option<&'a str>,
     /// What is right about it.
-    pub judgement: Judgement,
+    pub judgement: J,
     /// How long the diagnosis took \[s\].
     pub wall_s: f64,
 }
 
-/// A run as it is written down.
+/// A run as it is written down, with a score `S` and trials `R`.
 #[derive(Clone, Debug, Serialize)]
-pub struct RunRecord<'a> {
+pub struct RunRecord<'a, S, R> {
     /// Always 1.
     pub schema: u32,
     /// Version of the program.
@@ -36,19 +34,19 @@ pub struct RunRecord<'a> {
     /// The answers as they were opened have that hash.
     pub seal_holds: bool,
     /// The score.
-    pub score: &'a Score,
+    pub score: &'a S,
     /// The trials in their order.
-    pub trials: Vec<TrialRecord<'a>>,
+    pub trials: Vec<R>,
 }
 
-impl<'a> TrialRecord<'a> {
-    /// Of a trial.
-    pub fn of(trial: &'a Trial) -> Self {
+impl<'a, T, A, J> TrialRecord<'a, T, A, J> {
+    /// Of a trial that was judged so.
+    pub fn of(trial: &'a Trial<T, A>, judgement: J) -> Self {
         Self {
             truth: &trial.truth,
             answer: trial.answer.as_ref().ok(),
             failure: trial.answer.as_ref().err().map(String::as_str),
-            judgement: Judgement::of(trial),
+            judgement,
             wall_s: trial.wall_s,
         }
     }

@@ -1,5 +1,6 @@
 //! `aibo-fit blind`: sealed trials of the diagnosis.
 
+mod open;
 mod robot;
 
 use super::CliError;
@@ -7,14 +8,14 @@ use super::common::{CommonArgs, json_text, print};
 use super::progress::Progress;
 use super::provenance::provenance;
 use crate::blind::{
-    Answered, CauseFilter, Judgement, Made, RunRecord, Sealed, TRUTHS_FILE, Trial, TrialRecord, Truth, UnknownCause,
-    make_filtered, score,
+    Answered, CauseFilter, Judgement, Made, Sealed, TRUTHS_FILE, Trial, Truth, UnknownCause, make_filtered, score,
 };
-use crate::gap::{Diagnosis, GapOptions, Rates, Verdict, diagnose};
+use crate::gap::{Diagnosis, GapOptions, Verdict, diagnose};
 use crate::identify::Case;
 use crate::log::{LogError, Outputs};
-use crate::report::{BlindReport, GapReport, blind_figures, blind_html, blind_text, gap_json};
+use crate::report::{GapReport, blind_figures, blind_html, blind_text, gap_json};
 use clap::Args;
+use open::{Drawn, Run};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -73,13 +74,19 @@ pub(super) fn run(args: &BlindArgs) -> Result<u8, CliError> {
         let Made { study, truth } = make_filtered(seed, trial, filter);
         Ok((study, truth))
     };
-    run_with(args, "blind", &make, |seed, folder, truths, sealed, progress| {
-        let trials = diagnose_all(args, truths, folder, progress)?;
+    run_with(args, "blind", &make, |run, truths, progress| {
+        let trials = diagnose_all(args, truths, run.folder, progress)?;
         progress.say("opening and scoring");
-        let report = open(seed, folder, trials)?;
-        let page = write(args, folder, &report, sealed)?;
+        let report = run.open(trials, score)?;
+        let drawn = Drawn { figures: blind_figures(&report)?, page: blind_html(&report)? };
+        let page = run.write(&report, drawn, Judgement::of, counted)?;
         Ok((blind_text(&report), page))
     })
+}
+
+/// Wrong numbers are rightly called so, whichever of them is named first.
+fn counted<'a>(answer: &'a Answered, judgement: &Judgement) -> (&'a str, bool) {
+    (&answer.standing, if answer.verdict == Verdict::Effect { judgement.set } else { judgement.verdict })
 }
 
 /// Names and contents of a study's files, and what is true of it.
@@ -90,7 +97,7 @@ fn run_with<T: Serialize + Send>(
     args: &BlindArgs,
     name: &str,
     make: &(dyn Fn(u64, u64) -> Result<Study<T>, CliError> + Sync),
-    rest: impl FnOnce(u64, &Path, &[T], &Sealed, &Progress) -> Result<(String, PathBuf), CliError>,
+    rest: impl FnOnce(&Run<'_>, &[T], &Progress) -> Result<(String, PathBuf), CliError>,
 ) -> Result<u8, CliError> {
     let progress = Progress::new(args.common.quiet);
     let seed = args.seed.unwrap_or_else(rand::random);
@@ -113,7 +120,8 @@ fn run_with<T: Serialize + Send>(
     seal.add(folder.join(SEAL_FILE), sealed.line());
     seal.write()?;
     progress.pause(|| say(args, &format!("{} answers sealed: SHA-256 {}\n", truths.len(), sealed.sha256)));
-    let (text, page) = rest(seed, &folder, &truths, &sealed, &progress)?;
+    let run = Run { args, seed, folder: &folder, sealed: &sealed };
+    let (text, page) = rest(&run, &truths, &progress)?;
     drop(progress);
     say(args, &format!("\n{text}\nreport: {}\n", page.display()));
     Ok(0)
@@ -237,62 +245,6 @@ fn forget_earlier(folder: &Path) -> Result<(), CliError> {
             }
             _ => {}
         }
-    }
-    Ok(())
-}
-
-/// Opens the answers, compares them with the seal that was stored before the first diagnosis, and scores.
-fn open(seed: u64, folder: &Path, trials: Vec<Trial>) -> Result<BlindReport, CliError> {
-    let truths: Vec<Truth> = trials.iter().map(|trial| trial.truth.clone()).collect();
-    let (sha256, seal_holds) = opened(folder, &truths)?;
-    let score = score(&trials);
-    let provenance = provenance([])?;
-    Ok(BlindReport { seed, sha256, seal_holds, score, trials, provenance })
-}
-
-/// The hash of the answers as they are now, and whether it is the one that was stored.
-fn opened(folder: &Path, truths: &[impl Serialize]) -> Result<(String, bool), CliError> {
-    let opened = Sealed::new(truths).map_err(encode)?;
-    let file = folder.join(SEAL_FILE);
-    let stored = std::fs::read_to_string(&file).map_err(|source| LogError::Read { file, source })?;
-    let holds = stored == opened.line();
-    Ok((opened.sha256, holds))
-}
-
-fn write(args: &BlindArgs, folder: &Path, report: &BlindReport, sealed: &Sealed) -> Result<PathBuf, CliError> {
-    let record = RunRecord {
-        schema: 1,
-        version: &report.provenance.version,
-        command: &report.provenance.command,
-        seed: report.seed,
-        sha256: &report.sha256,
-        seal_holds: report.seal_holds,
-        score: &report.score,
-        trials: report.trials.iter().map(TrialRecord::of).collect(),
-    };
-    let mut outputs = Outputs::default();
-    outputs.add(folder.join(TRUTHS_FILE), sealed.text.as_str());
-    for figure in blind_figures(report)? {
-        outputs.add(folder.join(figure.file_name), figure.svg);
-    }
-    outputs.add(folder.join("score.json"), json_text(&record)?);
-    let page = folder.join("report.html");
-    outputs.add(&page, blind_html(report)?);
-    args.common.add_json(&mut outputs, &record)?;
-    if args.rates.is_some() {
-        let answered = report.trials.iter().filter_map(|t| Some((t.answer.as_ref().ok()?, Judgement::of(t))));
-        // Wrong numbers are rightly called so, whichever of them is named first.
-        let right = |a: &Answered, j: Judgement| if a.verdict == Verdict::Effect { j.set } else { j.verdict };
-        let counted = answered.map(|(a, j)| (a.standing.as_str(), right(a, j)));
-        add_rates(args, &mut outputs, Rates::count(report.provenance.command.clone(), counted))?;
-    }
-    outputs.write()?;
-    Ok(page)
-}
-
-fn add_rates(args: &BlindArgs, outputs: &mut Outputs, rates: Rates) -> Result<(), CliError> {
-    if let Some(path) = &args.rates {
-        outputs.add(path, toml::to_string(&rates).map_err(|error| CliError::Encode(error.to_string()))?);
     }
     Ok(())
 }

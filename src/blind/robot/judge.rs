@@ -2,20 +2,13 @@
 
 use super::answer::RobotAnswered;
 use super::truth::RobotTruth;
+use crate::blind::Trial;
 use crate::gap::Verdict;
 use crate::gap::robot::Cause;
 use serde::Serialize;
 
-/// A trial after it was opened.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RobotTrial {
-    /// What is true.
-    pub truth: RobotTruth,
-    /// What was answered, or why there was no answer.
-    pub answer: Result<RobotAnswered, String>,
-    /// How long the diagnosis took \[s\].
-    pub wall_s: f64,
-}
+/// A robot's trial after it was opened.
+pub type RobotTrial = Trial<RobotTruth, RobotAnswered>;
 
 /// What is right about an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

@@ -10,7 +10,6 @@ mod fault;
 mod judge;
 mod make;
 mod outside;
-mod record;
 mod scene;
 mod score;
 #[cfg(test)]
@@ -22,6 +21,5 @@ pub use answer::{RobotAnswered, RobotRanked, StatedCause};
 pub use cause::{RobotFilter, RobotOutside, RobotTrueCause, UnknownRobotCause};
 pub use judge::{RobotJudgement, RobotTrial};
 pub use make::{RobotMade, RobotOrder, make_robot};
-pub use record::{RobotRunRecord, RobotTrialRecord};
 pub use score::{RobotBySize, RobotGroup, RobotScore, score_robots};
 pub use truth::{RobotTruth, TrueFault};

@@ -17,21 +17,10 @@ pub use judge::Judgement;
 pub use rate::Rate;
 pub use stated::{Bin, Stated};
 
-use super::answer::Answered;
+use super::trial::Trial;
 use super::truth::Truth;
 use crate::gap::Verdict;
 use serde::Serialize;
-
-/// A trial after it was opened.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Trial {
-    /// What is true.
-    pub truth: Truth,
-    /// What was answered, or why there was no answer.
-    pub answer: Result<Answered, String>,
-    /// How long the diagnosis took \[s\].
-    pub wall_s: f64,
-}
 
 /// How long diagnoses took \[s\].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::blind::OutsideId;
-use crate::blind::answer::{GapNumbers, StatedEffect, StatedNumber};
+use crate::blind::answer::{Answered, GapNumbers, StatedEffect, StatedNumber};
 use crate::blind::joint::Family;
 use crate::blind::truth::{FourNumbers, TrueMechanism, TrueNumber};
 use crate::joint::{EffectId, Stage};

@@ -21,7 +21,7 @@ use reliability::reliability;
 
 /// Sealed trials, opened and scored.
 #[derive(Clone, Debug)]
-pub struct BlindReport {
+pub struct BlindReport<S = Score, R = Trial> {
     /// Seed of all that was drawn.
     pub seed: u64,
     /// SHA-256 of the answers, stated before the first diagnosis.
@@ -29,9 +29,9 @@ pub struct BlindReport {
     /// The answers as they were opened have that hash.
     pub seal_holds: bool,
     /// The score.
-    pub score: Score,
+    pub score: S,
     /// The trials.
-    pub trials: Vec<Trial>,
+    pub trials: Vec<R>,
     /// Where it comes from.
     pub provenance: Provenance,
 }

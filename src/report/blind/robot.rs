@@ -3,33 +3,20 @@
 use comfy_table::Cell;
 use minijinja::{Value, context};
 
+use super::BlindReport;
 use super::confusion::confusion;
 use super::reliability::reliability;
 use super::rows::{Row, counts, interval, percent, share, stated};
 use super::text::{cause_table, confusion_table, rate_table, stated_table};
 use crate::blind::Rate;
 use crate::blind::robot::{RobotAnswered, RobotBySize, RobotJudgement, RobotScore, RobotTrial, StatedCause};
+use crate::report::ReportError;
 use crate::report::html::{figure_views, render};
 use crate::report::plot::Figure;
 use crate::report::text::{finish, number, table, wrap};
-use crate::report::{Provenance, ReportError};
 
 /// Sealed trials of a robot, opened and scored.
-#[derive(Clone, Debug)]
-pub struct RobotBlindReport {
-    /// Seed of all that was drawn.
-    pub seed: u64,
-    /// SHA-256 of the answers, stated before the first diagnosis.
-    pub sha256: String,
-    /// The answers as they were opened have that hash.
-    pub seal_holds: bool,
-    /// The score.
-    pub score: RobotScore,
-    /// The trials.
-    pub trials: Vec<RobotTrial>,
-    /// Where it comes from.
-    pub provenance: Provenance,
-}
+pub type RobotBlindReport = BlindReport<RobotScore, RobotTrial>;
 
 /// Columns of the text.
 const WIDTH: usize = 108;
@@ -261,6 +248,7 @@ mod tests {
     use crate::blind::robot::{RobotTruth, TrueFault, score_robots};
     use crate::gap::Verdict;
     use crate::gap::robot::Cause;
+    use crate::report::Provenance;
 
     fn report() -> RobotBlindReport {
         let truth = |verdict, causes: Vec<Cause>| RobotTruth {

@@ -1,0 +1,78 @@
+//! The end of a run, of joints or of robots: the answers are opened, scored and written down.
+
+use super::{BlindArgs, SEAL_FILE, encode};
+use crate::blind::{RunRecord, Sealed, TRUTHS_FILE, Trial, TrialRecord};
+use crate::cli::CliError;
+use crate::cli::common::json_text;
+use crate::cli::provenance::provenance;
+use crate::gap::Rates;
+use crate::log::{LogError, Outputs};
+use crate::report::{BlindReport, Figure};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// A run whose answers are sealed.
+pub(super) struct Run<'a> {
+    pub args: &'a BlindArgs,
+    pub seed: u64,
+    pub folder: &'a Path,
+    pub sealed: &'a Sealed,
+}
+
+/// The report as it is looked at.
+pub(super) struct Drawn {
+    pub figures: Vec<Figure>,
+    pub page: String,
+}
+
+impl Run<'_> {
+    /// Opens the answers, compares them with the seal that was stored before the first diagnosis, and scores.
+    pub(super) fn open<T: Clone + Serialize, A, S>(
+        &self,
+        trials: Vec<Trial<T, A>>,
+        score: fn(&[Trial<T, A>]) -> S,
+    ) -> Result<BlindReport<S, Trial<T, A>>, CliError> {
+        let truths: Vec<T> = trials.iter().map(|trial| trial.truth.clone()).collect();
+        let opened = Sealed::new(&truths).map_err(encode)?;
+        let file = self.folder.join(SEAL_FILE);
+        let stored = std::fs::read_to_string(&file).map_err(|source| LogError::Read { file, source })?;
+        let (seal_holds, score, provenance) = (stored == opened.line(), score(&trials), provenance([])?);
+        Ok(BlindReport { seed: self.seed, sha256: opened.sha256, seal_holds, score, trials, provenance })
+    }
+
+    /// Writes everything; each answer is judged, and counts for the rates as its standing and whether it was right.
+    pub(super) fn write<T: Serialize, A: Serialize, S: Serialize, J: Serialize>(
+        &self,
+        report: &BlindReport<S, Trial<T, A>>,
+        drawn: Drawn,
+        judge: fn(&Trial<T, A>) -> J,
+        counted: for<'a> fn(&'a A, &J) -> (&'a str, bool),
+    ) -> Result<PathBuf, CliError> {
+        let record = RunRecord {
+            schema: 1,
+            version: &report.provenance.version,
+            command: &report.provenance.command,
+            seed: report.seed,
+            sha256: &report.sha256,
+            seal_holds: report.seal_holds,
+            score: &report.score,
+            trials: report.trials.iter().map(|trial| TrialRecord::of(trial, judge(trial))).collect(),
+        };
+        let mut outputs = Outputs::default();
+        outputs.add(self.folder.join(TRUTHS_FILE), self.sealed.text.as_str());
+        for figure in drawn.figures {
+            outputs.add(self.folder.join(figure.file_name), figure.svg);
+        }
+        outputs.add(self.folder.join("score.json"), json_text(&record)?);
+        let page = self.folder.join("report.html");
+        outputs.add(&page, drawn.page);
+        self.args.common.add_json(&mut outputs, &record)?;
+        if let Some(path) = &self.args.rates {
+            let answers = record.trials.iter().filter_map(|trial| Some(counted(trial.answer?, &trial.judgement)));
+            let rates = Rates::count(report.provenance.command.clone(), answers);
+            outputs.add(path, toml::to_string(&rates).map_err(|error| CliError::Encode(error.to_string()))?);
+        }
+        outputs.write()?;
+        Ok(page)
+    }
+}
