@@ -4,7 +4,7 @@ use super::bench::Bench;
 use super::cause::Cause;
 use super::decide::is_explained;
 use super::refine::{Hypothesis, Part, refine};
-use super::screen::{Candidate, Column, columns, rank};
+use super::screen::{Candidate, Column, around, columns, rank};
 use rayon::prelude::*;
 
 /// Everything that was tried in full.
@@ -25,6 +25,8 @@ const OF_A_CAUSE: usize = 3;
 const PLAY_PROMISES: f64 = 0.3;
 /// More that are refitted on the joints of the best; fewer where every trial is a walk.
 const TRIED_THERE: [usize; 2] = [5, 2];
+/// Sets of joints on which the best is refitted besides.
+const TRIED_ELSEWHERE: usize = 2;
 /// Seconds that are refitted; fewer where every trial is a walk.
 const TRIED_SECOND: [usize; 2] = [5, 3];
 const TRIED_BESIDE_PLAY: usize = 1;
@@ -42,68 +44,90 @@ pub(super) fn attribute(
     progress("what each cause would change");
     let given = Hypothesis::given(bench);
     let mut columns = columns(bench, &|cause| !cause.is_play() && considered(cause), &given.residual);
-    let candidates = rank(bench, &columns, &given.residual);
     progress("fitting the likeliest causes");
-    let refitted = |chosen: Vec<&Candidate>| -> Vec<Hypothesis> {
-        chosen.into_par_iter().filter_map(|candidate| refine(bench, vec![part(candidate)])).collect()
-    };
-    let chosen = chosen(&candidates, TRIED, |_| true);
-    let mut firsts = best(refitted(chosen.clone()));
-    if let Some(place) = firsts.first().map(|first| first.parts[0].place.clone()) {
-        // What the best place may have besides: to first order a strong friction looks weak.
-        let is_tried = |candidate: &Candidate| {
-            chosen.iter().any(|other| (other.cause, &other.place) == (candidate.cause, &candidate.place))
-        };
-        let is_cousin = |candidate: &Candidate| candidate.place == place && !is_tried(candidate);
-        let count = TRIED_THERE[usize::from(!bench.case.is_clamped())];
-        firsts = best(firsts.into_iter().chain(refitted(self::chosen(&candidates, count, is_cousin))).collect());
-    }
+    let firsts = one_each(bench, &rank(bench, &columns, &given.residual));
+    let mut firsts = elsewhere(bench, firsts, &given.residual);
     let least = firsts.first().map_or(given.loss, |first| first.loss.min(given.loss));
     if !is_explained(bench, least) {
-        // Free play is slow to simulate: only where nothing else will do, and if it promises as much.
         progress("trying free play");
         let play = self::columns(bench, &|cause| cause.is_play() && considered(cause), &given.residual);
-        let promises = |candidate: &&Candidate| candidate.gain > PLAY_PROMISES * (given.loss - least);
-        let likeliest: Vec<Candidate> =
-            rank(bench, &play, &given.residual).iter().take(1).filter(promises).cloned().collect();
-        firsts = best(firsts.into_iter().chain(refitted(likeliest.iter().collect())).collect());
+        let best_play = rank(bench, &play, &given.residual).into_iter().next();
+        let promising = best_play.filter(|play| play.gain > PLAY_PROMISES * (given.loss - least));
+        firsts = best(firsts.into_iter().chain(refitted(bench, promising.as_slice())).collect());
         columns.extend(play);
     }
     let Some(first) = firsts.first().filter(|first| given.loss - first.loss > CLEAR_GAIN) else {
         return Attribution { columns, given, firsts, seconds: Vec::new() };
     };
     progress("looking for a second cause");
-    let rest = rank(bench, &columns, &first.residual);
+    let seconds = two_each(bench, first, &rank(bench, &columns, &first.residual));
+    let firsts = match seconds.first() {
+        Some(pair) => reconsidered(bench, firsts, pair),
+        None => firsts,
+    };
+    Attribution { columns, given, firsts, seconds }
+}
+
+/// One cause each, best first: the likeliest, and what the joints of the best may have besides. To first order a strong
+/// friction looks weak.
+fn one_each(bench: &Bench<'_>, candidates: &[Candidate]) -> Vec<Hypothesis> {
+    let likeliest = chosen(candidates, TRIED, |_| true);
+    let firsts = best(refitted(bench, &likeliest));
+    let Some(place) = firsts.first().map(|first| &first.parts[0].place) else { return firsts };
+    let is_tried = |candidate: &Candidate| {
+        likeliest.iter().any(|other| (other.cause, &other.place) == (candidate.cause, &candidate.place))
+    };
+    let count = TRIED_THERE[usize::from(!bench.case.is_clamped())];
+    let cousins = chosen(candidates, count, |candidate| candidate.place == *place && !is_tried(candidate));
+    best(refitted(bench, &cousins).into_iter().chain(firsts).collect())
+}
+
+/// On the floor few sets of joints are tried: the best cause on fewer of its joints, and on more.
+fn elsewhere(bench: &Bench<'_>, firsts: Vec<Hypothesis>, residual: &[f64]) -> Vec<Hypothesis> {
+    let Some(named) = firsts.first().map(|first| &first.parts[0]) else { return firsts };
+    if bench.case.is_clamped() || named.cause.is_of_robot() {
+        return firsts;
+    }
+    let candidates = rank(bench, &around(bench, named), residual);
+    let is_tried = |candidate: &Candidate| {
+        firsts.iter().any(|first| (first.parts[0].cause, &first.parts[0].place) == (candidate.cause, &candidate.place))
+    };
+    let others = chosen(&candidates, TRIED_ELSEWHERE, |candidate| !is_tried(candidate));
+    best(refitted(bench, &others).into_iter().chain(firsts).collect())
+}
+
+/// The best cause with another each, best first.
+fn two_each(bench: &Bench<'_>, first: &Hypothesis, candidates: &[Candidate]) -> Vec<Hypothesis> {
     let named = &first.parts[0];
     let is_other = |candidate: &Candidate| {
-        if candidate.cause.is_play() {
-            return false;
-        }
         let shares = candidate.place.joints.iter().any(|joint| named.place.joints.contains(joint));
-        candidate.cause != named.cause || (!shares && !candidate.cause.is_of_robot())
+        let is_new = candidate.cause != named.cause || (!shares && !candidate.cause.is_of_robot());
+        is_new && !candidate.cause.is_play()
     };
     let count = match named.cause.is_play() {
         true => TRIED_BESIDE_PLAY,
         false => TRIED_SECOND[usize::from(!bench.case.is_clamped())],
     };
-    let pairs = self::chosen(&rest, count, is_other);
     let pair = |candidate: &Candidate| refine(bench, vec![named.clone(), part(candidate)]);
-    let seconds = best(pairs.into_par_iter().filter_map(pair).collect());
-    // A search that began elsewhere may have missed what one of the two explains alone.
-    let of_best = seconds.first().map_or(Vec::new(), |pair| pair.parts.clone());
-    let alone: Vec<Hypothesis> = of_best.into_par_iter().filter_map(|part| refine(bench, vec![part])).collect();
-    let is_new = |hypothesis: &Hypothesis| {
-        let same = |other: &&Hypothesis| other.parts[0].place == hypothesis.parts[0].place;
-        let of_cause = firsts.iter().filter(|other| other.parts[0].cause == hypothesis.parts[0].cause);
-        of_cause.filter(same).all(|other| hypothesis.loss < other.loss - CLEAR_GAIN)
-    };
+    best(chosen(candidates, count, is_other).into_par_iter().filter_map(pair).collect())
+}
+
+/// A search that began elsewhere may have missed what one of two causes explains alone.
+fn reconsidered(bench: &Bench<'_>, firsts: Vec<Hypothesis>, pair: &Hypothesis) -> Vec<Hypothesis> {
+    let alone: Vec<Hypothesis> =
+        pair.parts.clone().into_par_iter().filter_map(|part| refine(bench, vec![part])).collect();
+    let is_same =
+        |a: &Hypothesis, b: &Hypothesis| (a.parts[0].cause, &a.parts[0].place) == (b.parts[0].cause, &b.parts[0].place);
+    let is_new =
+        |new: &Hypothesis| firsts.iter().filter(|old| is_same(old, new)).all(|old| new.loss < old.loss - CLEAR_GAIN);
     let better: Vec<Hypothesis> = alone.into_iter().filter(is_new).collect();
-    let replaced = |old: &Hypothesis| {
-        better.iter().any(|new| (new.parts[0].cause, &new.parts[0].place) == (old.parts[0].cause, &old.parts[0].place))
-    };
-    let kept: Vec<Hypothesis> = firsts.iter().filter(|old| !replaced(old)).cloned().collect();
-    let firsts = best(kept.into_iter().chain(better.iter().cloned()).collect());
-    Attribution { columns, given, firsts, seconds }
+    let kept = firsts.into_iter().filter(|old| !better.iter().any(|new| is_same(old, new)));
+    let kept: Vec<Hypothesis> = kept.collect();
+    best(kept.into_iter().chain(better).collect())
+}
+
+fn refitted<C: std::borrow::Borrow<Candidate> + Sync>(bench: &Bench<'_>, candidates: &[C]) -> Vec<Hypothesis> {
+    candidates.par_iter().filter_map(|candidate| refine(bench, vec![part(candidate.borrow())])).collect()
 }
 
 fn part(candidate: &Candidate) -> Part {

@@ -121,7 +121,10 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
         let gained = a.given.loss - first.loss;
         gained > needed(bench, &a.given).max(material(bench, &first.parts[0].place)) && held.shows(first, &a.given)
     };
-    let best = a.firsts.first().filter(is_seen);
+    // It is one of those that stand equally well that has to be seen: which of them is best is chance.
+    let as_good =
+        |lead: &Hypothesis| a.firsts.iter().take_while(|h| h.loss - lead.loss < limits.equal).any(|h| is_seen(&h));
+    let best = a.firsts.first().filter(|lead| as_good(lead));
     let Some(best) = best else {
         let excess = excess_of(&a.given);
         let allowed = limits.explained + LEFT_OVER * taken_out(bench, &a.given) / samples;

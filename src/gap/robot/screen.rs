@@ -4,6 +4,7 @@
 use super::bench::Bench;
 use super::cause::{Cause, Change};
 use super::place::{Place, places};
+use super::refine::Part;
 use super::start::{Grid, Start};
 use crate::joint::EffectId;
 use rayon::prelude::*;
@@ -155,8 +156,8 @@ fn free(bench: &Bench<'_>, considered: &dyn Fn(Cause) -> bool, suspects: &Suspec
     let mut tries: Vec<(Cause, Place, usize, Start)> = Vec::new();
     for place in places(&named).into_iter().filter(is_near) {
         for cause in joint_causes(considered) {
-            let plays = place.joints.iter().any(|joint| suspects.play.contains(joint));
-            if place.joints.len() > 4 && is_of_one_joint(cause) || cause.is_play() && !plays {
+            let most = place.joints.iter().filter(|joint| suspects.play.contains(joint)).count();
+            if place.joints.len() > 4 && is_of_one_joint(cause) || cause.is_play() && 2 * most < place.joints.len() {
                 continue;
             }
             // Of the set the joint that is asked for most.
@@ -177,6 +178,22 @@ fn free(bench: &Bench<'_>, considered: &dyn Fn(Cause) -> bool, suspects: &Suspec
         Some(Column { cause, place, number, start, change })
     };
     tries.into_par_iter().filter_map(one).collect()
+}
+
+/// The same cause on fewer of its joints, and on more.
+pub(super) fn around(bench: &Bench<'_>, named: &Part) -> Vec<Column> {
+    let joints: Vec<(usize, &str)> =
+        bench.layout.moving().into_iter().map(|joint| (joint, bench.case.names[joint].as_str())).collect();
+    let contains = |a: &Place, b: &Place| b.joints.iter().all(|joint| a.joints.contains(joint));
+    let is_near =
+        |place: &Place| *place != named.place && (contains(place, &named.place) || contains(&named.place, place));
+    let places: Vec<Place> = places(&joints).into_iter().filter(is_near).collect();
+    let until_s = window_s(bench);
+    let column = |place: Place| {
+        let change = bench.glance(&[change(bench, named.cause, &place, &named.values)], Some(until_s))?;
+        Some(Column { cause: named.cause, place, number: 0, start: Start::fixed(&named.values), change })
+    };
+    places.into_par_iter().filter_map(column).collect()
 }
 
 /// Whether no robot has it in all its joints.

@@ -22,7 +22,7 @@ impl Start {
         Self { values: values.to_vec(), zero, sizes: 1, amplitude }
     }
 
-    fn fixed(values: &[f64]) -> Self {
+    pub fn fixed(values: &[f64]) -> Self {
         Self { values: values.to_vec(), zero: 0.0, sizes: 0, amplitude: [1.0, 1.0] }
     }
 
@@ -97,7 +97,7 @@ impl Cause {
                 vec![size(&[rate], [-0.08 / rate, 1.0 / rate])]
             }
             Cause::Effect(E::Backlash) => {
-                let plays: &[f64] = if is_coarse { &[0.015, 0.05] } else { &[0.007, 0.015, 0.03, 0.06, 0.1] };
+                let plays: &[f64] = if is_coarse { &[0.03] } else { &[0.007, 0.015, 0.03, 0.06, 0.1] };
                 plays.iter().map(|play| Start::fixed(&[*play, 0.25])).collect()
             }
             Cause::Effect(E::JointSpring) => {
