@@ -4,7 +4,7 @@
 //! another step than a diagnosis uses; its logs are diagnosed without being told. What a diagnosis makes of each says
 //! which logs would have settled the question in 2005.
 
-use crate::gap::robot::{RobotCase, RobotDiagnosis, RobotGapError, RobotOptions, diagnose_robot};
+use crate::gap::robot::{JointTrace, RobotCase, RobotDiagnosis, RobotGapError, RobotOptions, diagnose_robot};
 use crate::robot::simulate::SimulateError;
 use crate::synth::{Spec, SynthError, make};
 use std::path::{Path, PathBuf};
@@ -97,13 +97,15 @@ pub struct Diagnosed {
     pub study: PathBuf,
     /// Setpoint less reading of the q2 joints, RMS \[rad\].
     pub q2_error_rad: f64,
+    /// The same of the robot as the study has it \[rad\].
+    pub q2_error_given_rad: f64,
     /// What the diagnosis says.
     pub diagnosis: RobotDiagnosis,
 }
 
 impl Diagnosed {
-    /// Whether the answer's set has what is true, or it says that nothing is missing where the log cannot show it.
-    pub fn is_right(&self) -> bool {
+    /// Whether the answer has what is true, alone or in its set.
+    pub fn is_named(&self) -> bool {
         let answer = &self.diagnosis.answer;
         answer.equivalent.iter().any(|cause| self.rival.is_named_by(cause.id()))
             || answer.second.as_ref().is_some_and(|found| self.rival.is_named_by(found.cause.id()))
@@ -184,10 +186,17 @@ pub fn diagnose_rival(
     let study = folder.join("study.toml");
     let case = RobotCase::of_study(&study)?;
     let diagnosis = diagnose_robot(&case, &RobotOptions::default(), progress)?;
-    let q2 = diagnosis.traces.iter().filter(|trace| trace.joint.ends_with('2'));
-    let errors = q2.flat_map(|trace| trace.setpoint_rad.iter().zip(&trace.measured_rad));
+    let q2: Vec<&JointTrace> = diagnosis.traces.iter().filter(|trace| trace.joint.ends_with('2')).collect();
+    let q2_error_rad = following_error_rad(q2.iter().map(|trace| (&trace.setpoint_rad, &trace.measured_rad)));
+    let q2_error_given_rad = following_error_rad(q2.iter().map(|trace| (&trace.setpoint_rad, &trace.before_rad)));
+    Ok(Diagnosed { rival, in_the_air, study, q2_error_rad, q2_error_given_rad, diagnosis })
+}
+
+/// RMS of setpoints less angles, where there is a setpoint \[rad\].
+fn following_error_rad<'a>(pairs: impl Iterator<Item = (&'a Vec<f64>, &'a Vec<f64>)>) -> f64 {
+    let errors = pairs.flat_map(|(setpoints, angles)| setpoints.iter().zip(angles));
     let (sum, count) = errors
         .filter(|(setpoint, _)| setpoint.is_finite())
         .fold((0.0, 0.0), |(sum, count), (setpoint, q)| (sum + (setpoint - q).powi(2), count + 1.0));
-    Ok(Diagnosed { rival, in_the_air, study, q2_error_rad: (sum / f64::max(count, 1.0)).sqrt(), diagnosis })
+    (sum / f64::max(count, 1.0)).sqrt()
 }

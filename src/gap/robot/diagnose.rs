@@ -14,9 +14,10 @@ use super::measure::{gap, held_out_rms_rad};
 use super::next::next;
 use super::numbers::found;
 use super::phases::phases;
-use super::screen::{detectable, suspects};
+use super::screen::detectable;
 use super::sentence::{Said, sentence};
 use super::standing::standing;
+use super::suspects::Suspects;
 use super::torque::residual_torque_nm;
 use crate::gap::held_out::closed;
 use crate::gap::rates::{Rates, probability};
@@ -140,7 +141,7 @@ fn location(
         (_, false) => Vec::new(),
         (Some(_), _) => decision.answer.parts[decision.leading].place.joints.clone(),
         (None, true) => {
-            let mut joints = suspects(bench, &bench.residual());
+            let mut joints = Suspects::of(bench, &bench.residual()).joints;
             joints.retain(|joint| of_joint(&bench.case.names[*joint]) > HAS_MUCH);
             joints.truncate(NAMED_AT_MOST);
             joints

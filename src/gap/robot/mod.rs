@@ -24,12 +24,14 @@ mod noise;
 mod numbers;
 mod phases;
 mod place;
+mod reach;
 mod refine;
 mod scatter;
 mod screen;
 mod sentence;
 mod standing;
 mod start;
+mod suspects;
 #[cfg(test)]
 mod tests;
 mod torque;

@@ -6,6 +6,7 @@ use super::cause::{Cause, Change};
 use super::place::{Place, places};
 use super::refine::Part;
 use super::start::{Grid, Start};
+use super::suspects::Suspects;
 use crate::joint::EffectId;
 use rayon::prelude::*;
 
@@ -37,43 +38,11 @@ const WINDOW_S: f64 = 4.6;
 const ALONE: usize = 4;
 const IN_PAIRS: usize = 3;
 const IN_SETS: usize = 6;
-/// Free play is slow to simulate: it is tried on the joints that have most left only, and if that is so many variances.
-const PLAYS: usize = 3;
-const PLAY_LEAVES: f64 = 1.15;
 
 /// Columns of all causes that are considered.
 pub(super) fn columns(bench: &Bench<'_>, considered: &(dyn Fn(Cause) -> bool + Sync), residual: &[f64]) -> Vec<Column> {
     let suspects = Suspects::of(bench, residual);
     if bench.case.is_clamped() { clamped(bench, considered, &suspects) } else { free(bench, considered, &suspects) }
-}
-
-/// Joints by what they have left beyond what noise and uncertain numbers leave, most first.
-pub(super) fn suspects(bench: &Bench<'_>, residual: &[f64]) -> Vec<usize> {
-    Suspects::of(bench, residual).joints
-}
-
-struct Suspects {
-    joints: Vec<usize>,
-    /// Those of the first that have so much left that free play is worth a try.
-    play: Vec<usize>,
-}
-
-impl Suspects {
-    fn of(bench: &Bench<'_>, residual: &[f64]) -> Self {
-        let adapted = bench.noise.adapted(residual);
-        let variances = |joint: usize| {
-            let rows = bench.layout.joints().filter(|(of, _)| *of == joint);
-            let samples = rows.flat_map(|(_, row)| row.range.clone()).filter(|k| bench.noise.weight[*k] > 0.0);
-            let (sum, count) =
-                samples.fold((0.0, 0.0), |(s, n), k| (s + bench.noise.weight[k] * adapted[k].powi(2), n + 1.0));
-            sum / f64::max(count, 1.0)
-        };
-        let mut joints: Vec<(f64, usize)> =
-            bench.layout.moving().into_iter().map(|joint| (variances(joint), joint)).collect();
-        joints.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let play = joints.iter().take(PLAYS).filter(|(left, _)| *left > PLAY_LEAVES).map(|(_, joint)| *joint).collect();
-        Self { joints: joints.into_iter().map(|(_, joint)| joint).collect(), play }
-    }
 }
 
 fn joint_causes(considered: &dyn Fn(Cause) -> bool) -> Vec<Cause> {

@@ -22,10 +22,8 @@ const NAME: usize = 36;
 pub fn gap_text(report: &GapReport) -> String {
     let diagnosis = &report.diagnosis;
     let answer = &diagnosis.answer;
-    let sure =
-        format!("Probability {}: {}.", percent(answer.probability), answer.probability_source.trim_end_matches('.'));
     let blocks = [
-        Some(format!("{}\n{}", paragraph(&answer.sentence), paragraph(&sure))),
+        Some(opening(&answer.sentence, answer.probability, &answer.probability_source)),
         Some(location(diagnosis)),
         (!diagnosis.ranking.is_empty()).then(|| ranking(diagnosis)),
         Some(how_far(&diagnosis.gap)),
@@ -35,6 +33,22 @@ pub fn gap_text(report: &GapReport) -> String {
         notes(report),
     ];
     blocks.into_iter().flatten().collect::<Vec<_>>().join("\n\n") + "\n"
+}
+
+/// What is answered, and how sure it is.
+pub(in crate::report) fn opening(sentence: &str, probability: f64, source: &str) -> String {
+    let sure = format!("Probability {}: {}.", percent(probability), source.trim_end_matches('.'));
+    format!("{}\n{}", paragraph(sentence), paragraph(&sure))
+}
+
+/// The table of how far a gap closes.
+pub(in crate::report) fn rms_table(of: &str) -> Table {
+    table(WIDTH, &[of], &["before\n[mrad]", "calibrated\n[mrad]", "after\n[mrad]", "floor\n[mrad]"])
+}
+
+/// A row of it: as given, recalibrated, with the answer, the sensor's noise \[rad\].
+pub(in crate::report) fn rms_row(name: Cell, rms_rad: [f64; 4]) -> Vec<Cell> {
+    std::iter::once(name).chain(rms_rad.map(mrad)).collect()
 }
 
 /// A paragraph of the page's width.
@@ -116,12 +130,11 @@ fn ranking(diagnosis: &Diagnosis) -> String {
 }
 
 fn how_far(gap: &Gap) -> String {
-    let header = ["before\n[mrad]", "calibrated\n[mrad]", "after\n[mrad]", "floor\n[mrad]"];
-    let mut table = table(WIDTH, &["RMS of the held-out logs"], &header);
+    let mut table = rms_table("RMS of the held-out logs");
     for log in &gap.per_log {
-        table.add_row([file(&log.file), mrad(log.before), mrad(log.calibrated), mrad(log.after), mrad(log.floor)]);
+        table.add_row(rms_row(file(&log.file), [log.before, log.calibrated, log.after, log.floor]));
     }
-    table.add_row([Cell::new("all"), mrad(gap.before), mrad(gap.calibrated), mrad(gap.after), mrad(gap.floor)]);
+    table.add_row(rms_row(Cell::new("all"), [gap.before, gap.calibrated, gap.after, gap.floor]));
     let closed = format!("Gap closed: {}. Held out: {}.", words::closed(gap.closed, gap.closed_interval), gap.held_out);
     format!("{}\n{}", finish(&mut table), paragraph(&closed))
 }

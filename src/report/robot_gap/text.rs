@@ -5,7 +5,7 @@ use comfy_table::{Cell, Table};
 use super::RobotGapReport;
 use super::words;
 use crate::gap::robot::{GaitCell, GaitPhase, RobotCandidate, RobotDiagnosis, RobotGap};
-use crate::report::gap::text::{WIDTH, file, mrad, paragraph};
+use crate::report::gap::text::{WIDTH, file, mrad, opening, paragraph, rms_row, rms_table};
 use crate::report::gap::words as joint_words;
 use crate::report::number::{UNKNOWN, percent, significant};
 use crate::report::text::{finish, number, one_line, table, wrap};
@@ -17,10 +17,8 @@ use crate::report::text::{finish, number, one_line, table, wrap};
 pub fn robot_gap_text(report: &RobotGapReport) -> String {
     let diagnosis = &report.diagnosis;
     let answer = &diagnosis.answer;
-    let sure =
-        format!("Probability {}: {}.", percent(answer.probability), answer.probability_source.trim_end_matches('.'));
     let blocks = [
-        Some(format!("{}\n{}", paragraph(&answer.sentence), paragraph(&sure))),
+        Some(opening(&answer.sentence, answer.probability, &answer.probability_source)),
         Some(location(diagnosis)),
         (!diagnosis.ranking.is_empty()).then(|| ranking(diagnosis)),
         Some(how_far(&diagnosis.gap)),
@@ -92,17 +90,16 @@ fn ranking(diagnosis: &RobotDiagnosis) -> String {
 
 /// Joint by joint, log by log where there are several, and in all.
 fn how_far(gap: &RobotGap) -> String {
-    let header = ["before\n[mrad]", "calibrated\n[mrad]", "after\n[mrad]", "floor\n[mrad]"];
-    let mut table = table(WIDTH, &["RMS, held-out samples"], &header);
+    let mut table = rms_table("RMS, held-out samples");
     for joint in &gap.per_joint {
         let name = Cell::new(one_line(&joint.joint));
-        table.add_row([name, mrad(joint.before), mrad(joint.calibrated), mrad(joint.after), mrad(gap.floor)]);
+        table.add_row(rms_row(name, [joint.before, joint.calibrated, joint.after, gap.floor]));
     }
     // A log without held-out samples has no error there.
     for log in gap.per_log.iter().filter(|log| gap.per_log.len() > 1 && log.before > 0.0) {
-        table.add_row([file(&log.file), mrad(log.before), mrad(log.calibrated), mrad(log.after), mrad(log.floor)]);
+        table.add_row(rms_row(file(&log.file), [log.before, log.calibrated, log.after, log.floor]));
     }
-    table.add_row([Cell::new("all"), mrad(gap.before), mrad(gap.calibrated), mrad(gap.after), mrad(gap.floor)]);
+    table.add_row(rms_row(Cell::new("all"), [gap.before, gap.calibrated, gap.after, gap.floor]));
     let closed =
         format!("Gap closed: {}. Held out: {}.", joint_words::closed(gap.closed, gap.closed_interval), gap.held_out);
     format!("{}\n{}", finish(&mut table), paragraph(&closed))
