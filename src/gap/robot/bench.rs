@@ -6,7 +6,7 @@ use super::forward::{Predicted, floor_of, predict};
 use super::layout::{Channel, FORWARD_SD_M, Layout};
 use super::noise::Noise;
 use super::reach::reach_of;
-use super::scatter::{self, Scatter};
+use super::scatter::{Number, Scatter};
 use crate::joint::Reach;
 use crate::robot::FloorParameters;
 use rayon::prelude::*;
@@ -51,6 +51,8 @@ pub(super) struct Bench<'a> {
     pub floor: FloorParameters,
     /// Standard deviation of a joint's reading \[rad\].
     pub sigma_rad: f64,
+    /// Clamped: the uncertain numbers, as the first columns of the noise have them.
+    pub numbers: Vec<Number>,
     /// Samples that fits see, weighed.
     pub noise: Noise,
     /// All of them.
@@ -87,10 +89,17 @@ impl<'a> Bench<'a> {
             reach,
             floor,
             sigma_rad,
+            numbers: Vec::new(),
             noise: blank(),
             noise_of_all: blank(),
         };
-        let (columns, extra) = if case.is_clamped() { bench.uncertain() } else { bench.drawn() };
+        let (columns, extra) = if case.is_clamped() {
+            let (columns, numbers) = bench.uncertain();
+            bench.numbers = numbers;
+            (columns, vec![0.0; bench.layout.len])
+        } else {
+            bench.drawn()
+        };
         let variance = |row: &super::layout::Row| match row.channel {
             Channel::Joint(_) => sigma_rad.powi(2),
             Channel::Base(_) => rough(&bench.measured[row.range.clone()]).max(1e-4).powi(2),
@@ -161,13 +170,7 @@ impl<'a> Bench<'a> {
     }
 
     /// Clamped: what each mass and friction changes, at one standard deviation.
-    fn uncertain(&self) -> (Vec<Vec<f64>>, Vec<f64>) {
-        #[derive(Clone, Copy)]
-        enum Number {
-            Mass(usize),
-            Coulomb(usize),
-            Viscous(usize),
-        }
+    fn uncertain(&self) -> (Vec<Vec<f64>>, Vec<Number>) {
         let model = self.case.model();
         let root = |joint: usize| root_of(self.case, joint);
         let mut by_group: Vec<Vec<Number>> = Vec::new();
@@ -181,22 +184,19 @@ impl<'a> Bench<'a> {
             by_group.push(masses.chain(friction).collect());
         }
         let longest = by_group.iter().map(Vec::len).max().unwrap_or(0);
-        let together = |k: usize| -> Vec<Vec<f64>> {
+        let together = |k: usize| -> Vec<(Vec<f64>, Number)> {
             let mut scatter = Scatter::none(model);
             for number in by_group.iter().filter_map(|numbers| numbers.get(k)) {
-                match *number {
-                    Number::Mass(body) => scatter.mass[body] += scatter::MASS,
-                    Number::Coulomb(joint) => scatter.friction[joint][0] += scatter::FRICTION,
-                    Number::Viscous(joint) => scatter.friction[joint][1] += scatter::FRICTION,
-                }
+                scatter.put(*number, 1.0);
             }
             let Some(column) = self.difference(&scatter, &[]) else { return Vec::new() };
             let groups = self.groups.iter().zip(&by_group).filter(|(_, numbers)| numbers.len() > k);
-            groups.map(|(group, _)| self.restricted(column.clone(), group)).collect()
+            groups.map(|(group, numbers)| (self.restricted(column.clone(), group), numbers[k])).collect()
         };
-        let mut columns: Vec<Vec<f64>> = (0..longest).into_par_iter().flat_map(together).collect();
+        let (mut columns, numbers): (Vec<Vec<f64>>, Vec<Number>) =
+            (0..longest).into_par_iter().flat_map(together).unzip();
         columns.push(self.common_offset());
-        (columns, vec![0.0; self.layout.len])
+        (columns, numbers)
     }
 
     /// On the floor: robots drawn at random. Where and when feet land changes with anything, and not in proportion.

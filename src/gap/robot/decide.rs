@@ -1,5 +1,6 @@
 //! From everything that was tried to one answer.
 
+use super::attained::attained;
 use super::attribute::Attribution;
 use super::bench::Bench;
 use super::cause::Cause;
@@ -99,10 +100,11 @@ fn limits(bench: &Bench<'_>) -> &'static Limits {
     if bench.case.is_clamped() { &CLAMPED } else { &ON_THE_FLOOR }
 }
 
-/// Gain from which on a first cause is named. What the uncertain numbers take out is known to first order only: the
-/// more they take, the more a cause must gain.
+/// Gain from which on a first cause is named. On the floor what the uncertain numbers take out is known to first order
+/// only: the more they take, the more a cause must gain.
 pub(super) fn needed(bench: &Bench<'_>, given: &Hypothesis) -> f64 {
-    limits(bench).first + SECOND_ORDER * taken_out(bench, given)
+    let unknown = if bench.case.is_clamped() { 0.0 } else { SECOND_ORDER * taken_out(bench, given) };
+    limits(bench).first + unknown
 }
 
 /// What the uncertain numbers take out of the weighed sum of squares.
@@ -119,7 +121,9 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
     let held = HeldOut::new(bench);
     let is_seen = |first: &&Hypothesis| {
         let gained = a.given.loss - first.loss;
-        gained > needed(bench, &a.given).max(material(bench, &first.parts[0].place)) && held.shows(first, &a.given)
+        gained > needed(bench, &a.given).max(material(bench, &first.parts[0].place))
+            && held.shows(first, &a.given)
+            && (!bench.case.is_clamped() || attained(bench, &a.given) - attained(bench, first) > limits.first)
     };
     // It is one of those that stand equally well that has to be seen: which of them is best is chance.
     let as_good =

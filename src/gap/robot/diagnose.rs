@@ -90,7 +90,9 @@ pub fn diagnose_robot(
     progress("what these logs could have shown");
     let ranking = ranking(&bench, &tried, &decision, &gap, probability);
     let least = needed(&bench, &tried.given);
-    let detectable = Cause::all().filter(|cause| considered(*cause)).map(|cause| {
+    // Of free play nothing is known where it was not tried.
+    let is_known = |cause: &Cause| !cause.is_play() || tried.columns.iter().any(|column| column.cause.is_play());
+    let detectable = Cause::all().filter(|cause| considered(*cause)).filter(is_known).map(|cause| {
         let (name, unit) = cause.named()[0];
         RobotDetectable { cause, value: detectable(&bench, &tried.columns, cause, least), name, unit }
     });

@@ -8,6 +8,7 @@
 //! the trunk clamped to first order, on the floor by robots drawn at random, for there any change makes feet land a
 //! little differently.
 
+mod attained;
 mod attribute;
 mod bench;
 mod case;

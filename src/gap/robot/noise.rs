@@ -63,16 +63,24 @@ impl Noise {
         self.weight.iter().filter(|w| **w > 0.0).count()
     }
 
-    /// A residual less what the uncertain numbers make of it, as the samples that count tell.
-    pub fn adapted(&self, residual: &[f64]) -> Vec<f64> {
-        let sizes = self.inner.solve(&self.along(residual));
-        let mut adapted = residual.to_vec();
-        for (u, size) in self.columns.iter().zip(sizes.iter()) {
-            for (left, u) in adapted.iter_mut().zip(u) {
+    /// How far the uncertain numbers are off, in their standard deviations, as the samples that count tell.
+    pub fn sizes(&self, residual: &[f64]) -> Vec<f64> {
+        self.inner.solve(&self.along(residual)).iter().copied().collect()
+    }
+
+    /// A residual less what numbers make of it that are so far off, to first order.
+    pub fn less(&self, mut residual: Vec<f64>, sizes: &[f64]) -> Vec<f64> {
+        for (u, size) in self.columns.iter().zip(sizes) {
+            for (left, u) in residual.iter_mut().zip(u) {
                 *left -= size * u;
             }
         }
-        adapted
+        residual
+    }
+
+    /// A residual less what the uncertain numbers make of it, as the samples that count tell.
+    pub fn adapted(&self, residual: &[f64]) -> Vec<f64> {
+        self.less(residual.to_vec(), &self.sizes(residual))
     }
 }
 

@@ -24,7 +24,25 @@ pub(super) struct Scatter {
     pub floor: [f64; 3],
 }
 
+/// One of them.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Number {
+    Mass(usize),
+    Coulomb(usize),
+    Viscous(usize),
+}
+
 impl Scatter {
+    /// Moves a number by so many of its standard deviations.
+    pub fn put(&mut self, number: Number, by_sd: f64) {
+        let (factor, sd) = match number {
+            Number::Mass(body) => (&mut self.mass[body], MASS),
+            Number::Coulomb(joint) => (&mut self.friction[joint][0], FRICTION),
+            Number::Viscous(joint) => (&mut self.friction[joint][1], FRICTION),
+        };
+        *factor = (*factor + sd * by_sd).max(LEAST);
+    }
+
     pub fn none(model: &Model) -> Self {
         Self { mass: vec![1.0; model.bodies().len()], friction: vec![[1.0; 2]; model.joints().len()], floor: [1.0; 3] }
     }
