@@ -176,10 +176,7 @@ pub fn diagnose_rival(
         std::fs::write(&file, text).map_err(|source| WeakQ2Error::Write { file, source })
     };
     std::fs::create_dir_all(&folder).map_err(|source| WeakQ2Error::Write { file: folder.clone(), source })?;
-    // The study believes the printed gains whatever is true.
-    let believed: String =
-        made.study_toml.lines().filter(|line| !line.starts_with("gains")).flat_map(|line| [line, "\n"]).collect();
-    write("study.toml", &believed)?;
+    write("study.toml", &with_printed_gains(&made.study_toml))?;
     for (name, text) in &made.logs {
         write(name, text)?;
     }
@@ -192,6 +189,16 @@ pub fn diagnose_rival(
     Ok(Diagnosed { rival, in_the_air, study, q2_error_rad, q2_error_given_rad, diagnosis })
 }
 
+/// The study believes the printed gains whatever is true: it is without the table `[control.gains]`.
+fn with_printed_gains(study: &str) -> String {
+    let mut is_of_gains = false;
+    let kept = study.lines().filter(|line| {
+        is_of_gains = *line == "[control.gains]" || is_of_gains && !line.is_empty();
+        !is_of_gains
+    });
+    kept.flat_map(|line| [line, "\n"]).collect()
+}
+
 /// RMS of setpoints less angles, where there is a setpoint \[rad\].
 fn following_error_rad<'a>(pairs: impl Iterator<Item = (&'a Vec<f64>, &'a Vec<f64>)>) -> f64 {
     let errors = pairs.flat_map(|(setpoints, angles)| setpoints.iter().zip(angles));
@@ -199,4 +206,18 @@ fn following_error_rad<'a>(pairs: impl Iterator<Item = (&'a Vec<f64>, &'a Vec<f6
         .filter(|(setpoint, _)| setpoint.is_finite())
         .fold((0.0, 0.0), |(sum, count), (setpoint, q)| (sum + (setpoint - q).powi(2), count + 1.0));
     (sum / f64::max(count, 1.0)).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_study_does_not_tell_what_is_true() {
+        let study = |rival: Rival| {
+            let spec = Spec::from_toml(Path::new("spec.toml"), &rival.spec("air", 1)).unwrap();
+            with_printed_gains(&make(&spec, None).unwrap().study_toml)
+        };
+        assert_eq!(study(Rival::GainsSwapped), study(Rival::Play));
+    }
 }

@@ -54,11 +54,7 @@ const ZERO_RAD: f64 = 0.4;
 
 fn beyond(reach: &Reach) -> Reach {
     let [low, high] = reach.angle_rad;
-    Reach {
-        angle_rad: [low - BEYOND_RAD, high + BEYOND_RAD],
-        torque_nm: BEYOND_TORQUE * reach.torque_nm,
-        ..reach.clone()
-    }
+    Reach { angle_rad: [low - BEYOND_RAD, high + BEYOND_RAD], torque_nm: BEYOND_TORQUE * reach.torque_nm, ..*reach }
 }
 
 const EITHER_WAY: [f64; 2] = [-20.0, 20.0];
