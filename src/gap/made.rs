@@ -151,6 +151,8 @@ pub(super) fn made(joint: &Joint, swing: &Swing) -> Made {
         drive: if driven { DriveMode::Position } else { DriveMode::Off },
         motor,
         extra: body,
+        session: None,
+        tau_is: None,
     };
     let sensor = SensorSpec { resolution_rad: Some(swing.step), period_s: Some(swing.period) };
     let found = health(&log, &sensor, entry.drive);

@@ -3,8 +3,8 @@
 use super::{Experiment, LegCase};
 use crate::geometry::{GeometryError, LegJoint};
 use crate::log::{
-    DriveMode, Health, JointSpec, Log, LogError, Role, SensorSpec, Start, Study, StudyLog, health, read_joint_log,
-    read_log, read_pose_for, read_sidecar_for, read_study, read_study_logs, thinned,
+    DriveMode, Health, JointSpec, Log, LogError, Role, SensorSpec, Start, Study, StudyLog, Uncertain, health,
+    read_joint_log, read_log, read_pose_for, read_sidecar_for, read_study, read_study_logs, thinned,
 };
 use std::path::{Path, PathBuf};
 
@@ -18,6 +18,8 @@ pub struct Case {
     pub leg: Option<LegCase>,
     /// The link is written by the masses of its bodies, because nothing else is stated of it.
     pub by_bodies: bool,
+    /// How sure the engineer is of what the study states.
+    pub uncertain: Uncertain,
     /// In the order given.
     pub items: Vec<Item>,
     /// Files that were read beside the logs: study, sidecars, poses.
@@ -108,9 +110,9 @@ impl Case {
     pub fn of_study(path: &Path) -> Result<Self, CaseError> {
         let study = read_study(path)?;
         let logs = read_study_logs(&study)?;
-        let Study { joint, sensor, logs: entries, .. } = study;
+        let Study { joint, sensor, uncertain, logs: entries, .. } = study;
         let items = logs.into_iter().zip(entries).map(|(log, entry)| (log, entry, sensor)).collect();
-        Self::new(joint, items, vec![path.to_path_buf()])
+        Self::new(joint, uncertain, items, vec![path.to_path_buf()])
     }
 
     /// A log that a study does not name, read by the study's joint and by what the study says of its first log.
@@ -127,9 +129,9 @@ impl Case {
             entry.extra = read_sidecar_for(log)?.and_then(|sidecar| sidecar.logs.first()?.extra).or(entry.extra);
         }
         let logs = read_study_logs(&study)?;
-        let Study { joint, sensor, logs: entries, .. } = study;
+        let Study { joint, sensor, uncertain, logs: entries, .. } = study;
         let items = logs.into_iter().zip(entries).map(|(log, entry)| (log, entry, sensor)).collect();
-        Self::new(joint, items, vec![path.to_path_buf()])
+        Self::new(joint, uncertain, items, vec![path.to_path_buf()])
     }
 
     /// Logs with their sidecars; `joint` overrides what sidecar and file name say.
@@ -168,11 +170,12 @@ impl Case {
             items.push((log, entry, sensor));
         }
         let spec = first.map_or_else(|| plain_joint(Path::new("joint")), |(_, spec)| spec);
-        Self::new(spec, items, documents)
+        Self::new(spec, Uncertain::default(), items, documents)
     }
 
     fn new(
         mut joint: JointSpec,
+        uncertain: Uncertain,
         items: Vec<(Log, StudyLog, SensorSpec)>,
         mut documents: Vec<PathBuf>,
     ) -> Result<Self, CaseError> {
@@ -207,7 +210,7 @@ impl Case {
             .map(|(log, entry, sensor)| item(log, entry, sensor, gravity_m_s2, leg.as_ref()))
             .collect::<Result<_, _>>()?;
         let by_bodies = by_bodies && leg.is_some();
-        Ok(Self { joint, leg, by_bodies, items, documents })
+        Ok(Self { joint, leg, by_bodies, uncertain, items, documents })
     }
 
     /// Every file that was read: logs first, then what stood beside them.
@@ -285,6 +288,8 @@ fn plain_entry(path: &Path) -> StudyLog {
         drive: DriveMode::Off,
         motor: None,
         extra: None,
+        session: None,
+        tau_is: None,
     }
 }
 

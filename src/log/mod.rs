@@ -46,7 +46,7 @@ pub use robot_study::{
 pub use study::{read_sidecar_for, read_study};
 pub use thin::thinned;
 pub use types::{
-    Derivative, DriveMode, ExtraMass, Hold, JointSpec, Log, MotorSpec, Nominal, Release, Role, SensorSpec, Study,
-    StudyLog,
+    Derivative, DriveMode, EncoderSide, ExtraMass, Hold, JointSpec, Log, MotorModel, MotorSpec, Nominal, Release, Role,
+    SensorSpec, Spread, Study, StudyLog, TauIs, Uncertain, VoltageMotor,
 };
 pub use write::{Outputs, write_atomically, write_log};

@@ -12,6 +12,7 @@ use super::error::LogError;
 use super::schema::{RawExtra, RawJoint, RawLog, RawMotor, RawRelease, RawSensor, RawStudy, Text};
 use super::types::{
     Derivative, DriveMode, ExtraMass, Hold, JointSpec, MotorSpec, Nominal, Release, Role, SensorSpec, Study, StudyLog,
+    Uncertain,
 };
 
 const INERTIA: Range64 = range(|x| x > 0.0 && x < 1e4, "a number above 0 and below 1e4 (kg m^2)");
@@ -66,7 +67,7 @@ pub fn read_study(path: &Path) -> Result<Study, LogError> {
     if !logs.iter().any(|log| log.role == Role::Fit) {
         return Err(document.missing("[[log]] role", "at least one log with role = \"fit\""));
     }
-    Ok(Study { file: path.to_path_buf(), joint, sensor, motor, logs, release: None })
+    Ok(Study { file: path.to_path_buf(), joint, sensor, motor, uncertain: Uncertain::default(), logs, release: None })
 }
 
 /// Reads the sidecar `NAME.toml` beside a log `NAME.csv`; `None` if there is none.
@@ -113,7 +114,15 @@ pub fn read_sidecar_for(log_path: &Path) -> Result<Option<Study>, LogError> {
     let drive = document.word(&format!("{table} drive"), &entry.drive, &DRIVES)?.unwrap_or(DriveMode::Off);
     let log = study_log(&document, table, entry, &raw.motor, (own_name, log_path.to_path_buf(), role, drive))?;
     let release = raw.release.as_ref().map(|release| self::release(&document, release.get_ref())).transpose()?;
-    Ok(Some(Study { file: path.clone(), joint, sensor, motor, logs: vec![log], release }))
+    Ok(Some(Study {
+        file: path.clone(),
+        joint,
+        sensor,
+        motor,
+        uncertain: Uncertain::default(),
+        logs: vec![log],
+        release,
+    }))
 }
 
 /// The log that `[[log]]` number `i`, from 0, names: it stands there once, and is there.
@@ -196,6 +205,7 @@ fn motor(document: &Document<'_>, table: &str, raw: &RawMotor) -> Result<MotorSp
         sample_period_s: document.number(&key("sample_period"), &raw.sample_period, PERIOD)?,
         torque_limit_nm: document.number(&key("torque_limit"), &raw.torque_limit, POSITIVE)?,
         speed_limit_rad_s: document.number(&key("speed_limit"), &raw.speed_limit, POSITIVE)?,
+        ..MotorSpec::pd(0.0, 0.0)
     };
     if motor.derivative == Derivative::Error && motor.hold == Hold::Step {
         let span = raw.derivative.as_ref().map_or(0..0, Spanned::span);
@@ -230,7 +240,7 @@ fn study_log(
         return Err(document.missing("[motor]", expected));
     }
     let extra = raw.extra.as_ref().map(|extra| self::extra(document, table, extra)).transpose()?;
-    Ok(StudyLog { file, path, role, drive, motor, extra })
+    Ok(StudyLog { file, path, role, drive, motor, extra, session: None, tau_is: None })
 }
 
 pub(super) fn extra(document: &Document<'_>, table: &str, raw: &RawExtra) -> Result<ExtraMass, LogError> {

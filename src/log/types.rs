@@ -48,6 +48,8 @@ pub struct Study {
     pub sensor: SensorSpec,
     /// The controller of driven logs; `None` where no log is driven by position.
     pub motor: Option<MotorSpec>,
+    /// How sure the engineer is of what the study states.
+    pub uncertain: Uncertain,
     /// At least one.
     pub logs: Vec<StudyLog>,
     /// Only in the sidecar of a single log.
@@ -128,6 +130,45 @@ pub struct MotorSpec {
     pub torque_limit_nm: Option<f64>,
     /// Speed limit that the engineer already models \[rad/s\], with the torque limit as stall torque.
     pub speed_limit_rad_s: Option<f64>,
+    /// What turns the law's answer into torque.
+    pub model: MotorModel,
+    /// The side of the gearing on which the encoder sits that the controller reads and the log shows.
+    pub encoder: EncoderSide,
+    /// Inertia of rotor and gears as the joint feels it, beside that of the link \[kg m^2\].
+    pub armature_kg_m2: f64,
+}
+
+/// What turns the answer of the control law into torque.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum MotorModel {
+    /// The law's answer is a torque \[N m\].
+    #[default]
+    Torque,
+    /// The law's answer is a duty \[-1 to 1\] of the supply.
+    Voltage(VoltageMotor),
+}
+
+/// A motor fed by voltage: `torque = kt (duty supply - kt q') / resistance`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VoltageMotor {
+    /// Torque constant after the gear \[N m/A\].
+    pub kt_nm_a: f64,
+    /// \[Ohm\]
+    pub resistance_ohm: f64,
+    /// \[V\]
+    pub supply_v: f64,
+    /// Largest duty, 1 where nothing is said.
+    pub duty_limit: f64,
+}
+
+/// A side of the gearing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum EncoderSide {
+    /// Behind the gears: the angle of the link.
+    #[default]
+    Link,
+    /// Before them: the rotor's angle, as the link would have it without play or give.
+    Motor,
 }
 
 impl MotorSpec {
@@ -142,6 +183,9 @@ impl MotorSpec {
             sample_period_s: None,
             torque_limit_nm: None,
             speed_limit_rad_s: None,
+            model: MotorModel::default(),
+            encoder: EncoderSide::default(),
+            armature_kg_m2: 0.0,
         }
     }
 }
@@ -194,6 +238,78 @@ pub struct StudyLog {
     pub motor: Option<MotorSpec>,
     /// A known mass on the link.
     pub extra: Option<ExtraMass>,
+    /// Logs of one session were taken in one go; `None`: this log stands alone.
+    pub session: Option<String>,
+    /// What the column `tau` of a position-driven log is; `None`: information only.
+    pub tau_is: Option<TauIs>,
+}
+
+/// What a `tau` column of a position-driven log is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TauIs {
+    /// The torque that arrives at the joint \[N m\].
+    Applied,
+    /// What the law asks for, before gain and limits \[N m\].
+    Commanded,
+    /// A motor current \[A\]; times this it is the applied torque \[N m/A\].
+    Current {
+        /// `kt gear`
+        nm_per_a: f64,
+    },
+}
+
+/// Table `[uncertain]`: relative standard deviations of what a study states; 0: exact.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Uncertain {
+    /// Inertia of a link.
+    pub inertia: Spread,
+    /// Moment of a link.
+    pub moment: Spread,
+    /// Masses of a robot's parts; centres of mass 2 % of the part's length.
+    pub mass: Spread,
+    /// Coulomb and viscous friction, and at least 1 % of the largest torque seen.
+    pub friction: Spread,
+    /// `kp`, `ki`, `kd`.
+    pub gain: Spread,
+    /// Scale of a `tau` column, torque limits.
+    pub torque: Spread,
+    /// The floor's parameters.
+    pub floor: Spread,
+}
+
+/// A relative standard deviation, for all numbers of a kind and by name.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Spread {
+    /// Where no name is given.
+    pub all: f64,
+    /// By the name of a number.
+    pub by_name: std::collections::BTreeMap<String, f64>,
+}
+
+impl Spread {
+    /// The same for every number.
+    pub fn of_all(all: f64) -> Self {
+        Self { all, by_name: Default::default() }
+    }
+
+    /// Of the number with this name.
+    pub fn of(&self, name: &str) -> f64 {
+        self.by_name.get(name).copied().unwrap_or(self.all)
+    }
+}
+
+impl Default for Uncertain {
+    fn default() -> Self {
+        Self {
+            inertia: Spread::of_all(0.10),
+            moment: Spread::of_all(0.05),
+            mass: Spread::of_all(0.05),
+            friction: Spread::of_all(0.5),
+            gain: Spread::of_all(0.10),
+            torque: Spread::of_all(0.10),
+            floor: Spread::of_all(0.3),
+        }
+    }
 }
 
 /// Table `[release]` of a sidecar: what the person at the bench noted.

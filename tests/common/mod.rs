@@ -197,6 +197,8 @@ fn draw(seed: u64, attempt: u64, lack: Lack) -> Option<Set> {
             drive,
             motor: (driven == Driven::Position).then_some(motor),
             extra,
+            session: None,
+            tau_is: None,
         };
         let found = health(&log, &SensorSpec { resolution_rad: Some(step), period_s: None }, drive);
         // A held phase that the angle does not show cannot be fitted as what it is: such a log is read as free.

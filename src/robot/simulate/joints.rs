@@ -45,14 +45,11 @@ impl JointDrive {
     /// Gives it a controller.
     pub fn set_control(&mut self, gains: PidGains, control: Control) {
         self.chain.motor = Some(Motor::new(MotorSpec {
-            kp_nm_rad: gains.kp_nm_rad,
             ki_nm_rad_s: gains.ki_nm_rad_s,
-            kd_nm_s_rad: gains.kd_nm_s_rad,
             hold: control.hold,
             derivative: control.derivative,
             sample_period_s: control.sample_period_s,
-            torque_limit_nm: None,
-            speed_limit_rad_s: None,
+            ..MotorSpec::pd(gains.kp_nm_rad, gains.kd_nm_s_rad)
         }));
     }
 
