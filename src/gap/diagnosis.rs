@@ -389,3 +389,13 @@ pub struct Diagnosis {
     /// Effects that were withheld from the catalogue.
     pub withheld: Vec<EffectId>,
 }
+
+impl Diagnosis {
+    /// Every effect that the answer names, in the order of the waterfall; empty where it names none.
+    pub fn causes(&self) -> Vec<EffectId> {
+        match self.answer.verdict {
+            Verdict::Effect => self.effect_parameters.iter().map(|(effect, _)| *effect).collect(),
+            _ => Vec::new(),
+        }
+    }
+}
