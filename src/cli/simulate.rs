@@ -224,7 +224,7 @@ fn predictions<'a>(case: &'a Case, in_force: &InForce) -> Result<Vec<Predicted<'
     let moving: Vec<Experiment> = case.items.iter().filter_map(|i| i.experiment.clone()).collect();
     let scale = Scale::of(&moving, Some(&in_force.nominal), in_force.rest_rad);
     let reach = reach_of(&moving, &in_force.nominal);
-    let baseline = GapModel::baseline(&in_force.nominal, scale.rest_rad, &reach);
+    let baseline = GapModel::baseline(&in_force.nominal, scale.rest_rad, &reach, &case.uncertain);
     let mut values: Vec<f64> = baseline.parameters().iter().map(|p| p.start).collect();
     values.extend(in_force.effects.iter().flat_map(|(_, searched)| searched));
     let mut model = in_force.effects.iter().fold(baseline, |model, (effect, _)| model.with(*effect, &reach));

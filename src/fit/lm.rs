@@ -14,8 +14,8 @@ const CREEPING_VARIANCES: f64 = 0.05;
 /// ... and this many of them in a row end the search.
 const PATIENCE: usize = 8;
 
-/// Minimises the criterion from `start`.
-pub(super) fn levenberg_marquardt(problem: &dyn Residuals, start: &[f64], budget: Budget) -> Solution {
+/// Minimises the criterion from `start`, to within so many variances of the residuals.
+pub(super) fn levenberg_marquardt(problem: &dyn Residuals, start: &[f64], budget: Budget, close: f64) -> Solution {
     let coordinates = problem.coordinates();
     let mut x = clamped(start, coordinates.iter().map(|c| (c.lower, c.upper)));
     let mut evaluations = 1;
@@ -28,7 +28,7 @@ pub(super) fn levenberg_marquardt(problem: &dyn Residuals, start: &[f64], budget
     let mut idle = 0;
     let stop = loop {
         let free = normal.unblocked(&x, coordinates);
-        if normal.distance_in_variances(&free, coordinates) < CONVERGED_VARIANCES {
+        if normal.distance_in_variances(&free, coordinates) < close {
             break Stop::Converged;
         }
         if evaluations >= budget.evaluations {

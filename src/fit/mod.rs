@@ -98,7 +98,13 @@ impl Solution {
 /// Minimises the criterion from `start`.
 pub fn solve(problem: &dyn Residuals, start: &[f64], method: Method, budget: Budget) -> Solution {
     match method {
-        Method::Lm => lm::levenberg_marquardt(problem, start, budget),
+        Method::Lm => lm::levenberg_marquardt(problem, start, budget, lm::CONVERGED_VARIANCES),
         Method::Bfgs | Method::Dfp => quasi_newton::quasi_newton(problem, start, method, budget),
     }
+}
+
+/// Minimises the criterion by Levenberg-Marquardt until it lies within `close` variances of the residuals above its
+/// minimum, by the local quadratic model: hypotheses can be told apart long before a fit has converged.
+pub fn approach(problem: &dyn Residuals, start: &[f64], budget: Budget, close: f64) -> Solution {
+    lm::levenberg_marquardt(problem, start, budget, close)
 }

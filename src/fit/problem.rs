@@ -66,6 +66,11 @@ pub trait Residuals: Sync {
 
     /// Weights `w_i` \[s\] of the residuals in a block.
     fn weights(&self, block: usize) -> &[f64];
+
+    /// For a block of beliefs, not of readings: the variance of each of its residuals.
+    fn belief_variance(&self, _block: usize) -> Option<f64> {
+        None
+    }
 }
 
 /// Normal equations of a linearised problem: `J'J` and `J'r`, with the criterion and the number of residuals.

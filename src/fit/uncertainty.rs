@@ -73,15 +73,25 @@ pub fn uncertainty(problem: &dyn Residuals, blocks: &[Block]) -> Result<Uncertai
     let normal = Normal::of(blocks, p);
     let answering: Vec<usize> = (0..p).filter(|&i| normal.jtj[(i, i)] > 0.0).collect();
     let inverse = inverse_of(&normal.jtj, &answering)?;
-    let n = normal.residuals as f64;
+    let of_readings = |i: &usize| problem.belief_variance(*i).is_none();
+    let readings: Vec<&Block> = (0..blocks.len()).filter(of_readings).map(|i| &blocks[i]).collect();
+    let n = readings.iter().map(|b| b.residual.len()).sum::<usize>() as f64;
+    let criterion: f64 = readings.iter().flat_map(|b| &b.residual).map(|r| r * r).sum();
     let freedom = n - answering.len() as f64;
     if freedom < 1.0 {
         return Err(Undetermined { direction: DVector::zeros(p) });
     }
-    let correlation_length: Vec<f64> = blocks.iter().map(|b| correlation_length(&b.residual)).collect();
-    let effective: f64 = blocks.iter().zip(&correlation_length).map(|(b, l)| b.residual.len() as f64 / l).sum();
+    let correlation_length: Vec<f64> = readings.iter().map(|b| correlation_length(&b.residual)).collect();
+    let effective: f64 = readings.iter().zip(&correlation_length).map(|(b, l)| b.residual.len() as f64 / l).sum();
     let mut middle = DMatrix::zeros(p, p);
-    for (i, (block, length)) in blocks.iter().zip(&correlation_length).enumerate() {
+    let mut length = correlation_length.iter();
+    for (i, block) in blocks.iter().enumerate() {
+        if let Some(variance) = problem.belief_variance(i) {
+            // A belief is a reading of the parameter, with the variance that it states.
+            add_products(&mut middle, block, variance);
+            continue;
+        }
+        let Some(length) = length.next() else { continue };
         let scores = score_sums(block, *length);
         let rounding = rounding_sums(block, &problem.rounding(i), problem.weights(i));
         let m = block.columns.len();
@@ -91,7 +101,7 @@ pub fn uncertainty(problem: &dyn Residuals, blocks: &[Block]) -> Result<Uncertai
             }
         }
     }
-    let mut naive = &inverse * (normal.criterion / freedom);
+    let mut naive = &inverse * (criterion / freedom);
     let mut robust = &inverse * middle * &inverse * (n / freedom);
     // Short records underestimate their own correlation: the robust variance is never below the naive one.
     for &i in &answering {
@@ -118,6 +128,18 @@ pub fn uncertainty(problem: &dyn Residuals, blocks: &[Block]) -> Result<Uncertai
         correlation_length,
         unbounded_step,
     })
+}
+
+/// Adds the products of a block's rows, each of this variance.
+fn add_products(middle: &mut DMatrix<f64>, block: &Block, variance: f64) {
+    let m = block.columns.len();
+    for row in block.jacobian.chunks_exact(m.max(1)) {
+        for a in 0..m {
+            for b in 0..m {
+                middle[(block.columns[a], block.columns[b])] += variance * row[a] * row[b];
+            }
+        }
+    }
 }
 
 /// Inverse of `J'J` on the answering coordinates, zero elsewhere, scaled to a unit diagonal first.

@@ -1,12 +1,14 @@
-//! Which effect: the joint as given, recalibrated, with each effect, and with a second one.
+//! Which causes: the joint as given, recalibrated within its beliefs, and with the set of effects that explains most.
 
-use super::compare::{correlation_length, difference};
+use super::chance;
+use super::compare::difference;
 use super::evidence::{Evidence, counts};
-use super::explore::{explore, one_of_each, refitted};
+use super::explore::one_of_each;
 use super::floor::noise_rad;
+use super::folds::Folds;
+use super::grow::Growth;
 use super::model::GapModel;
-use super::pairs::pairs;
-use super::sight::Sight;
+use super::score::Measure;
 use super::trial::Trial;
 use crate::fit::Budget;
 use crate::identify::{Experiment, Problem, candidates, ranked};
@@ -17,160 +19,204 @@ use rayon::prelude::*;
 pub(super) struct Attribution {
     /// The joint as given.
     pub given: Trial,
-    /// Its four numbers refitted.
+    /// Its numbers refitted within their beliefs.
     pub calibrated: Trial,
-    /// With one effect each, best score first.
+    /// With the causes that were found, in the order of what they close; the recalibrated joint where there are none.
+    pub best: Trial,
+    /// The recalibrated joint with the first cause, the first two, and so on; the last is the best.
+    pub ladder: Vec<Trial>,
+    /// For each cause: the recalibrated joint with it alone.
+    pub alone: Vec<Trial>,
+    /// For each cause: the best without it.
+    pub without: Vec<Trial>,
+    /// For each cause: the best with another effect in its place, best first.
+    pub rivals: Vec<Vec<Trial>>,
+    /// With one effect each, best first.
     pub firsts: Vec<Trial>,
-    /// With two effects each, best score first; empty where one leaves nothing to explain.
-    pub seconds: Vec<Trial>,
     /// Standard deviation of the sensor's own noise \[rad\].
     pub noise_rad: f64,
     /// How many successive residuals of the best hypothesis count as one.
     pub correlation: f64,
+    /// Deviance that the best effect gains by chance, in one study of two hundred in which nothing is missing.
+    pub chance: f64,
 }
 
-/// Firsts from which a second effect is sought.
-const FIRSTS: usize = 2;
-/// Pairs of each first that are kept.
-const PAIRS: usize = 3;
-/// A hypothesis is carried over to all samples where its criterion is below the best one's times this.
+/// Sets that are carried over from short parts of the logs.
+const CARRIED: usize = 2;
+/// A single effect is carried over to all samples where its criterion is below the best one's times this.
 const SERIOUS: f64 = 4.0;
 /// At the most so many single effects are carried over.
 const MOST: usize = 6;
 /// Evaluations of a fit that begins near its end.
 const AGAIN: Budget = Budget { evaluations: 24 };
-/// The same share, from which on the search may have ended in a wrong place.
-const FAR: f64 = 0.12;
+/// A share above the noise from which on the search may have ended in a wrong place.
+const FAR: f64 = 0.5;
 /// Held-out logs show more where they exceed the noise by this many times as much as the fitted ones.
 const SHOWS_MORE: f64 = 6.0;
 /// A hypothesis whose squared residuals exceed the noise by this share leaves something to explain.
-pub(super) const LEFT_OVER: f64 = 0.04;
+pub(super) const LEFT_OVER: f64 = 0.02;
+/// Rivals within this score of the best are carried over to all samples.
+const NEAR: f64 = 60.0;
+/// Standard deviations by which a cause has to predict logs better that were not fitted.
+const PREDICTS: f64 = 0.5;
+/// Score by which the set from short parts has to be better.
+const BETTER: f64 = 1.0;
 
 impl Attribution {
     /// Fits all hypotheses about a study; `effects` is the catalogue that is considered.
     ///
     /// Everything is tried on fewer samples first; only what comes near the best is fitted to all of them.
     pub fn of(evidence: &Evidence, effects: &[EffectId], progress: &(dyn Fn(&str) + Sync)) -> Self {
+        let began = std::time::Instant::now();
+        let progress = |what: &str| {
+            if std::env::var_os("GAP_DEBUG").is_some() {
+                eprintln!("{:7.2} {what}", began.elapsed().as_secs_f64());
+            }
+            progress(what);
+        };
         let coarse = evidence.coarse();
-        let baseline = GapModel::baseline(&evidence.nominal, evidence.rest_rad, &evidence.reach);
+        let baseline = evidence.baseline();
         progress("the joint as given");
         let given = Trial::as_given(&coarse, &baseline);
         progress("recalibrating");
-        let calibrated = calibrate(&coarse, &baseline, &given);
-        progress("trying one effect");
-        let mut this =
-            Self { given, calibrated, firsts: Vec::new(), seconds: Vec::new(), noise_rad: 0.0, correlation: 1.0 };
-        let as_given = this.given.found.values.clone();
-        let sights = Sight::from_each(&coarse, &this.calibrated, std::slice::from_ref(&as_given), effects);
-        this.firsts = explore(&coarse, &this.calibrated, &sights);
-        // A baseline that has been in the wrong place shows when an effect that found the right one is dropped.
-        let dropped = |t: &Trial, k: usize| t.without(&coarse, &baseline, k, AGAIN);
-        let again: Vec<Trial> = this.firsts.par_iter().take(PAIRS).map(|t| dropped(t, 0)).collect();
-        for trial in again {
-            if trial.criterion() < 0.999 * this.calibrated.criterion() {
-                this.calibrated = trial;
+        let mut calibrated = calibrate(&coarse, &baseline, &given);
+        progress("trying causes");
+        let samples: f64 = coarse.fit.iter().map(|e| counts(e).sum::<f64>()).sum();
+        let enough = |noise_rad: f64| samples * noise_rad.powi(2) * (1.0 + LEFT_OVER);
+        let as_given = given.found.values.clone();
+        let rough = noise_rad(&coarse, &[&given, &calibrated]);
+        let growth = Growth { evidence: &coarse, effects, as_given: &as_given, enough: enough(rough) };
+        let (mut best, mut firsts) = growth.from(&calibrated);
+        let noise = noise_rad(&coarse, &[&given, &calibrated, &best]);
+        let growth = Growth { enough: enough(noise), ..growth };
+        let far = |t: &Trial| t.fit_loss(&coarse) > samples * noise.powi(2) * (1.0 + FAR);
+        if far(&best) {
+            progress("looking at short parts of the logs");
+            let carried = in_short_parts(&coarse, &growth, &calibrated);
+            for other in carried.into_iter().take(1).map(|t| growth.from(&t).0) {
+                let measure = Measure::by(&coarse, if other.fit_loss(&coarse) < best.fit_loss(&coarse) { &other } else { &best });
+                if measure.score(&coarse, &other) < measure.score(&coarse, &best) - BETTER {
+                    best = other;
+                }
             }
         }
-        this.measure(&coarse);
-        if this.leaves(&coarse, LEFT_OVER) {
-            progress("trying a second effect");
-            let together = pairs(&coarse, &this.calibrated, &sights);
-            let seconds = this.firsts.iter().take(FIRSTS).flat_map(|first| {
-                let others: Vec<EffectId> = effects.iter().copied().filter(|e| !first.effects().contains(e)).collect();
-                let mut also = as_given.clone();
-                also.extend(&first.found.values[first.model.place(0)]);
-                let sights = Sight::from_each(&coarse, first, &[also], &others);
-                let mut found = explore(&coarse, first, &sights);
-                found.truncate(PAIRS);
-                found
-            });
-            this.seconds = one_of_each(seconds.chain(together).collect());
-            this.seconds.truncate(2 * PAIRS);
-            if this.leaves(&coarse, FAR) {
-                progress("looking at short parts of the logs");
-                this.seek_in_short_parts(&coarse, &baseline, effects);
+        // A baseline that has been in the wrong place shows when the effects that found the right one are dropped.
+        if !best.effects().is_empty() {
+            let bare = best.keeping(&coarse, &[], AGAIN);
+            if bare.criterion() < 0.999 * calibrated.criterion() {
+                calibrated = bare;
             }
-            let singles: Vec<Trial> =
-                this.seconds.par_iter().take(PAIRS).flat_map(|t| [dropped(t, 0), dropped(t, 1)]).collect();
-            this.firsts.extend(singles);
-            this.firsts = one_of_each(std::mem::take(&mut this.firsts));
         }
+        progress("exchanging causes");
+        let best = growth.pruned(best);
+        let sights = growth.sights(&calibrated, effects);
+        let chance = chance::threshold(&coarse, &sights, &best);
+        let (best, without, rivals) = growth.exchanged(best);
+        let best = proven(&coarse, best, without, chance);
+        let (best, without, rivals) = if best.effects().len() == rivals.len() {
+            let without = growth.without_each(&best);
+            (best, without, rivals)
+        } else {
+            growth.exchanged(best)
+        };
+        if best.effects().len() == 1 && !firsts.iter().any(|t| t.effects() == best.effects()) {
+            firsts.push(best.clone());
+        }
+        firsts = one_of_each(firsts);
+        let mut this = Self {
+            given,
+            calibrated,
+            ladder: Vec::new(),
+            alone: Vec::new(),
+            without,
+            rivals,
+            firsts,
+            noise_rad: noise,
+            correlation: 1.0,
+            chance,
+            best,
+        };
         progress("the serious ones on all samples");
         this.on_all_samples(evidence);
         this
     }
 
-    /// Seeks effects and pairs of them on short parts of the logs, and carries what is found there over to whole ones.
-    fn seek_in_short_parts(&mut self, coarse: &Evidence, baseline: &GapModel, effects: &[EffectId]) {
-        let short = coarse.in_parts();
-        let given = Trial::as_given(&short, baseline);
-        let mut calibrated = calibrate(&short, baseline, &given);
-        // Fitted starts hide what is missing; those that the readings show do not.
-        calibrated.found.starts = short.fit.iter().map(|e| e.start_coordinates(&e.start)).collect();
-        let sights = Sight::from_each(&short, &calibrated, std::slice::from_ref(&given.found.values), effects);
-        let found = [explore(&short, &calibrated, &sights), pairs(&short, &calibrated, &sights)];
-        for (found, known) in found.into_iter().zip([&mut self.firsts, &mut self.seconds]) {
-            let line = found.first().map_or(0.0, |best| SERIOUS * best.criterion());
-            let serious = found.into_iter().take(PAIRS).filter(|t| t.criterion() < line);
-            let candidates = serious.map(|t| (t.effects().to_vec(), t.found.values)).collect();
-            known.extend(refitted(coarse, &self.calibrated, candidates));
-            *known = one_of_each(std::mem::take(known));
-        }
-        self.seconds.truncate(2 * PAIRS);
-        self.measure(coarse);
-    }
-
     /// Carries what may matter over to all samples, and predicts the held-out logs.
     fn on_all_samples(&mut self, evidence: &Evidence) {
-        let near = |best: f64, t: &Trial| t.criterion() < SERIOUS * best;
-        let best = self.firsts.first().map_or(f64::INFINITY, Trial::criterion);
-        let seconds_best = self.seconds.first().map_or(f64::INFINITY, Trial::criterion);
-        self.firsts.truncate(self.firsts.iter().position(|t| !near(best, t)).unwrap_or(usize::MAX).clamp(2, MOST));
-        self.seconds.truncate(self.seconds.iter().position(|t| !near(seconds_best, t)).unwrap_or(usize::MAX).min(3));
+        let line = self.firsts.first().map_or(f64::INFINITY, |best| SERIOUS * best.criterion());
+        self.firsts.retain(|t| t.criterion() < line);
+        self.firsts.truncate(MOST);
+        let measure = Measure::by(&evidence.coarse(), &self.best);
+        let coarse = evidence.coarse();
+        let score = measure.score(&coarse, &self.best);
+        for rivals in &mut self.rivals {
+            rivals.retain(|t| measure.score(&coarse, t) < score + NEAR);
+        }
         let mut given = self.given.on(evidence, AGAIN);
         given.predict(evidence, None);
         let mut calibrated = self.calibrated.on(evidence, AGAIN);
         calibrated.predict(evidence, Some(&given));
-        for trials in [&mut self.firsts, &mut self.seconds] {
-            trials.par_iter_mut().for_each(|t| {
-                *t = t.on(evidence, AGAIN);
-                t.predict(evidence, Some(&calibrated));
-            });
-        }
         (self.given, self.calibrated) = (given, calibrated);
-        self.measure(evidence);
-    }
-
-    /// Noise and correlation as the hypotheses so far show them; then the best come first.
-    fn measure(&mut self, evidence: &Evidence) {
-        let all: Vec<&Trial> =
-            [&self.given, &self.calibrated].into_iter().chain(&self.firsts).chain(&self.seconds).collect();
+        let near = &self.calibrated;
+        let there = |t: &mut Trial| {
+            *t = t.on(evidence, AGAIN);
+            t.predict(evidence, Some(near));
+        };
+        let causes = self.best.effects().len();
+        self.alone = (0..causes).into_par_iter().map(|k| self.best.keeping(evidence, &[k], AGAIN)).collect();
+        there(&mut self.best);
+        self.without.par_iter_mut().for_each(there);
+        self.firsts.par_iter_mut().for_each(there);
+        self.rivals.par_iter_mut().for_each(|rivals| rivals.iter_mut().for_each(there));
+        self.alone.par_iter_mut().for_each(|t| t.predict(evidence, Some(near)));
+        self.in_order(evidence);
+        let all: Vec<&Trial> = [&self.given, &self.calibrated, &self.best].into_iter().chain(&self.firsts).collect();
         self.noise_rad = noise_rad(evidence, &all);
-        self.rank(evidence);
+        self.correlation = super::compare::correlation_length(evidence, &self.best);
+        let measure = Measure::by(evidence, &self.best);
+        self.firsts.sort_by(|a, b| measure.score(evidence, a).total_cmp(&measure.score(evidence, b)));
+        for rivals in &mut self.rivals {
+            rivals.sort_by(|a, b| measure.score(evidence, a).total_cmp(&measure.score(evidence, b)));
+        }
     }
 
-    /// Whether the best hypothesis leaves more than this share above the noise.
-    fn leaves(&self, evidence: &Evidence, share: f64) -> bool {
-        let all = [&self.calibrated].into_iter().chain(&self.firsts).chain(&self.seconds);
-        let best = all.map(|t| self.excess(evidence, t));
-        best.fold(f64::INFINITY, f64::min) > share
+    /// Puts the causes in the order of what they close, the one that alone closes most first, and fits the sets between.
+    fn in_order(&mut self, evidence: &Evidence) {
+        let causes = self.best.effects().len();
+        let loss = |t: &Trial| t.fit_loss(evidence) + t.held_loss(evidence);
+        let mut order: Vec<usize> = (0..causes).collect();
+        order.sort_by(|a, b| loss(&self.without[*b]).total_cmp(&loss(&self.without[*a])));
+        if let Some(first) = (0..causes).min_by(|a, b| loss(&self.alone[*a]).total_cmp(&loss(&self.alone[*b]))) {
+            order.retain(|k| *k != first);
+            order.insert(0, first);
+        }
+        let sorted = self.best.keeping(evidence, &order, AGAIN);
+        let pick = |all: &[Trial]| order.iter().map(|&k| all[k].clone()).collect::<Vec<_>>();
+        (self.alone, self.without) = (pick(&self.alone), pick(&self.without));
+        self.rivals = order.iter().map(|&k| self.rivals[k].clone()).collect();
+        self.best = sorted;
+        self.best.predict(evidence, Some(&self.calibrated));
+        let between: Vec<usize> = (1..causes).collect();
+        self.ladder = between
+            .into_par_iter()
+            .map(|n| {
+                if n == 1 {
+                    return self.alone[0].clone();
+                }
+                let kept: Vec<usize> = (0..n).collect();
+                let mut t = self.best.keeping(evidence, &kept, AGAIN);
+                t.predict(evidence, Some(&self.calibrated));
+                t
+            })
+            .collect();
+        if causes > 0 {
+            self.ladder.push(self.best.clone());
+        }
     }
 
-    fn rank(&mut self, evidence: &Evidence) {
-        let best = self.firsts.iter().chain(&self.seconds).min_by(|a, b| a.criterion().total_cmp(&b.criterion()));
-        self.correlation = best.map_or(1.0, |t| correlation_length(evidence, t));
-        let (mut firsts, mut seconds) = (std::mem::take(&mut self.firsts), std::mem::take(&mut self.seconds));
-        firsts.sort_by(|a, b| self.score(evidence, a).total_cmp(&self.score(evidence, b)));
-        seconds.sort_by(|a, b| self.score(evidence, a).total_cmp(&self.score(evidence, b)));
-        (self.firsts, self.seconds) = (firsts, seconds);
-    }
-
-    /// Deviance of a hypothesis over fitted and held-out logs, with a charge for its parameters; less is better.
+    /// Score of a hypothesis on the fitted logs; less is better.
     pub fn score(&self, evidence: &Evidence, trial: &Trial) -> f64 {
-        let unit = self.noise_rad.powi(2) * self.correlation;
-        let samples: f64 = evidence.fit.iter().map(|e| counts(e).sum::<f64>()).sum::<f64>() / self.correlation;
-        let charge = trial.model.free() as f64 * samples.max(2.0).ln();
-        (trial.fit_loss(evidence) + trial.held_loss(evidence)) / unit + charge
+        Measure::by(evidence, &self.best).score(evidence, trial)
     }
 
     /// Share by which the squared residuals over all logs exceed the noise.
@@ -195,9 +241,7 @@ impl Attribution {
         if evidence.held.is_empty() {
             return false;
         }
-        let all = [&self.calibrated].into_iter().chain(&self.firsts).chain(&self.seconds);
-        let best = all.min_by(|a, b| self.score(evidence, a).total_cmp(&self.score(evidence, b)));
-        let [held, fitted] = best.map_or([0.0; 2], |t| self.excess_apart(evidence, t));
+        let [held, fitted] = self.excess_apart(evidence, &self.best);
         held > SHOWS_MORE * (fitted.max(0.0) + LEFT_OVER)
     }
 
@@ -207,9 +251,55 @@ impl Attribution {
     }
 }
 
-/// The four numbers refitted, from several starts: as given, from smoothed accelerations and short parts of the logs,
-/// and with friction and inertia changed by factors.
+/// Sets of effects found on short parts of the logs, on which no hypothesis runs far from its log, carried over.
+fn in_short_parts(coarse: &Evidence, growth: &Growth<'_>, calibrated: &Trial) -> Vec<Trial> {
+    let short = coarse.in_parts();
+    let baseline = coarse.baseline();
+    let given = Trial::as_given(&short, &baseline);
+    let mut base = calibrate(&short, &baseline, &given);
+    // Fitted starts hide what is missing; those that the readings show do not.
+    base.found.starts = short.fit.iter().map(|e| e.start_coordinates(&e.start)).collect();
+    let inside = Growth { evidence: &short, ..*growth };
+    let (best, mut found) = inside.from(&base);
+    found.truncate(CARRIED - 1);
+    found.insert(0, best);
+    found.retain(|t| !t.effects().is_empty());
+    growth.carried(calibrated, &found)
+}
+
+/// The set without members that chance may have brought, or that do not predict logs which were not fitted.
+fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance: f64) -> Trial {
+    while !best.effects().is_empty() {
+        let measure = Measure::by(evidence, &best);
+        let deviance = |t: &Trial| measure.deviance(evidence, t);
+        let folds = Folds::of(evidence);
+        let held = folds.residuals(evidence, &best);
+        let worth = |t: &Trial| {
+            let gained = deviance(t) - deviance(&best);
+            let lost = folds.difference(&folds.residuals(evidence, t), &held);
+            let predicts = lost.sum > PREDICTS * lost.sd;
+            if predicts { gained - chance } else { f64::NEG_INFINITY }
+        };
+        let worths: Vec<f64> = without.par_iter().map(worth).collect();
+        let worst = (0..worths.len()).min_by(|a, b| worths[*a].total_cmp(&worths[*b]));
+        match worst {
+            Some(k) if worths[k] < 0.0 => {
+                // Of several that do not predict, the one whose absence costs least goes first.
+                let failing: Vec<usize> = (0..worths.len()).filter(|k| worths[*k] < 0.0).collect();
+                let least = failing.into_iter().min_by(|a, b| deviance(&without[*a]).total_cmp(&deviance(&without[*b])));
+                best = without.swap_remove(least.unwrap_or(k));
+                without = (0..best.effects().len()).map(|k| best.without(evidence, k, AGAIN)).collect();
+            }
+            _ => break,
+        }
+    }
+    best
+}
+
+/// The numbers refitted within their beliefs, from several starts: as given, from smoothed accelerations and short parts
+/// of the logs, and with friction and inertia changed by factors.
 fn calibrate(evidence: &Evidence, baseline: &GapModel, given: &Trial) -> Trial {
+    let baseline = &baseline.clone().in_unit(given.unit_rad2_s(evidence));
     let problem = Problem::new(baseline, &evidence.fit);
     let starts: Vec<Vec<f64>> = ranked(&problem, candidates(baseline, &evidence.fit)).into_iter().take(4).collect();
     let from_given = given.found.values.clone();
@@ -220,5 +310,7 @@ fn calibrate(evidence: &Evidence, baseline: &GapModel, given: &Trial) -> Trial {
         .map(|values| Trial::solved(evidence, baseline.clone(), &values, given.found.starts.clone(), AGAIN))
         .collect();
     let best = brief.into_iter().min_by(|a, b| a.criterion().total_cmp(&b.criterion()));
-    best.unwrap_or_else(|| given.clone())
+    let best = best.unwrap_or_else(|| given.clone());
+    // Beliefs weigh as much as the residuals that are left say; twice is enough to come to rest.
+    best.settled(evidence, AGAIN).settled(evidence, AGAIN)
 }

@@ -1,169 +1,171 @@
 //! From fitted hypotheses to a verdict.
 //!
-//! A hypothesis with more in it has to earn its place three times: on the logs it was fitted to, by more than its
-//! parameters could buy from correlated noise; on logs it was not fitted to; and by a part of the gap that matters.
-//! What then stays above the noise is weighed against what was closed: an effect that leaves most of it is a partial
-//! explanation, and the verdict is that none of the catalogue explains these logs.
+//! The causes have earned their place before: each gains more than chance would, and each predicts logs that were not
+//! fitted. What is decided here is what kind of answer that makes: whether the numbers alone have moved, whether what
+//! stays above the noise is small beside what was closed, and which other effects would do as well.
 
 use super::attribute::Attribution;
 use super::diagnosis::Verdict;
 use super::evidence::Evidence;
 use super::floor::rough_rad;
 use super::held_out::{HeldOut, closed};
+use super::model::{BASELINE, GAIN};
 use super::trial::Trial;
+use crate::identify::JointModel;
 use crate::joint::EffectId;
 
-/// Deviance per added parameter that a richer hypothesis must gain, and on top of it, for having been chosen among
-/// seventeen.
-const PER_PARAMETER: f64 = 6.0;
-const FOR_THE_CHOICE: f64 = 24.0;
-/// Standard deviations by which it must predict held-out logs better.
-const HELD_OUT_Z: f64 = 1.0;
-/// Deviance whose gain on the fitted logs is enough where the held-out ones are not predicted worse.
-const OVERWHELMING: f64 = 400.0;
-/// A held-out error below the noise times this is hardly a gap: only an overwhelming gain makes something of it.
-const HARDLY_A_GAP: f64 = 1.1;
+/// Deviance that recalibration must gain, beside what its numbers cost under the beliefs.
+const RECALIBRATES: f64 = 24.0;
 /// Share of the noise's square sum that it must take away.
 const MATTERS: f64 = 0.008;
+/// A held-out error below the noise times this is hardly a gap.
+const HARDLY_A_GAP: f64 = 1.1;
+/// Deviance that makes something even of that.
+const OVERWHELMING: f64 = 400.0;
 /// Share by which squared residuals may exceed the noise in a joint that is explained: the noise is not known better.
 pub(super) const EXPLAINED: f64 = 0.12;
 /// The same where no effect improves anything: only a clear rest is worth an alarm.
 const NO_ALARM: f64 = 0.3;
-/// Share of the recalibrated gap that an effect must close to be called its cause while something is left.
-const CLOSES: f64 = 0.8;
-/// Share of what the first effect leaves that a second one must close, unless it leaves nothing.
-const SECOND_CLOSES: f64 = 0.6;
+/// Share of the recalibrated gap that the causes must close to be called its causes while something is left.
+const CLOSES: f64 = 0.75;
 /// Deviance within which hypotheses count as equally good, and standard deviations of their difference.
 const EQUAL_DEVIANCE: f64 = 9.0;
 const EQUAL_Z: f64 = 1.7;
+/// A number that had to move by so many of its standard deviations is a finding.
+pub(super) const FINDING_SD: f64 = 3.0;
 
 /// The verdict with the hypotheses it rests on.
 pub(super) struct Decision<'a> {
     pub verdict: Verdict,
     /// The first effect of the answer, or of the best partial explanation.
     pub first: Option<&'a Trial>,
-    /// What the answer rests on: as given, recalibrated, with one effect, or with two.
+    /// What the answer rests on: as given, recalibrated, or with causes.
     pub answer: &'a Trial,
-    pub effect: Option<EffectId>,
-    pub second: Option<EffectId>,
+    /// Causes in the order of what they close.
+    pub effects: Vec<EffectId>,
+    /// Effects that would do as well in the place of the first, which is included.
     pub equivalent: Vec<EffectId>,
     /// Share by which the answer's squared residuals exceed the noise.
     pub excess: f64,
     /// What earned the answer its place: deviance over the next simpler hypothesis.
     pub gain: f64,
-    /// Deviance by which the best hypothesis outside the set is worse.
+    /// Score by which the best hypothesis outside the set is worse.
     pub margin: f64,
+    /// The number that had to move most, of those that are findings.
+    pub finding: Option<usize>,
+}
+
+impl Decision<'_> {
+    pub fn effect(&self) -> Option<EffectId> {
+        self.effects.first().copied()
+    }
+
+    pub fn second(&self) -> Option<EffectId> {
+        self.effects.get(1).copied()
+    }
 }
 
 /// Judges the hypotheses.
 pub(super) fn decide<'a>(evidence: &Evidence, held: &HeldOut, a: &'a Attribution) -> Decision<'a> {
     let judge = Judge { evidence, held, a };
-    let calibrated_pays = judge.earns(&a.calibrated, &a.given, 4.0);
-    let simple = if calibrated_pays { &a.calibrated } else { &a.given };
-    let first = a.firsts.first().filter(|t| judge.earns(t, &a.calibrated, added(t, &a.calibrated)));
-    // A pair may earn what neither of its effects does alone, but only by far: it is one of hundreds.
-    let pair = a.seconds.first().filter(|pair| match first {
-        Some(first) => judge.second_earns(pair, first),
-        None => {
-            let gained = judge.deviance(&a.calibrated) - judge.deviance(pair);
-            gained > OVERWHELMING && judge.second_earns(pair, &a.calibrated)
-        }
-    });
-    let Some(answer) = pair.or(first) else {
+    if a.best.effects().is_empty() { judge.without_effects() } else { judge.with_effects() }
+}
+
+struct Judge<'a, 'e> {
+    evidence: &'e Evidence,
+    held: &'e HeldOut,
+    a: &'a Attribution,
+}
+
+impl<'a> Judge<'a, '_> {
+    fn without_effects(&self) -> Decision<'a> {
+        let (a, evidence) = (self.a, self.evidence);
+        let pays = self.recalibration_pays();
+        let simple = if pays { &a.calibrated } else { &a.given };
         let excess = a.excess(evidence, simple);
         // What has no shape is noise, however large: no model could take it up.
         let shape = (1.0 + excess) * (a.noise_rad / rough_rad(evidence, simple).max(a.noise_rad)).powi(2) - 1.0;
         // A rest that does not show where the joint has to be predicted is no alarm either.
-        let alarm = shape >= NO_ALARM && held.rms_rad(&held.residuals(evidence, simple)) > a.noise_rad;
-        let verdict = match (calibrated_pays, alarm) {
+        let alarm = shape >= NO_ALARM && self.held.rms_rad(&self.held.residuals(evidence, simple)) > a.noise_rad;
+        let verdict = match (pays, alarm) {
             (false, false) => Verdict::None,
             (true, false) => Verdict::Calibration,
             (_, true) => Verdict::Unexplained,
         };
-        let gain = if calibrated_pays { judge.deviance(&a.given) - judge.deviance(&a.calibrated) } else { 0.0 };
-        let margin = a.firsts.first().map_or(f64::INFINITY, |t| a.score(evidence, t) - a.score(evidence, simple));
-        return Decision {
-            verdict,
+        let finding = if pays { moved_most(simple) } else { None };
+        // The gain of the drive as a number is the effect of a motor that delivers more or less than commanded.
+        let is_gain = verdict == Verdict::Calibration && finding == Some(GAIN);
+        let effects = if is_gain { vec![EffectId::MotorGain] } else { Vec::new() };
+        Decision {
+            verdict: if is_gain { Verdict::Effect } else { verdict },
             first: None,
             answer: simple,
-            effect: None,
-            second: None,
-            equivalent: Vec::new(),
+            equivalent: effects.clone(),
+            effects,
             excess,
-            gain,
-            margin,
-        };
-    };
-    let excess = a.excess(evidence, answer);
-    let closes = judge.closed(&a.calibrated, answer).unwrap_or(0.0);
-    let explained = excess < EXPLAINED || closes > CLOSES;
-    // The first of a pair is the one that alone closes more.
-    let rank = |effect: &EffectId| a.firsts.iter().position(|t| t.effects() == [*effect]).unwrap_or(usize::MAX);
-    let mut effects = answer.effects().to_vec();
-    effects.sort_by_key(rank);
-    let (effect, second) = (effects.first().copied(), effects.get(1).copied());
-    let (mut equivalent, margin) = judge.equivalent(answer, effect, second);
-    // Of single effects that stand equally well the one with the fewest parameters is named.
-    let simplest = equivalent.iter().copied().min_by_key(|e| e.searched_count());
-    let (answer, effect) = match (second, simplest) {
-        (None, Some(simplest)) if Some(simplest) != effect => {
-            equivalent.sort_by_key(|e| *e != simplest);
-            let trial = a.firsts.iter().find(|t| t.effects() == [simplest]);
-            (trial.unwrap_or(answer), Some(simplest))
+            gain: if pays { self.deviance(&a.given) - self.deviance(&a.calibrated) } else { 0.0 },
+            margin: a.firsts.first().map_or(f64::INFINITY, |t| self.score(t) - self.score(simple)),
+            finding,
         }
-        _ => (answer, effect),
-    };
-    let simpler = if second.is_some() { first.unwrap_or(&a.calibrated) } else { &a.calibrated };
-    Decision {
-        verdict: if explained { Verdict::Effect } else { Verdict::Unexplained },
-        first: a.firsts.iter().find(|t| Some(t.effects()[0]) == effect).or(first),
-        answer,
-        effect,
-        second,
-        equivalent,
-        excess,
-        gain: judge.deviance(simpler) - judge.deviance(answer),
-        margin,
     }
-}
 
-fn added(rich: &Trial, simple: &Trial) -> f64 {
-    rich.model.free().saturating_sub(simple.model.free()) as f64
-}
+    fn with_effects(&self) -> Decision<'a> {
+        let a = self.a;
+        let answer = &a.best;
+        let excess = a.excess(self.evidence, answer);
+        let closes = self.closed(&a.calibrated, answer).unwrap_or(0.0);
+        let explained = excess < EXPLAINED || closes > CLOSES;
+        let mut effects = answer.effects().to_vec();
+        let (mut equivalent, margin) = self.equivalent();
+        let mut chosen = answer;
+        // Of single effects that stand equally well the one with the fewest parameters is named.
+        let simplest = equivalent.iter().copied().min_by_key(|e| e.searched_count());
+        if let ([only], Some(simplest)) = (&effects[..], simplest)
+            && simplest != *only
+            && let Some(trial) = a.rivals[0].iter().find(|t| t.effects() == [simplest])
+        {
+            equivalent.sort_by_key(|e| *e != simplest);
+            (effects, chosen) = (vec![simplest], trial);
+        }
+        let simpler = a.without.last().unwrap_or(&a.calibrated);
+        Decision {
+            verdict: if explained { Verdict::Effect } else { Verdict::Unexplained },
+            first: if effects.len() == 1 { Some(chosen) } else { a.ladder.first() },
+            answer: chosen,
+            effects,
+            equivalent,
+            excess,
+            gain: self.deviance(simpler) - self.deviance(answer),
+            margin,
+            finding: moved_most(chosen),
+        }
+    }
 
-struct Judge<'a> {
-    evidence: &'a Evidence,
-    held: &'a HeldOut,
-    a: &'a Attribution,
-}
-
-impl Judge<'_> {
-    /// Deviance on the fitted logs.
+    /// Deviance on the fitted logs, with what the beliefs ask.
     fn deviance(&self, trial: &Trial) -> f64 {
-        trial.fit_loss(self.evidence) / (self.a.noise_rad.powi(2) * self.a.correlation)
+        super::score::Measure::by(self.evidence, &self.a.best).deviance(self.evidence, trial)
     }
 
-    /// Whether `rich` earns its place over `simple`.
-    fn earns(&self, rich: &Trial, simple: &Trial, parameters: f64) -> bool {
+    fn score(&self, trial: &Trial) -> f64 {
+        self.a.score(self.evidence, trial)
+    }
+
+    /// Whether refitting the numbers within their beliefs earns its place over the joint as given.
+    fn recalibration_pays(&self) -> bool {
+        let (rich, simple) = (&self.a.calibrated, &self.a.given);
         let gained = self.deviance(simple) - self.deviance(rich);
         let matters = self.a.excess(self.evidence, simple) - self.a.excess(self.evidence, rich) > MATTERS;
-        if !matters || !(gained > PER_PARAMETER * parameters + FOR_THE_CHOICE) {
+        if !matters || !(gained > RECALIBRATES) {
             return false;
         }
         let of = |t: &Trial| self.held.residuals(self.evidence, t);
-        let before_rad = self.held.rms_rad(&of(&self.a.given));
-        if before_rad < HARDLY_A_GAP * self.a.noise_rad && gained < OVERWHELMING {
+        let before = of(simple);
+        if self.held.rms_rad(&before) < HARDLY_A_GAP * self.a.noise_rad && gained < OVERWHELMING {
             return false;
         }
-        let lost = self.held.difference(&of(simple), &of(rich));
+        let lost = self.held.difference(&before, &of(rich));
         // Where the held-out logs do not show it, an overwhelming gain on the others must do.
-        lost.sum > HELD_OUT_Z * lost.sd || (gained > OVERWHELMING && lost.sum > -HELD_OUT_Z * lost.sd)
-    }
-
-    fn second_earns(&self, pair: &Trial, first: &Trial) -> bool {
-        let (left, then) = (self.a.excess(self.evidence, first), self.a.excess(self.evidence, pair));
-        let enough = then < 0.25 * EXPLAINED && left - then > 0.03 || (left - then) / left > SECOND_CLOSES;
-        left > 0.25 * EXPLAINED && enough && self.earns(pair, first, added(pair, first))
+        lost.sum > lost.sd || (gained > OVERWHELMING && lost.sum > -lost.sd)
     }
 
     /// Share of the gap that `simple` leaves above the noise and `rich` closes, over all logs.
@@ -172,30 +174,37 @@ impl Judge<'_> {
         closed(rms(simple), rms(rich).max(1.0), 1.0)
     }
 
-    /// Effects that stand as well as the answer's first, the answer included, best first; and how far the next one is
+    /// Effects that stand as well as the answer's first, which is included, best first; and how far the next one is
     /// behind.
-    fn equivalent(&self, answer: &Trial, effect: Option<EffectId>, second: Option<EffectId>) -> (Vec<EffectId>, f64) {
-        let mut set: Vec<EffectId> = effect.into_iter().collect();
-        let best = self.a.score(self.evidence, answer);
+    fn equivalent(&self) -> (Vec<EffectId>, f64) {
+        let (a, answer) = (self.a, &self.a.best);
+        let mut set = vec![answer.effects()[0]];
+        let best = self.score(answer);
         let mut margin = f64::INFINITY;
-        let rivals = if second.is_some() { &self.a.seconds } else { &self.a.firsts };
-        for rival in rivals {
-            let Some(&other) = rival.effects().iter().find(|e| Some(**e) != second && Some(**e) != effect) else {
-                continue;
-            };
-            if second.is_some_and(|s| !rival.effects().contains(&s)) {
-                continue;
-            }
-            let behind = self.a.score(self.evidence, rival) - best;
-            let z = self.a.behind(self.evidence, rival, answer);
-            let near = self.a.excess(self.evidence, rival) - self.a.excess(self.evidence, answer);
-            let share = near / self.a.excess(self.evidence, &self.a.calibrated).max(1e-9);
+        for rival in &a.rivals[0] {
+            let Some(&other) = rival.effects().iter().find(|e| !answer.effects().contains(e)) else { continue };
+            let behind = self.score(rival) - best;
+            let z = a.behind(self.evidence, rival, answer);
+            let near = a.excess(self.evidence, rival) - a.excess(self.evidence, answer);
+            let share = near / a.excess(self.evidence, &a.calibrated).max(1e-9);
             if behind < EQUAL_DEVIANCE || (z < EQUAL_Z && share < 0.02) {
-                set.push(other);
+                if !set.contains(&other) {
+                    set.push(other);
+                }
             } else {
                 margin = margin.min(behind);
             }
         }
         (set, margin)
     }
+}
+
+/// The number that was moved by most of its standard deviations, if that is a finding, or the one that moved most.
+fn moved_most(trial: &Trial) -> Option<usize> {
+    let parameters = trial.model.parameters();
+    let moved = |i: &usize| {
+        let p = &parameters[*i];
+        if p.fixed { 0.0 } else { p.moved_sd(trial.found.values[*i]).map_or(0.0, f64::abs) }
+    };
+    (0..BASELINE).filter(|i| moved(i) > 0.0).max_by(|a, b| moved(a).total_cmp(&moved(b)))
 }

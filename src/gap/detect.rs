@@ -29,7 +29,8 @@ pub(super) fn detectable(
     let problem = Problem::new(&around.model, &coarse.fit);
     let Ok(blocks) = problem.linearise(&problem.coordinates_from(&around.found)) else { return Vec::new() };
     let projector = Projector::of(&blocks, around.model.free());
-    let here: Vec<DVector<f64>> = blocks.iter().map(|b| DVector::from_column_slice(&b.residual)).collect();
+    let logs = &blocks[..coarse.fit.len()];
+    let here: Vec<DVector<f64>> = logs.iter().map(|b| DVector::from_column_slice(&b.residual)).collect();
     // Weights are times: a sample of the full logs counts for its period.
     let samples: f64 = evidence.fit.iter().map(|e| e.weights_s.iter().sum::<f64>()).sum::<f64>();
     let count: f64 = evidence.fit.iter().map(|e| super::evidence::counts(e).sum::<f64>()).sum();

@@ -6,7 +6,6 @@ use super::detect::detectable;
 use super::diagnosis::{Answer, Candidate, Diagnosis, Gap, GapOptions, LogGap, LogTraces, ResidualTorque, Verdict};
 use super::evidence::Evidence;
 use super::held_out::{HeldOut, closed, rms};
-use super::model::BASELINE;
 use super::next::next;
 use super::numbers::numbers;
 use super::place::place;
@@ -14,11 +13,9 @@ use super::rates::{Rates, probability, share_out, standing};
 use super::sentence::sentence;
 use super::trial::{Trial, loss};
 use super::twins::measure;
-use crate::fit::Budget;
 use crate::identify::{Case, Experiment, JointModel, Signal};
 use crate::joint::EffectId;
 use crate::log::Role;
-use rayon::prelude::*;
 
 /// Why no diagnosis can be made.
 #[derive(Debug, thiserror::Error)]
@@ -56,10 +53,12 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &(dyn Fn(&str) + Sy
     let decision = decide(&evidence, &held, &attribution);
     let gap = gap(&evidence, &held, &attribution, &decision);
     progress("what these logs could have shown");
-    let around = if decision.effect.is_some() { decision.answer } else { &attribution.calibrated };
+    let around = if decision.answer.effects().is_empty() { &attribution.calibrated } else { decision.answer };
     let detectable = detectable(&evidence, &attribution, around, &effects);
     let (parameters, effect_parameters) = numbers(&evidence, around);
-    let parameter = (decision.verdict == Verdict::Calibration).then(|| worst_number(&evidence, &attribution));
+    let parameter = (decision.verdict == Verdict::Calibration)
+        .then(|| decision.finding.map(|i| decision.answer.model.parameters()[i].name.clone()))
+        .flatten();
     let named = matches!(decision.verdict, Verdict::Effect);
     let sentence = sentence(&case.joint.name, &decision, &gap, parameter.as_deref(), &effect_parameters);
     let mut ranking = ranking(&evidence, &held, &attribution, &gap);
@@ -69,7 +68,7 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &(dyn Fn(&str) + Sy
     let standing = standing(&decision);
     let (mut probability, mut probability_source) = probability(&standing, &Rates::shipped());
     let twins = (options.twins > 0).then(|| {
-        let answer = (decision.verdict, decision.effect.filter(|_| named));
+        let answer = (decision.verdict, decision.effect().filter(|_| named));
         measure(&evidence, &attribution, &effects, answer, (options.twins, options.seed), progress)
     });
     if let Some((rate, source)) = twins.as_ref().and_then(|t| t.rate.clone()) {
@@ -84,14 +83,14 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &(dyn Fn(&str) + Sy
         joint: case.joint.name.clone(),
         answer: Answer {
             verdict: decision.verdict,
-            effect: if named { decision.effect.map(|e| e.id().to_owned()) } else { parameter },
-            second: decision.second.filter(|_| named),
+            effect: if named { decision.effect().map(|e| e.id().to_owned()) } else { parameter },
+            second: decision.second().filter(|_| named),
             equivalent: if named { decision.equivalent.clone() } else { Vec::new() },
             probability,
             probability_source,
             standing,
             sentence,
-            partial: decision.effect.filter(|_| decision.verdict == Verdict::Unexplained),
+            partial: decision.effect().filter(|_| decision.verdict == Verdict::Unexplained),
             intervals_trusted,
         },
         location,
@@ -164,35 +163,12 @@ fn per_log(held: &HeldOut, [given, calibrated, answer]: [&Vec<Vec<f64>>; 3], flo
         .collect()
 }
 
-/// The parameter whose correction alone closes most of what recalibration closes.
-fn worst_number(evidence: &Evidence, a: &Attribution) -> String {
-    let coarse = evidence.coarse();
-    let parameters = a.calibrated.model.parameters();
-    let alone = |i: usize| {
-        let others: Vec<usize> = (0..BASELINE).filter(|k| *k != i).collect();
-        let model = a.calibrated.model.clone().holding(&others, &a.given.found.values);
-        let starts = a.given.found.starts.clone();
-        let from = &a.given.found.values;
-        let near = Trial::solved(&coarse, model.clone(), from, starts.clone(), Budget { evaluations: 30 });
-        let mut other = from.clone();
-        other[i] = a.calibrated.found.values[i];
-        let far = Trial::solved(&coarse, model, &other, starts, Budget { evaluations: 30 });
-        near.fit_loss(&coarse).min(far.fit_loss(&coarse))
-    };
-    let free: Vec<usize> = (0..BASELINE - 1).filter(|&i| !parameters[i].fixed).collect();
-    let losses: Vec<f64> = free.par_iter().map(|&i| alone(i)).collect();
-    let best = free.iter().zip(&losses).min_by(|a, b| a.1.total_cmp(b.1));
-    best.map_or_else(|| "inertia".to_owned(), |(&i, _)| parameters[i].name.clone())
-}
-
 /// Hypotheses that stand as well as the answer.
 fn rivals<'a>(a: &'a Attribution, decision: &Decision<'_>) -> Vec<&'a Trial> {
-    let others = decision.equivalent.iter().filter(|e| Some(**e) != decision.effect);
-    let pool = if decision.second.is_some() { &a.seconds } else { &a.firsts };
-    let with = |t: &&Trial, other: &EffectId| {
-        t.effects().contains(other) && decision.second.is_none_or(|second| t.effects().contains(&second))
+    let other = |t: &&Trial| {
+        t.effects() != decision.answer.effects() && decision.equivalent.iter().any(|e| t.effects().contains(e))
     };
-    others.filter_map(|other| pool.iter().find(|t| with(t, other))).collect()
+    a.rivals.first().map(|rivals| rivals.iter().filter(other).collect()).unwrap_or_default()
 }
 
 fn ranking(evidence: &Evidence, held: &HeldOut, a: &Attribution, gap: &Gap) -> Vec<Candidate> {
@@ -266,8 +242,8 @@ fn notes(evidence: &Evidence, decision: &Decision<'_>, trusted: bool) -> Vec<Str
     }
     if !evidence.scale_known {
         notes.push(
-            "No log is driven and no known mass is hung on: the logs show ratios of torques only, so `moment` is held \
-             at its nominal value and everything else is in proportion to it."
+            "No log is driven and no known mass is hung on: the logs show ratios of torques only; how large all of them \
+             are is what the study believes."
                 .to_owned(),
         );
     }

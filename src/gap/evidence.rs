@@ -3,7 +3,8 @@
 use super::reach::reach_of;
 use crate::identify::{Case, Experiment};
 use crate::joint::Reach;
-use crate::log::{Nominal, Role};
+use crate::log::{Nominal, Role, Uncertain};
+use super::model::GapModel;
 
 /// A study's logs, made ready to be argued from.
 pub(super) struct Evidence {
@@ -15,6 +16,8 @@ pub(super) struct Evidence {
     pub pooled_from: Option<usize>,
     /// The joint as given.
     pub nominal: Nominal,
+    /// How sure the engineer is of it.
+    pub uncertain: Uncertain,
     /// Where it hangs, as given; 0 where nothing is said \[rad\].
     pub rest_rad: f64,
     /// Typical sizes.
@@ -49,15 +52,26 @@ impl Evidence {
             held,
             pooled_from: None,
             nominal,
+            uncertain: case.uncertain.clone(),
             rest_rad: case.joint.rest_rad.unwrap_or(0.0),
             scale_known,
         })
     }
 
+    /// The joint as it is believed to be.
+    pub fn baseline(&self) -> GapModel {
+        GapModel::baseline(&self.nominal, self.rest_rad, &self.reach, &self.uncertain)
+    }
+
+    /// The same study with other logs.
+    pub fn with_logs(&self, fit: Vec<Experiment>, held: Vec<Experiment>) -> Self {
+        Self { fit, held, uncertain: self.uncertain.clone(), ..*self }
+    }
+
     /// The same logs, all of them to be fitted: for what only a held-out log shows.
     pub fn pooled(&self) -> Self {
         let fit = self.fit.iter().chain(&self.held).cloned().collect();
-        Self { fit, held: Vec::new(), pooled_from: Some(self.fit.len()), ..*self }
+        Self { pooled_from: Some(self.fit.len()), ..self.with_logs(fit, Vec::new()) }
     }
 
     /// The fitted logs cut into short parts with starts of their own: over a short time no hypothesis runs far from its
@@ -66,13 +80,13 @@ impl Evidence {
         let total_s: f64 = self.fit.iter().map(|e| e.t_s[e.t_s.len() - 1] - e.t_s[0]).sum();
         let part_s = (total_s / PARTS).max(SHORTEST_PART_S);
         let fit = self.fit.iter().flat_map(|e| e.parts(part_s)).collect();
-        Self { fit, held: Vec::new(), ..*self }
+        self.with_logs(fit, Vec::new())
     }
 
     /// The same logs with fewer samples, for the many fits of an exploration.
     pub fn coarse(&self) -> Self {
         let thin = |all: &[Experiment]| all.iter().map(thinned).collect();
-        Self { fit: thin(&self.fit), held: thin(&self.held), ..*self }
+        self.with_logs(thin(&self.fit), thin(&self.held))
     }
 }
 

@@ -13,15 +13,15 @@ use rayon::prelude::*;
 
 /// Points of each effect that are refitted briefly, and evaluations for each.
 const BRIEF_POINTS: usize = 2;
-const BRIEF: Budget = Budget { evaluations: 10 };
+const BRIEF: Budget = Budget { evaluations: 8 };
 /// Effects that are refitted at all, by what they promise; and the same for a second effect.
-const PROMISING: usize = 10;
-const PROMISING_SECONDS: usize = 8;
+const PROMISING: usize = 9;
+const PROMISING_SECONDS: usize = 5;
 /// Evaluations of the searches that are carried to the end.
-const FULL: Budget = Budget { evaluations: 40 };
+const FULL: Budget = Budget { evaluations: 30 };
 /// A brief fit is carried on where its criterion is below the best brief one times this, or it is among the best few.
-const SERIOUS: f64 = 1.6;
-const AT_LEAST: usize = 3;
+const SERIOUS: f64 = 1.15;
+const AT_LEAST: usize = 2;
 
 /// The best fits of `base` with one of the effects added, one for each effect that promises something; best first.
 pub(super) fn explore(evidence: &Evidence, base: &Trial, sights: &[Sight]) -> Vec<Trial> {

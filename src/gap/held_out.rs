@@ -2,12 +2,11 @@
 
 use super::compare::{Difference, block_samples, blocks};
 use super::evidence::Evidence;
-use super::trial::{Trial, predicted};
-use crate::fit::Budget;
+use super::folds::Folds;
+use super::trial::Trial;
 use crate::identify::Experiment;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 
 /// Logs, or parts of one, that were held out, in the order of the residuals below.
 pub(super) struct HeldOut {
@@ -27,11 +26,6 @@ enum From {
     Pooled(usize),
 }
 
-/// Parts into which a single log is cut.
-const PARTS: f64 = 4.0;
-/// Evaluations of a fit without the held-out log; it begins where the fit with it ended.
-const AGAIN: Budget = Budget { evaluations: 20 };
-
 impl HeldOut {
     pub fn of(evidence: &Evidence) -> Self {
         if !evidence.held.is_empty() {
@@ -43,14 +37,13 @@ impl HeldOut {
             let how = "not at all; these logs were fitted with the others, which do not show what these show";
             return Self { experiments: all[from..].to_vec(), how, from: From::Pooled(from) };
         }
-        if let [only] = &all[..] {
-            let duration_s = only.t_s[only.t_s.len() - 1] - only.t_s[0];
-            let experiments = only.parts(duration_s / PARTS);
-            let how = "each part of the only log predicted by a fit to its other parts; every part has a free start";
-            return Self { experiments, how, from: From::InTurn };
-        }
-        let how = "each log predicted by a fit to all others";
-        Self { experiments: all.clone(), how, from: From::InTurn }
+        let folds = Folds::of(evidence);
+        let how = if folds.are_parts() {
+            "each part of the only log predicted by a fit to its other parts; every part has a free start"
+        } else {
+            "each log predicted by a fit to all others"
+        };
+        Self { experiments: folds.experiments, how, from: From::InTurn }
     }
 
     /// Model less reading on every held-out log.
@@ -60,32 +53,7 @@ impl HeldOut {
             From::Pooled(from) => return trial.fit[from..].to_vec(),
             From::InTurn => {}
         }
-        let all = &self.experiments;
-        let cut = evidence.fit.len() == 1;
-        (0..self.experiments.len())
-            .into_par_iter()
-            .map(|k| {
-                let others = |i: &usize| *i != k;
-                let without = Evidence {
-                    fit: (0..all.len()).filter(others).map(|i| all[i].clone()).collect(),
-                    held: Vec::new(),
-                    ..*evidence
-                };
-                let fitted;
-                let values = if without.fit.is_empty() || trial.model.free() == 0 {
-                    &trial.found.values
-                } else {
-                    let starts = (0..all.len()).filter(others);
-                    let starts = starts.map(|i| {
-                        let e = &all[i];
-                        if cut { e.start_coordinates(&e.start) } else { trial.found.starts[i] }
-                    });
-                    fitted = Trial::solved(&without, trial.model.clone(), &trial.found.values, starts.collect(), AGAIN);
-                    &fitted.found.values
-                };
-                predicted(&trial.model, &self.experiments[k], values, None).1
-            })
-            .collect()
+        Folds::of(evidence).residuals(evidence, trial)
     }
 
     /// Root of the mean squared residual over all held-out samples \[rad\].

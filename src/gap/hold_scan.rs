@@ -174,9 +174,9 @@ mod tests {
     fn a_hold_of_a_few_periods_is_among_those_proposed() {
         let case = Case::of_study("data/examples/delay/study.toml".as_ref()).unwrap();
         let mut evidence = Evidence::of(&case, case.joint.nominal.unwrap()).unwrap();
-        let baseline = GapModel::baseline(&evidence.nominal, 0.0, &evidence.reach);
+        let baseline = evidence.baseline();
         let n = evidence.nominal;
-        let bare = [n.inertia_kg_m2, n.moment_kg_m, n.coulomb_nm, n.viscous_nm_s_rad, 0.0];
+        let bare = [n.inertia_kg_m2, n.moment_kg_m, n.coulomb_nm, n.viscous_nm_s_rad, 1.0, 0.0];
         let held = baseline.with(EffectId::SetpointHold, &evidence.reach);
         let hold_s = 0.0313;
         let values: Vec<f64> = bare.iter().copied().chain([hold_s]).collect();

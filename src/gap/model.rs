@@ -1,49 +1,91 @@
-//! The joint with effects, as a model to be fitted: baseline and rest angle first, then each effect's parameters.
+//! The joint with effects, as a model to be fitted: the numbers that a study states, with what is believed of them, then
+//! each effect's parameters.
 
+use super::evidence::Evidence;
 use crate::identify::{Experiment, JointModel, Parameter, Search, Signal};
 use crate::joint::{Chain, EffectId, Friction, Link, Motor, Reach, Real, Scan};
-use crate::log::Nominal;
+use crate::log::{Nominal, Uncertain};
 
-/// Where the baseline's numbers stand among the values.
+/// Where the numbers stand among the values.
 pub(super) const INERTIA: usize = 0;
 pub(super) const MOMENT: usize = 1;
 pub(super) const COULOMB: usize = 2;
 pub(super) const VISCOUS: usize = 3;
-const REST: usize = 4;
+/// Torque that arrives per torque that the drive is believed to give.
+pub(super) const GAIN: usize = 4;
+const REST: usize = 5;
 /// Number of values before those of the effects.
-pub(super) const BASELINE: usize = 5;
+pub(super) const BASELINE: usize = 6;
 
-/// The baseline joint with effects on its stages.
+/// Friction is not known better than to this share of the largest torque seen.
+const LEAST_FRICTION: f64 = 0.01;
+
+/// The joint as it is believed to be, with effects on its stages.
 #[derive(Clone, Debug)]
 pub(crate) struct GapModel {
     parameters: Vec<Parameter>,
     effects: Vec<EffectId>,
+    unit_rad2_s: f64,
 }
 
 impl GapModel {
-    /// The joint as given; its four numbers are searched from there, its rest angle (0 where none is given) is not.
-    pub(crate) fn baseline(nominal: &Nominal, rest_rad: f64, reach: &Reach) -> Self {
+    /// The joint as given. Its numbers are searched from there, as far as they are believed to be off; its rest angle (0
+    /// where none is given) is not.
+    pub(crate) fn baseline(nominal: &Nominal, rest_rad: f64, reach: &Reach, uncertain: &Uncertain) -> Self {
         let damping = reach.torque_nm / reach.speed_rad_s;
         let n = nominal;
         let moment_unit = reach.torque_nm / 9.81;
+        let least_nm = LEAST_FRICTION * reach.torque_nm.max(reach.driven.map_or(0.0, |driven| driven.command_nm));
+        let friction_sd = |name: &str, value: f64, least: f64| match uncertain.friction.of(name) {
+            0.0 => 0.0,
+            share => (share * value).max(least),
+        };
+        let gain_sd = match reach.driven {
+            Some(driven) if driven.by_setpoint => uncertain.gain.of("gain"),
+            Some(_) => uncertain.torque.of("gain"),
+            None => 0.0,
+        };
         let parameters = vec![
-            Parameter::positive("inertia", "I*", "kg m^2", Some(n.inertia_kg_m2), n.inertia_kg_m2),
+            Parameter::positive("inertia", "I*", "kg m^2", Some(n.inertia_kg_m2), n.inertia_kg_m2)
+                .believed(uncertain.inertia.of("inertia")),
             if n.moment_kg_m > 0.0 {
                 Parameter::positive("moment", "M*", "kg m", Some(n.moment_kg_m), n.moment_kg_m)
+                    .believed(uncertain.moment.of("moment"))
             } else {
                 Parameter::friction("moment", "M*", "kg m", Some(0.0), 0.0, moment_unit)
+                    .believed(uncertain.moment.of("moment") * moment_unit)
             },
-            Parameter::friction("coulomb", "mu_c", "N m", Some(n.coulomb_nm), n.coulomb_nm, reach.torque_nm),
-            Parameter::friction("viscous", "mu_v", "N m s/rad", Some(n.viscous_nm_s_rad), n.viscous_nm_s_rad, damping),
+            Parameter::friction("coulomb", "mu_c", "N m", Some(n.coulomb_nm), n.coulomb_nm, reach.torque_nm)
+                .believed(friction_sd("coulomb", n.coulomb_nm, least_nm)),
+            Parameter::friction("viscous", "mu_v", "N m s/rad", Some(n.viscous_nm_s_rad), n.viscous_nm_s_rad, damping)
+                .believed(friction_sd("viscous", n.viscous_nm_s_rad, least_nm / reach.speed_rad_s)),
+            Parameter::positive("gain", "c", "", Some(1.0), 1.0).believed(gain_sd),
             Parameter::angle("rest", "q_rest", Some(rest_rad), rest_rad).fixed(),
         ];
-        Self { parameters, effects: Vec::new() }
+        Self { parameters, effects: Vec::new(), unit_rad2_s: 0.0 }
+    }
+
+    /// The same model, in which one unit of deviance weighs so much in the criterion \[rad^2 s\].
+    pub(super) fn in_unit(mut self, unit_rad2_s: f64) -> Self {
+        self.unit_rad2_s = unit_rad2_s;
+        self
+    }
+
+    /// Deviance of values under the beliefs: squares of how many standard deviations they were moved.
+    pub(super) fn strain(&self, values: &[f64]) -> f64 {
+        let moved = self.parameters.iter().zip(values).filter(|(p, _)| !p.fixed).filter_map(|(p, v)| p.moved_sd(*v));
+        moved.map(|sd| sd * sd).sum()
     }
 
     /// The same joint with one effect more.
     pub(crate) fn with(&self, effect: EffectId, reach: &Reach) -> Self {
         let mut more = self.clone();
         more.effects.push(effect);
+        if effect == EffectId::MotorGain {
+            // The effect is the number without what is believed of it.
+            let gain = &mut more.parameters[GAIN];
+            (gain.fixed, gain.start) = (true, 1.0);
+        }
         more.parameters.extend(effect.parameters(reach).into_iter().map(|p| {
             let search = match p.scan {
                 Scan::Logarithm => Search::Logarithm,
@@ -81,6 +123,17 @@ impl GapModel {
         self
     }
 
+    /// The model with these of its effects only, and what is left of a set of its values.
+    pub(super) fn keeping(&self, values: &[f64], kept: &[usize], evidence: &Evidence) -> (Self, Vec<f64>) {
+        let mut model = evidence.baseline().in_unit(self.unit_rad2_s);
+        let mut left = values[..BASELINE].to_vec();
+        for &k in kept {
+            model = model.with(self.effects[k], &evidence.reach);
+            left.extend(&values[self.place(k)]);
+        }
+        (model, left)
+    }
+
     /// The effects, in the order in which they were added.
     pub(super) fn effects(&self) -> &[EffectId] {
         &self.effects
@@ -107,6 +160,10 @@ impl JointModel for GapModel {
         &mut self.parameters
     }
 
+    fn unit_rad2_s(&self) -> f64 {
+        self.unit_rad2_s
+    }
+
     fn chain<T: Real>(&self, values: &[T], experiment: &Experiment) -> Chain<T> {
         let rest = values[REST];
         let mut link = Link::new(values[INERTIA], values[MOMENT], rest, experiment.gravity_m_s2);
@@ -114,11 +171,14 @@ impl JointModel for GapModel {
             let (inertia, moment) = (T::constant(load.inertia_kg_m2), T::constant(load.moment_kg_m));
             link = link.joined(Link::new(inertia, moment, rest + load.angle_rad, experiment.gravity_m_s2));
         }
-        let motor = match &experiment.signal {
+        let mut motor = match &experiment.signal {
             Signal::Off => None,
             Signal::Torque { .. } => Some(Motor::direct()),
             Signal::Position { .. } => experiment.motor.map(Motor::new),
         };
+        if let Some(motor) = &mut motor {
+            motor.gain = values[GAIN];
+        }
         let mut chain = Chain::new(link, Friction::coulomb_viscous(values[COULOMB], values[VISCOUS]), motor);
         let mut rest_of = &values[BASELINE.min(values.len())..];
         for &effect in &self.effects {

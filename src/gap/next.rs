@@ -75,8 +75,8 @@ fn left_after_refit(evidence: &Evidence, e: &Experiment, truth: &Trial, rival: &
     let found = crate::identify::Found { starts, ..rival.found.clone() };
     let x = problem.coordinates_from(&found);
     let mut blocks = problem.linearise(&x).ok()?;
-    let new = blocks.len() - 1;
-    for block in &mut blocks[..new] {
+    let new = all.len() - 1;
+    for block in blocks.iter_mut().enumerate().filter(|(k, _)| *k != new).map(|(_, block)| block) {
         block.residual.iter_mut().for_each(|r| *r = 0.0);
     }
     let normal = Normal::of(&blocks, x.len());

@@ -27,7 +27,7 @@ pub(super) fn place(evidence: &Evidence, a: &Attribution, decision: &Decision<'_
         })
         .collect();
     let mut place = localise(&parts);
-    match (decision.verdict, decision.effect) {
+    match (decision.verdict, decision.effect()) {
         (Verdict::Effect, Some(effect)) => place.stage = Some(effect.stage()),
         // Inertia, moment and friction are the link's.
         (Verdict::Calibration, _) => place.stage = Some(Stage::Link),

@@ -1,4 +1,6 @@
 //! What a fitted hypothesis can take up by itself: residuals off all columns that it can move.
+//!
+//! Residuals come log by log; where something is believed of the numbers, its rows stand last.
 
 use crate::fit::Block;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -17,6 +19,17 @@ impl Projector {
             .iter()
             .map(|b| {
                 let (rows, width) = (b.residual.len(), b.columns.len());
+                if b.columns.iter().all(|c| *c < shared) {
+                    // Beliefs: rows about shared columns alone.
+                    let mut columns = DMatrix::zeros(rows, shared);
+                    for (row, cells) in b.jacobian.chunks_exact(width.max(1)).enumerate() {
+                        for (cell, column) in cells.iter().zip(&b.columns) {
+                            columns[(row, *column)] = *cell;
+                        }
+                    }
+                    gram += columns.transpose() * &columns;
+                    return (DMatrix::zeros(rows, 0), columns);
+                }
                 let whole = DMatrix::from_row_slice(rows, width, &b.jacobian);
                 let starts = whole.columns(shared, width - shared).into_owned();
                 let basis = orthonormal(starts);
@@ -38,10 +51,14 @@ impl Projector {
         let gram = self.gram.as_ref()?;
         let mut product = DVector::zeros(gram.l_dirty().nrows());
         let mut left: Vec<DVector<f64>> = Vec::with_capacity(residuals.len());
-        for ((basis, columns), r) in self.logs.iter().zip(residuals) {
-            let mut rest = r.clone();
-            rest.gemv(-1.0, basis, &basis.tr_mul(r), 1.0);
-            product.gemv_tr(1.0, columns, r, 1.0);
+        for (k, (basis, columns)) in self.logs.iter().enumerate() {
+            // Where nothing is said of the beliefs, they stand where they are.
+            let mut rest = residuals.get(k).cloned().unwrap_or_else(|| DVector::zeros(columns.nrows()));
+            product.gemv_tr(1.0, columns, &rest, 1.0);
+            if basis.ncols() > 0 {
+                let along = basis.tr_mul(&rest);
+                rest.gemv(-1.0, basis, &along, 1.0);
+            }
             left.push(rest);
         }
         let taken = gram.solve(&product);

@@ -73,7 +73,7 @@ const ENOUGH: u32 = 8;
 
 /// The kind of an answer and how clearly it stands, in words that are counted.
 pub(super) fn standing(decision: &Decision<'_>) -> String {
-    let kind = match (decision.verdict, decision.second) {
+    let kind = match (decision.verdict, decision.second()) {
         (Verdict::Effect, Some(_)) => "two effects",
         (Verdict::Effect, None) => "effect",
         (verdict, _) => verdict.name(),
@@ -83,7 +83,7 @@ pub(super) fn standing(decision: &Decision<'_>) -> String {
         Verdict::Effect if decision.margin > STANDS_OUT && decision.gain > STRONG => "clear",
         Verdict::Effect if decision.equivalent.len() > 1 => "one of several",
         Verdict::Effect => "narrow",
-        Verdict::Unexplained if decision.effect.is_some() => "nearest effect named",
+        Verdict::Unexplained if decision.effect().is_some() => "nearest effect named",
         _ => "plain",
     };
     format!("{kind}, {rest}, {clear}")

@@ -56,7 +56,7 @@ pub(super) fn sentence(
             format!(" ({} = {:.3e}{unit})", n.name, n.value)
         })
     };
-    match (decision.verdict, decision.effect) {
+    match (decision.verdict, decision.effect()) {
         (Verdict::None, _) => format!(
             "{joint}: nothing is missing. The model as given explains the held-out logs to the sensor's noise ({} against {}).",
             mrad(gap.before),
@@ -71,8 +71,8 @@ pub(super) fn sentence(
         ),
         (Verdict::Effect, Some(effect)) => {
             let mut text = format!("{joint}: the gap is {}{}", words(effect), size(effect));
-            if let Some(second) = decision.second {
-                text += &format!(", together with {}{}", words(second), size(second));
+            for &further in decision.effects.iter().skip(1) {
+                text += &format!(", together with {}{}", words(further), size(further));
             }
             text += &format!("; adding it closes {}, from {} to {}.", share(gap), mrad(gap.before), mrad(gap.after));
             let others: Vec<&str> = decision.equivalent.iter().filter(|e| **e != effect).map(|e| words(*e)).collect();

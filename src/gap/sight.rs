@@ -9,7 +9,7 @@ use super::model::GapModel;
 use super::projector::Projector;
 use super::trial::Trial;
 use crate::fit::Residuals;
-use crate::identify::{Found, Problem};
+use crate::identify::{Experiment, Found, Problem};
 use crate::joint::EffectId;
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -37,6 +37,8 @@ pub(super) struct Point {
 
 /// What is left is folded to at most about so many rows.
 const ROWS: usize = 2000;
+/// Blocks of fewer rows are not folded.
+const FEW_ROWS: usize = 32;
 /// To first order an effect may be up to so many times the size of its starting point.
 pub(super) const LARGEST: f64 = 4.0;
 
@@ -61,7 +63,8 @@ impl Sight {
         let logs = evidence.fit.len();
         let bare = Problem::new(&base.model, &evidence.fit);
         let at = bare.coordinates_from(&Found { values: from.to_vec(), ..base.found.clone() });
-        let absent: Vec<DVector<f64>> = (0..logs).map(|k| weighted(&bare, &at, k)).collect::<Option<_>>()?;
+        let mut absent: Vec<DVector<f64>> = (0..logs).map(|k| weighted(&bare, &at, k)).collect::<Option<_>>()?;
+        absent.extend(bare.beliefs(&at).map(|beliefs| DVector::from_vec(beliefs.residual)));
         let left = projector.project(&absent)?;
         let left_absent: f64 = left.iter().map(|r| r.norm_squared()).sum();
         let points = effects
@@ -115,6 +118,14 @@ impl Sight {
         })
     }
 
+    /// Residuals of a hypothesis in the same few rows.
+    pub fn folded_residual(&self, evidence: &Evidence, trial: &Trial) -> Vec<f64> {
+        let weigh = |e: &Experiment, r: &Vec<f64>| {
+            DVector::from_iterator(r.len(), e.weights_s.iter().zip(r).map(|(w, r)| w.sqrt() * r))
+        };
+        folded(&evidence.fit.iter().zip(&trial.fit).map(|(e, r)| weigh(e, r)).collect::<Vec<_>>())
+    }
+
     /// Values of the hypothesis with effects added at their points.
     pub fn with(&self, points: &[&Point]) -> Vec<f64> {
         self.from.iter().chain(points.iter().flat_map(|p| &p.start)).copied().collect()
@@ -139,5 +150,7 @@ fn folded(logs: &[DVector<f64>]) -> Vec<f64> {
     let rows: usize = logs.iter().map(DVector::len).sum();
     let width = rows.div_ceil(ROWS).max(1);
     let sum = |part: &[f64]| part.iter().sum::<f64>() / (part.len() as f64).sqrt();
-    logs.iter().flat_map(|r| r.as_slice().chunks(width).map(sum)).collect()
+    // Few rows are beliefs, each of something else.
+    let width_of = |r: &DVector<f64>| if r.len() < FEW_ROWS { 1 } else { width };
+    logs.iter().flat_map(|r| r.as_slice().chunks(width_of(r)).map(sum)).collect()
 }

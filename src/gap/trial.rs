@@ -1,10 +1,14 @@
 //! One hypothesis about the joint, fitted: its values, what it leaves of the fitted logs and of the held-out ones.
 
 use super::evidence::{Evidence, counts};
-use super::model::{GapModel, INERTIA, MOMENT};
-use crate::fit::{Budget, Method, Solution, solve};
+use super::compare::correlation_length;
+use super::model::GapModel;
+use crate::fit::{Budget, Solution, approach};
 use crate::identify::{Experiment, Found, JointModel, Problem};
 use crate::joint::EffectId;
+
+/// Distance from its optimum, in variances of the residuals, at which a fit is close enough to be judged.
+const CLOSE: f64 = 0.01;
 
 /// A model with the values that were found, and its residuals.
 #[derive(Clone, Debug)]
@@ -32,9 +36,7 @@ impl Trial {
 
     /// A model fitted from values and starts.
     pub fn solved(evidence: &Evidence, model: GapModel, values: &[f64], starts: Vec<[f64; 2]>, budget: Budget) -> Self {
-        // Ratios alone: the moment sets the scale, or the inertia of a joint that is said to have no moment.
-        let scale = if values[MOMENT] > 0.0 { MOMENT } else { INERTIA };
-        let model = if evidence.scale_known { model } else { model.holding(&[scale], values) }.at(values);
+        let model = model.at(values);
         let problem = Problem::new(&model, &evidence.fit);
         let nothing = Solution {
             x: Vec::new(),
@@ -44,7 +46,7 @@ impl Trial {
             evaluations: 0,
         };
         let from = Found { values: values.to_vec(), starts, solution: nothing };
-        let solution = solve(&problem, &problem.coordinates_from(&from), Method::Lm, budget);
+        let solution = approach(&problem, &problem.coordinates_from(&from), budget, CLOSE);
         let fit = (0..evidence.fit.len()).map(|k| residual(&problem, &solution.x, k)).collect();
         // Held parameters keep the values they came with.
         let mut all = values.to_vec();
@@ -73,17 +75,41 @@ impl Trial {
         there
     }
 
-    /// Without its effect number `k`, fitted again from where it stands.
-    pub fn without(&self, evidence: &Evidence, baseline: &GapModel, k: usize, budget: Budget) -> Self {
-        let mut values = self.found.values.clone();
-        values.drain(self.model.place(k));
-        let mut model = baseline.clone();
-        for (i, &effect) in self.effects().iter().enumerate() {
-            if i != k {
-                model = model.with(effect, &evidence.reach);
-            }
-        }
+    /// With these of its effects only, fitted again from where it stands.
+    pub fn keeping(&self, evidence: &Evidence, kept: &[usize], budget: Budget) -> Self {
+        let (model, values) = self.model.keeping(&self.found.values, kept, evidence);
         Self::solved(evidence, model, &values, self.found.starts.clone(), budget)
+    }
+
+    /// Without its effect number `k`, fitted again from where it stands.
+    pub fn without(&self, evidence: &Evidence, k: usize, budget: Budget) -> Self {
+        let kept: Vec<usize> = (0..self.effects().len()).filter(|i| *i != k).collect();
+        self.keeping(evidence, &kept, budget)
+    }
+
+    /// The search carried on with beliefs in the unit that its own residuals set.
+    pub fn settled(self, evidence: &Evidence, budget: Budget) -> Self {
+        let unit = self.unit_rad2_s(evidence);
+        let model = self.model.clone().in_unit(unit);
+        Self::solved(evidence, model, &self.found.values, self.found.starts.clone(), budget)
+    }
+
+    /// What one unit of deviance weighs in the criterion \[rad^2 s\], by the residuals' size and how long they hang
+    /// together, and never below the encoder's rounding.
+    pub fn unit_rad2_s(&self, evidence: &Evidence) -> f64 {
+        let (mut sum, mut rounding, mut samples) = (0.0, 0.0, 0.0);
+        for (e, r) in evidence.fit.iter().zip(&self.fit) {
+            sum += e.weights_s.iter().zip(r).map(|(w, r)| w * r * r).sum::<f64>();
+            rounding += e.weights_s.iter().sum::<f64>() * e.resolution_rad.powi(2) / 12.0;
+            samples += counts(e).sum::<f64>();
+        }
+        let unit = sum.max(rounding).max(1e-18) * correlation_length(evidence, self) / samples.max(1.0);
+        if unit.is_finite() { unit } else { 0.0 }
+    }
+
+    /// Deviance of its values under the beliefs.
+    pub fn strain(&self) -> f64 {
+        self.model.strain(&self.found.values)
     }
 
     /// Predicts the held-out logs; `near` gives starts from which theirs are sought.
@@ -155,7 +181,7 @@ pub(super) fn predicted(
     let best = near
         .into_iter()
         .chain([own])
-        .map(|start| solve(&problem, &start, Method::Lm, budget))
+        .map(|start| approach(&problem, &start, budget, CLOSE))
         .min_by(|a, b| a.criterion.total_cmp(&b.criterion));
     let x = best.map_or_else(|| own.to_vec(), |s| s.x);
     ([x[0], x[1]], residual(&problem, &x, 0))

@@ -82,13 +82,13 @@ pub(super) fn measure(
             Cause::Effect(k, _) => candidates[k].effects()[0].id(),
             Cause::Withheld(..) => "unexplained",
         };
-        let said = match (found.verdict, found.effect) {
+        let said = match (found.verdict, found.effect()) {
             (Verdict::Effect, Some(effect)) => effect.id(),
             (verdict, _) => verdict.name(),
         };
         counts[place(truth)][place(said)] += 1;
         let in_set = found.verdict == Verdict::Effect && found.equivalent.iter().any(|e| e.id() == truth);
-        if found.verdict == answer.0 && (answer.0 != Verdict::Effect || found.effect == answer.1) {
+        if found.verdict == answer.0 && (answer.0 != Verdict::Effect || found.effect() == answer.1) {
             alike += 1;
             right += u32::from(said == truth || in_set);
         }
@@ -151,7 +151,7 @@ fn make(
     };
     let fit = evidence.fit.iter().zip(&truth.found.starts).map(|(e, s)| read(e, *s, random)).collect();
     let held = evidence.held.iter().zip(&truth.held_starts).map(|(e, s)| read(e, *s, random)).collect();
-    Evidence { fit, held, nominal, ..*evidence }
+    Evidence { nominal, ..evidence.with_logs(fit, held) }
 }
 
 /// Makes an effect stronger or milder: the distance from its zero for most, the reach of a limit for limits.

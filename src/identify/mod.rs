@@ -22,7 +22,7 @@ pub use drop::{DropError, DropFit, DropOptions, SimpleFit, fit_drop};
 pub use experiment::{Body, Experiment, Load, Signal};
 pub use leg::LegCase;
 pub use model::{BodyMass, ExtensiveModel, JointModel, LinkBy, SimpleModel};
-pub use parameter::{Parameter, Search};
+pub use parameter::{Belief, Parameter, Search};
 pub use problem::Problem;
 pub use run::{Found, Prediction, predict, prediction, search};
 pub(crate) use run::{candidates, ranked};

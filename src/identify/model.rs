@@ -15,6 +15,12 @@ pub trait JointModel: Sync {
 
     /// The joint of one experiment.
     fn chain<T: Real>(&self, values: &[T], experiment: &Experiment) -> Chain<T>;
+
+    /// What one unit of deviance weighs in the criterion (3.7) \[rad^2 s\]: the mean squared residual times the time
+    /// that its correlation lasts. Beliefs count in this unit; 0: they do not count.
+    fn unit_rad2_s(&self) -> f64 {
+        0.0
+    }
 }
 
 /// The simple pendulum (3.2); the extra mass is part of the point mass.

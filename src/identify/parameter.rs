@@ -39,6 +39,17 @@ pub struct Parameter {
     /// Half-width, as a logarithm or in typical sizes, below which no log can tell the parameter, because other things
     /// that are taken as known are not known better.
     pub known_to: f64,
+    /// What is believed of it beforehand; `None`: nothing but its bounds.
+    pub belief: Option<Belief>,
+}
+
+/// What is believed of a parameter beforehand: a normal distribution of its search coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Belief {
+    /// Mean, in the search coordinate.
+    pub at: f64,
+    /// Standard deviation, in the search coordinate: for a logarithm the relative one.
+    pub sd: f64,
 }
 
 /// Search range of a logarithmic parameter, either way of its start: a factor of 150.
@@ -58,6 +69,7 @@ impl Parameter {
             upper: f64::INFINITY,
             fixed: false,
             known_to: 0.0,
+            belief: None,
         }
     }
 
@@ -74,6 +86,18 @@ impl Parameter {
             search: Search::Linear { scale: 0.1 },
             ..Self::positive(name, symbol, "rad", nominal, start)
         }
+    }
+
+    /// The same parameter, believed to lie about its start within a standard deviation: relative where it is searched by
+    /// its logarithm, in its unit elsewhere. One that is believed exactly is not searched.
+    pub fn believed(self, sd: f64) -> Self {
+        let belief = Belief { at: self.to_coordinate(self.start), sd };
+        Self { belief: (sd > 0.0).then_some(belief), fixed: self.fixed || sd <= 0.0, ..self }
+    }
+
+    /// How many standard deviations of its belief a value lies away; `None` where nothing is believed.
+    pub fn moved_sd(&self, value: f64) -> Option<f64> {
+        self.belief.map(|belief| (self.to_coordinate(value) - belief.at) / belief.sd)
     }
 
     /// The same parameter, not searched.

@@ -133,9 +133,7 @@ impl<'a, M: JointModel> Problem<'a, M> {
             let left = block.columns.len() - from;
             from += match left {
                 ..=4 => self.pass::<4>(x, experiment, from, &mut block)?,
-                5..=6 => self.pass::<6>(x, experiment, from, &mut block)?,
-                7..=8 => self.pass::<8>(x, experiment, from, &mut block)?,
-                _ => self.pass::<12>(x, experiment, from, &mut block)?,
+                _ => self.pass::<8>(x, experiment, from, &mut block)?,
             };
         }
         Ok(block)
@@ -182,6 +180,27 @@ impl<'a, M: JointModel> Problem<'a, M> {
         Ok(taken)
     }
 
+    /// What is believed of the free parameters, as one more block: a row for each, in the criterion's unit. `None` where
+    /// nothing is believed.
+    pub fn beliefs(&self, x: &[f64]) -> Option<Block> {
+        let root = self.model.unit_rad2_s().sqrt();
+        let believed = |(k, &i): (usize, &usize)| Some((k, self.model.parameters()[i].belief?));
+        let rows: Vec<_> = self.free.iter().enumerate().filter_map(believed).collect();
+        if rows.is_empty() || !(root > 0.0) {
+            return None;
+        }
+        let mut block = Block {
+            columns: rows.iter().map(|(k, _)| *k).collect(),
+            residual: Vec::with_capacity(rows.len()),
+            jacobian: vec![0.0; rows.len() * rows.len()],
+        };
+        for (row, (k, belief)) in rows.iter().enumerate() {
+            block.residual.push(root * (x[*k] - belief.at) / belief.sd);
+            block.jacobian[row * rows.len() + row] = root / belief.sd;
+        }
+        Some(block)
+    }
+
     /// Runs `f` over the experiments, on all threads where there are several; the results keep their order.
     fn each<R: Send>(&self, f: impl Fn(usize) -> Result<R, Diverged> + Sync) -> Result<Vec<R>, Rejected> {
         let n = self.experiments.len();
@@ -211,18 +230,25 @@ impl<M: JointModel> Residuals for Problem<'_, M> {
     }
 
     fn criterion(&self, x: &[f64]) -> Result<f64, Rejected> {
-        Ok(self.each(|k| self.criterion_of(x, k))?.into_iter().sum())
+        let readings: f64 = self.each(|k| self.criterion_of(x, k))?.into_iter().sum();
+        Ok(readings + self.beliefs(x).iter().flat_map(|b| &b.residual).map(|r| r * r).sum::<f64>())
     }
 
     fn linearise(&self, x: &[f64]) -> Result<Vec<Block>, Rejected> {
-        self.each(|k| self.block(x, k))
+        let mut blocks = self.each(|k| self.block(x, k))?;
+        blocks.extend(self.beliefs(x));
+        Ok(blocks)
     }
 
     fn rounding(&self, block: usize) -> Rounding {
-        self.experiments[block].rounding()
+        self.experiments.get(block).map_or_else(Rounding::default, Experiment::rounding)
     }
 
     fn weights(&self, block: usize) -> &[f64] {
-        &self.experiments[block].weights_s
+        self.experiments.get(block).map_or(&[], |e| &e.weights_s)
+    }
+
+    fn belief_variance(&self, block: usize) -> Option<f64> {
+        (block >= self.experiments.len()).then(|| self.model.unit_rad2_s())
     }
 }

@@ -109,7 +109,7 @@ fn walk<T: Real>(
     input: Input<'_>,
     t_s: &[f64],
     start: Start<T>,
-    visit: &mut impl FnMut(usize, &State<T>),
+    visit: &mut dyn FnMut(usize, &State<T>),
 ) -> Result<(), Diverged> {
     let mut release_s = start.release_s;
     let sample_period_s = match input {

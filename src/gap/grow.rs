@@ -1,0 +1,172 @@
+//! Several causes at once: sets of effects are grown, their members exchanged, and needless ones dropped.
+//!
+//! Each step sees what every effect would change beyond what the hypothesis can take up, refits the best ones in full, by
+//! themselves and in pairs (neither of which need help alone), and keeps what explains most. Nothing is judged on frozen
+//! numbers.
+
+use super::evidence::Evidence;
+use super::explore::{explore, one_of_each, refitted};
+use super::pairs::pairs;
+use super::score::Measure;
+use super::sight::Sight;
+use super::trial::Trial;
+use crate::fit::Budget;
+use crate::joint::EffectId;
+use rayon::prelude::*;
+
+/// Most causes of an answer.
+const MOST: usize = 6;
+/// Evaluations of a fit that begins near its end.
+const AGAIN: Budget = Budget { evaluations: 14 };
+/// Evaluations with which a grown set is brought to rest.
+const SETTLE: Budget = Budget { evaluations: 24 };
+/// A step has to lower the square sum to this share, and by this deviance if every so many samples count as one.
+const STEP: f64 = 0.98;
+const STEP_DEVIANCE: f64 = 24.0;
+const STEP_SAMPLES: f64 = 10.0;
+/// Where the best single effect lowers the square sum to no less than this share, pairs are tried too.
+const FEEBLE: f64 = 0.5;
+/// Rivals that are kept for each member.
+const RIVALS: usize = 4;
+
+/// Grows sets of effects on a study.
+pub(super) struct Growth<'a> {
+    pub evidence: &'a Evidence,
+    /// The catalogue that is considered.
+    pub effects: &'a [EffectId],
+    /// The numbers as given.
+    pub as_given: &'a [f64],
+    /// Squares sum to this where nothing but noise is left \[rad^2\].
+    pub enough: f64,
+}
+
+impl Growth<'_> {
+    /// The set that explains most, grown from a hypothesis; and each effect fitted on its own where that was the first
+    /// step. Every larger set that was reached is among the third.
+    pub fn from(&self, start: &Trial) -> (Trial, Vec<Trial>) {
+        let mut best = start.clone();
+        let mut singles = Vec::new();
+        while best.effects().len() < MOST && best.fit_loss(self.evidence) > self.enough {
+            let (grown, others) = self.step(&best);
+            if best.effects().is_empty() {
+                singles = others;
+            }
+            let Some(grown) = grown.filter(|grown| self.lowers(&best, grown)) else { break };
+            let mut grown = grown.settled(self.evidence, SETTLE);
+            if grown.effects().len() > 2 {
+                grown = self.pruned(grown);
+            }
+            // What was pruned again at once would be grown again for ever.
+            if !self.lowers(&best, &grown) {
+                break;
+            }
+            best = grown;
+            if std::env::var_os("GAP_DEBUG").is_some() {
+                let n: f64 = self.evidence.fit.iter().map(|e| super::evidence::counts(e).sum::<f64>()).sum();
+                eprintln!("  {:?} {:.3} mrad", best.effects(), 1e3 * (best.fit_loss(self.evidence) / n).sqrt());
+            }
+        }
+        (best, singles)
+    }
+
+    /// The best hypothesis with one effect more, or two, and all that were tried with one more.
+    fn step(&self, from: &Trial) -> (Option<Trial>, Vec<Trial>) {
+        let others = self.others(from);
+        let sights = self.sights(from, &others);
+        let singles = explore(self.evidence, from, &sights);
+        let loss = |t: &Trial| t.fit_loss(self.evidence);
+        let before = loss(from);
+        let feeble = singles.first().is_none_or(|best| loss(best) > FEEBLE * before && loss(best) > self.enough);
+        let together = if feeble && from.effects().len() + 2 <= MOST {
+            pairs(self.evidence, from, &sights)
+        } else {
+            Vec::new()
+        };
+        // Two have to do more than one: their share of the step is weighed as that of two steps.
+        let worth = |t: &Trial| {
+            let added = (t.effects().len() - from.effects().len()).max(1) as f64;
+            (loss(t) / before).max(1e-12).ln() / added.sqrt()
+        };
+        let best = singles.iter().chain(&together).min_by(|a, b| worth(a).total_cmp(&worth(b))).cloned();
+        (best, singles)
+    }
+
+    fn others(&self, from: &Trial) -> Vec<EffectId> {
+        self.effects.iter().copied().filter(|e| !from.effects().contains(e)).collect()
+    }
+
+    /// What effects would change, seen from a hypothesis and from the numbers as given.
+    pub fn sights(&self, from: &Trial, effects: &[EffectId]) -> Vec<Sight> {
+        // What is missing may have bent the numbers; once a cause is found they are near the truth.
+        let also = if from.effects().is_empty() { vec![self.as_given.to_vec()] } else { Vec::new() };
+        Sight::from_each(self.evidence, from, &also, effects)
+    }
+
+    fn lowers(&self, before: &Trial, after: &Trial) -> bool {
+        let (before, after) = (before.fit_loss(self.evidence), after.fit_loss(self.evidence));
+        let samples: f64 = self.evidence.fit.iter().map(|e| super::evidence::counts(e).sum::<f64>()).sum();
+        after < STEP * before && samples / STEP_SAMPLES * (before / after.max(1e-300)).ln() > STEP_DEVIANCE
+    }
+
+    /// Without the members that others have made needless.
+    pub fn pruned(&self, mut best: Trial) -> Trial {
+        while best.effects().len() > 1 {
+            let measure = Measure::by(self.evidence, &best);
+            let score = measure.score(self.evidence, &best);
+            let without = self.without_each(&best);
+            let better = without.into_iter().map(|t| (measure.score(self.evidence, &t), t));
+            match better.min_by(|a, b| a.0.total_cmp(&b.0)) {
+                Some((less, t)) if less <= score => best = t,
+                _ => break,
+            }
+        }
+        best
+    }
+
+    /// A hypothesis without each of its effects in turn, fitted again.
+    pub fn without_each(&self, best: &Trial) -> Vec<Trial> {
+        (0..best.effects().len()).into_par_iter().map(|k| best.without(self.evidence, k, AGAIN)).collect()
+    }
+
+    /// For each member, the sets in which another effect stands in its place, best first; `without` are the sets that
+    /// lack it.
+    pub fn rivals(&self, best: &Trial, without: &[Trial]) -> Vec<Vec<Trial>> {
+        let of = |(k, without): (usize, &Trial)| {
+            let member = best.effects()[k];
+            let others: Vec<EffectId> = self.others(best);
+            let sights = self.sights(without, &others);
+            let mut found = explore(self.evidence, without, &sights);
+            found.retain(|t| !t.effects().contains(&member));
+            found.truncate(RIVALS);
+            found
+        };
+        without.iter().enumerate().map(of).collect()
+    }
+
+    /// The same with members exchanged where that explains the logs better.
+    pub fn exchanged(&self, best: Trial) -> (Trial, Vec<Trial>, Vec<Vec<Trial>>) {
+        let without = self.without_each(&best);
+        let rivals = self.rivals(&best, &without);
+        let measure = Measure::by(self.evidence, &best);
+        let score = |t: &Trial| measure.score(self.evidence, t);
+        let better = rivals.iter().flatten().min_by(|a, b| score(a).total_cmp(&score(b))).cloned();
+        match better {
+            Some(t) if score(&t) < score(&best) - EXCHANGE => {
+                let best = self.pruned(t.settled(self.evidence, SETTLE));
+                let without = self.without_each(&best);
+                let rivals = self.rivals(&best, &without);
+                (best, without, rivals)
+            }
+            _ => (best, without, rivals),
+        }
+    }
+
+    /// Sets carried over from other samples or parts of the same logs, fitted again here.
+    pub fn carried(&self, base: &Trial, found: &[Trial]) -> Vec<Trial> {
+        let candidates = found.iter().map(|t| (t.effects().to_vec(), t.found.values.clone())).collect();
+        one_of_each(refitted(self.evidence, base, candidates))
+    }
+}
+
+/// Score by which an exchange has to be better to be worth another round.
+const EXCHANGE: f64 = 2.0;

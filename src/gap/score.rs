@@ -1,0 +1,41 @@
+//! What a hypothesis is worth: how well it explains the fitted logs, what it asks of the beliefs, and what it has in it.
+
+use super::compare::correlation_length;
+use super::evidence::{Evidence, counts};
+use super::trial::Trial;
+
+/// Charge for having been chosen among the catalogue, in deviance.
+const FOR_THE_CHOICE: f64 = 6.0;
+
+/// The measure that hypotheses of one comparison share.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Measure {
+    /// How many samples count as independent, over all fitted logs.
+    pub effective: f64,
+}
+
+impl Measure {
+    /// By the residuals of the hypothesis that explains most.
+    pub fn by(evidence: &Evidence, best: &Trial) -> Self {
+        let samples: f64 = evidence.fit.iter().map(|e| counts(e).sum::<f64>()).sum();
+        Self { effective: (samples / correlation_length(evidence, best)).max(2.0) }
+    }
+
+    /// Deviance of a hypothesis whose residual variance is unknown, with what its numbers were moved under the beliefs:
+    /// differences of it compare hypotheses.
+    pub fn deviance(self, evidence: &Evidence, trial: &Trial) -> f64 {
+        let loss = trial.fit_loss(evidence);
+        if loss.is_finite() { self.effective * loss.max(1e-300).ln() + trial.strain() } else { f64::INFINITY }
+    }
+
+    /// What a hypothesis is charged for its effects and their parameters (Schwarz 1978, and the choice).
+    pub fn charge(self, trial: &Trial) -> f64 {
+        let searched: usize = trial.effects().iter().map(|e| e.searched_count()).sum();
+        searched as f64 * self.effective.ln() + trial.effects().len() as f64 * FOR_THE_CHOICE
+    }
+
+    /// Deviance and charge: less is better.
+    pub fn score(self, evidence: &Evidence, trial: &Trial) -> f64 {
+        self.deviance(evidence, trial) + self.charge(trial)
+    }
+}
