@@ -1,5 +1,7 @@
 //! Reads the logs that a study names and checks that they fit what the study says of them.
 
+use std::path::Path;
+
 use rayon::prelude::*;
 
 use super::csv::{read_joint_log, read_log};
@@ -30,6 +32,11 @@ fn read_one(study: &Study, i: usize, entry: &StudyLog) -> Result<Log, LogError> 
         read => read,
     }?;
     check_period(&log, &study.sensor)?;
+    check_inputs(&study.file, i, entry, log)
+}
+
+/// A log has the columns that its `drive` needs, and a torque has its sign; `i` counts the study's logs from 0.
+pub(crate) fn check_inputs(study: &Path, i: usize, entry: &StudyLog, log: Log) -> Result<Log, LogError> {
     let (needed, word) = match entry.drive {
         DriveMode::Position if log.q_ref_rad.is_none() => (Column::Setpoint, "position"),
         DriveMode::Torque if log.tau_nm.is_none() => (Column::Torque, "torque"),
@@ -37,13 +44,25 @@ fn read_one(study: &Study, i: usize, entry: &StudyLog) -> Result<Log, LogError> 
     };
     Err(LogError::MissingInput {
         file: entry.path.clone().into_boxed_path(),
-        study: study.file.clone().into_boxed_path(),
+        study: study.into(),
         entry: i + 1,
         drive: word,
         column: needed.name(),
         hint: hint(&entry.path, needed, &log.ignored_columns),
         found: columns(log),
     })
+}
+
+/// A log of which nothing says how it is driven is a free swing, unless what it was asked varies.
+pub(crate) fn check_drive_stated(log: &Log) -> Result<(), LogError> {
+    let varies = |values: &Option<Vec<f64>>| values.as_ref().is_some_and(|v| v.iter().any(|value| *value != v[0]));
+    let column = match log {
+        Log { drive: Some(_), .. } => return Ok(()),
+        log if varies(&log.q_ref_rad) => Column::Setpoint,
+        log if varies(&log.tau_nm) => Column::Torque,
+        _ => return Ok(()),
+    };
+    Err(LogError::DriveUnknown { file: log.file.clone(), column: column.name() })
 }
 
 /// Share of the larger pull of the setpoint that the smaller one has to reach in a joint that is pulled both ways.

@@ -3,6 +3,7 @@
 //! [`read_log`] and [`read_study`] accept the formats of the specification and nothing else: a file that they accept
 //! has finite numbers, rising time, and very likely seconds and radians. [`health`] then says what a log is like.
 
+mod arrays;
 mod beliefs;
 mod csv;
 mod document;
@@ -28,11 +29,13 @@ mod write;
 mod write_study;
 
 pub(crate) use document::{Document, NOT_NEGATIVE, POSITIVE, Range64, finite_within, range};
+pub(crate) use inputs::{check_drive_stated, check_inputs, check_torque_sign};
 pub(crate) use robot_study::{
     RawControl, RawFloor, RawFriction, RawRobot, RawRobotSensor, Sections, floor, robot_sections,
 };
-pub(crate) use study::check_schema;
+pub(crate) use study::{check_schema, read_sidecar};
 
+pub use arrays::ArrayLog;
 pub use csv::{read_joint_log, read_log};
 pub use error::{CellFault, FileKind, LogError, UnitFault};
 pub use health::{Health, health};

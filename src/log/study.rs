@@ -75,6 +75,11 @@ pub fn read_study(path: &Path) -> Result<Study, LogError> {
 /// # Errors
 /// As [`read_study`]; also where `[[log]]` is about another file.
 pub fn read_sidecar_for(log_path: &Path) -> Result<Option<Study>, LogError> {
+    Ok(read_sidecar(log_path)?.map(|(study, _)| study))
+}
+
+/// As [`read_sidecar_for`], and whether the sidecar says what moves the joint: by `drive`, or because it was released.
+pub(crate) fn read_sidecar(log_path: &Path) -> Result<Option<(Study, bool)>, LogError> {
     let path = log_path.with_extension("toml");
     if path == log_path || matches!(fs::metadata(&path), Err(error) if error.kind() == io::ErrorKind::NotFound) {
         return Ok(None);
@@ -108,11 +113,13 @@ pub fn read_sidecar_for(log_path: &Path) -> Result<Option<Study>, LogError> {
         ));
     }
     let table = "[[log]] 1";
+    let is_stated = entry.drive.is_some() || raw.release.is_some();
     let role = document.word(&format!("{table} role"), &entry.role, &ROLES)?.unwrap_or(Role::Fit);
     let drive = document.word(&format!("{table} drive"), &entry.drive, &DRIVES)?.unwrap_or(DriveMode::Off);
     let log = study_log(&document, table, entry, &raw.motor, (own_name, log_path.to_path_buf(), role, drive))?;
     let release = raw.release.as_ref().map(|release| self::release(&document, release.get_ref())).transpose()?;
-    Ok(Some(Study { file: path.clone(), joint, sensor, motor, uncertain, logs: vec![log], release }))
+    let study = Study { file: path.clone(), joint, sensor, motor, uncertain, logs: vec![log], release };
+    Ok(Some((study, is_stated)))
 }
 
 /// The log that `[[log]]` number `i`, from 0, names: it stands there once, and is there.
