@@ -3,6 +3,8 @@
 
 mod support;
 
+use aibo_fit::identify::Case;
+use aibo_fit::log::DriveMode;
 use std::fs;
 use std::path::Path;
 use support::*;
@@ -221,6 +223,39 @@ fn logs_that_cannot_be_are_refused_as_data() {
     }
     fs::write(dir.path().join("walk.csv"), &cases[12].1).unwrap();
     refused("no such joint", dir.path(), &["drop", "walk.csv", "--joint", "lf9"], DATA, &["`lf9.q`", "`lf1`, `lf2`"]);
+}
+
+#[test]
+fn a_log_that_is_commanded_is_no_free_swing_unless_something_says_so() {
+    let dir = bench();
+    let followed = |t: f64| format!("{t:.3},{:.4},{:.4}", decaying(t), 1.1 * decaying(t));
+    let write = |name: &str, text: &str| fs::write(dir.path().join(name), text).unwrap();
+    write("arm.csv", &log_of("t,q,q_ref", 200, 0.008, followed));
+    write("pushed.csv", &log_of("t,q,tau", 200, 0.008, followed));
+    let ways: [&str; 5] = ["arm.csv", "column `q_ref` varies", "arm.toml", "drive = \"position\"", "[motor]"];
+    refused("setpoints", dir.path(), &["drop", "arm.csv", "--out", "out"], DATA, &ways);
+    let ways: [&str; 4] = ["pushed.csv", "column `tau` varies", "pushed.toml", "drive = \"torque\""];
+    refused("torques", dir.path(), &["drop", "pushed.csv", "--out", "out"], DATA, &ways);
+    // A sidecar that is silent about the drive does not help, and one without the column that it needs is wrong.
+    write("arm.toml", "schema = 1\n[sensor]\nperiod = 0.008\n");
+    refused("silent sidecar", dir.path(), &["drop", "arm.csv", "--out", "out"], DATA, &["`q_ref` varies"]);
+    write("pushed.toml", "schema = 1\n[motor]\nkp = 1.0\nkd = 0.0\n[[log]]\ndrive = \"position\"\n");
+    refused("no setpoint", dir.path(), &["drop", "pushed.csv", "--out", "out"], DATA, &["`q_ref` is missing"]);
+
+    let case = |text: &str| {
+        write("arm.toml", text);
+        Case::of_logs(&[dir.path().join("arm.csv")], None).map(|case| case.items[0].entry.drive)
+    };
+    assert_eq!(case("schema = 1\n[[log]]\ndrive = \"off\"\n").unwrap(), DriveMode::Off);
+    assert_eq!(
+        case("schema = 1\n[motor]\nkp = 1.0\nkd = 0.0\n[[log]]\ndrive = \"position\"\n").unwrap(),
+        DriveMode::Position
+    );
+    fs::remove_file(dir.path().join("arm.toml")).unwrap();
+    write("arm.csv", &log_of("t,q,q_ref,drive", 200, 0.008, |t| format!("{},0", followed(t))));
+    assert!(Case::of_logs(&[dir.path().join("arm.csv")], None).is_ok(), "the column drive says it");
+    write("arm.csv", &log_of("t,q,q_ref", 200, 0.008, |t| format!("{t:.3},{:.4},0.1", decaying(t))));
+    assert!(Case::of_logs(&[dir.path().join("arm.csv")], None).is_ok(), "a setpoint that stays asks for nothing");
 }
 
 #[test]

@@ -22,7 +22,11 @@ use std::path::PathBuf;
 #[derive(Args, Debug)]
 #[command(after_help = "Parameters: inertia [kg m^2], moment [kg m], coulomb [N m], viscous [N m s/rad], rest [rad]; \
 legs of the ERS-7: mass_shoulder, mass_upper_leg, mass_lower_leg [kg], zero [rad]; \
-simple model: b_over_ml2 [1/s], g_over_l [1/s^2].\n\nExample: aibo-fit drop data/q1.csv")]
+simple model: b_over_ml2 [1/s], g_over_l [1/s^2].\n\n\
+Sidecar and study, all keys with units and defaults in data/README.md: schema = 1; [joint] name, inertia, moment, coulomb, \
+viscous, gravity, rest; [sensor] resolution, period; [motor] kp, ki, kd, hold, torque_limit, model, encoder, armature, ...; \
+[uncertain]; [[log]] file, role, drive, session, tau_is, motor, extra. A log with a varying q_ref or tau needs a sidecar or \
+study that states its drive: \"position\" (needs [motor]), \"torque\", or \"off\".\n\nExample: aibo-fit drop data/q1.csv")]
 pub(super) struct DropArgs {
     /// Logs of one joint, fitted together
     #[arg(value_name = "LOG", required_unless_present = "study", conflicts_with = "study")]

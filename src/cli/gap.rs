@@ -50,6 +50,10 @@ fn after_help() -> String {
     let more: Vec<&str> = Cause::all().filter(|cause| !matches!(cause, Cause::Effect(_))).map(Cause::id).collect();
     format!(
         "Effects: {}; of a robot also {}.\nAngles are in rad, times in s, torques in N m; the exit code is 0 for any verdict.\n\n\
+         Study, all keys with units and defaults in data/README.md: schema = 1; [joint] name, inertia [kg m^2], moment [kg m], \
+         coulomb [N m], viscous [N m s/rad], gravity, rest [rad]; [sensor] resolution [rad], period [s]; [motor] kp [N m/rad], \
+         kd, model = torque|voltage, encoder = link|motor, armature, ...; [uncertain], relative; [[log]] file, role = fit|validate, \
+         drive = off|position|torque, session, tau_is = applied|commanded|current, motor, extra.\n\n\
          Example: aibo-fit gap study.toml --without delay,backlash",
         ids.join(", "),
         more.join(", ")

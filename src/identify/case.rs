@@ -1,10 +1,12 @@
 //! What a user hands over, made ready: a study, or logs with their sidecars, as one joint and its experiments.
 
+use super::holes::{FEWEST_SAMPLES, cut, ends_of_holes};
 use super::{Experiment, LegCase};
 use crate::geometry::{GeometryError, LegJoint};
 use crate::log::{
-    DriveMode, Health, JointSpec, Log, LogError, Role, SensorSpec, Start, Study, StudyLog, Uncertain, health,
-    read_joint_log, read_log, read_pose_for, read_sidecar_for, read_study, read_study_logs, thinned,
+    ArrayLog, DriveMode, Health, JointSpec, Log, LogError, MotorSpec, Role, SensorSpec, Start, Study, StudyLog,
+    Uncertain, check_drive_stated, check_inputs, check_period, check_torque_sign, health, read_joint_log, read_log,
+    read_pose_for, read_sidecar, read_sidecar_for, read_study, read_study_logs, thinned,
 };
 use std::path::{Path, PathBuf};
 
@@ -37,8 +39,10 @@ pub struct Item {
     pub sensor: SensorSpec,
     /// What it is like.
     pub health: Health,
-    /// The log made ready; `None` where the joint never moved, or was never let go.
-    pub experiment: Option<Experiment>,
+    /// The log made ready, one for each part between two holes; none where the joint never moved, or was never let go.
+    pub experiments: Vec<Experiment>,
+    /// What was left out of it and why, in words.
+    pub remarks: Vec<String>,
 }
 
 /// Why logs do not make a case.
@@ -82,6 +86,12 @@ pub enum CaseError {
         /// The first log's value.
         expected: String,
     },
+    /// Setpoints, and no controller that makes torque of them.
+    #[error("{log}: drive = \"position\" needs a motor with kp and kd")]
+    NoMotor {
+        /// The log.
+        log: String,
+    },
     /// A log is shorter than what is to be found from it.
     #[error("{}: only {samples} samples while the joint is free, but at least {needed} are needed for 6 unknowns; record longer", file.display())]
     TooFewSamples {
@@ -93,10 +103,6 @@ pub enum CaseError {
         needed: usize,
     },
 }
-
-/// A baseline fit of one log has six unknowns: inertia, two frictions, rest angle, and the start's two. Two samples more
-/// show how well it does.
-const FEWEST_SAMPLES: usize = 8;
 
 /// Samples of a free log that are fitted at the most. A swing holds no more news than that, and a search looks at every
 /// sample hundreds of times. Driven logs are fitted whole: what drives them between two samples counts.
@@ -140,10 +146,11 @@ impl Case {
     /// As [`Case::of_study`], and where the logs are not of one joint.
     pub fn of_logs(paths: &[PathBuf], joint: Option<&str>) -> Result<Self, CaseError> {
         let mut first: Option<(PathBuf, JointSpec)> = None;
+        let mut believed: Option<Uncertain> = None;
         let mut items = Vec::with_capacity(paths.len());
         let mut documents = Vec::new();
         for path in paths {
-            let sidecar = read_sidecar_for(path)?;
+            let sidecar = read_sidecar(path)?;
             if sidecar.is_some() {
                 documents.push(path.with_extension("toml"));
             }
@@ -151,6 +158,13 @@ impl Case {
                 Err(LogError::SeveralJoints { .. }) if joint.is_some() => read_joint_log(path, joint)?,
                 read => read?,
             };
+            if sidecar.as_ref().is_none_or(|(_, is_stated)| !is_stated) {
+                check_drive_stated(&log)?;
+            }
+            let sidecar = sidecar.map(|(sidecar, _)| sidecar);
+            if let Some(sidecar) = &sidecar {
+                believed.get_or_insert_with(|| sidecar.uncertain.clone());
+            }
             let (mut spec, sensor, entry) = match sidecar {
                 Some(Study { joint, sensor, mut logs, .. }) if !logs.is_empty() => (joint, sensor, logs.remove(0)),
                 Some(Study { joint, sensor, .. }) => (joint, sensor, plain_entry(path)),
@@ -167,10 +181,52 @@ impl Case {
                 None => first = Some((path.clone(), spec)),
                 Some((first, expected)) => same_joint(path, &spec, first, expected)?,
             }
+            let log = check_inputs(&path.with_extension("toml"), 0, &entry, log)?;
             items.push((log, entry, sensor));
         }
         let spec = first.map_or_else(|| plain_joint(Path::new("joint")), |(_, spec)| spec);
-        Self::new(spec, Uncertain::default(), items, documents)
+        Self::new(spec, believed.unwrap_or_default(), items, documents)
+    }
+
+    /// A joint whose logs are at hand as arrays; no file is read. The motor is in force for every log.
+    ///
+    /// ```
+    /// use aibo_fit::gap::{GapOptions, diagnose};
+    /// use aibo_fit::identify::Case;
+    /// use aibo_fit::log::{ArrayLog, JointSpec, Nominal, SensorSpec, Uncertain, read_log};
+    ///
+    /// let swing = read_log("data/q1.csv".as_ref())?;
+    /// let nominal = Nominal { inertia_kg_m2: 4e-3, moment_kg_m: 0.03, coulomb_nm: 1e-3, viscous_nm_s_rad: 0.017 };
+    /// let joint = JointSpec { name: "hip".into(), nominal: Some(nominal), gravity_m_s2: 9.81, rest_rad: None };
+    /// let log = ArrayLog { on: swing.drive, ..ArrayLog::new("swing", swing.t_s, swing.q_rad) };
+    /// let case = Case::of_arrays(joint, SensorSpec::default(), None, Uncertain::default(), vec![log])?;
+    /// let diagnosis = diagnose(&case, &GapOptions::default(), &|_| ())?;
+    /// assert_eq!(diagnosis.joint, "hip");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`CaseError`] that names the log, the array and the index.
+    pub fn of_arrays(
+        joint: JointSpec,
+        sensor: SensorSpec,
+        motor: Option<MotorSpec>,
+        uncertain: Uncertain,
+        logs: Vec<ArrayLog>,
+    ) -> Result<Self, CaseError> {
+        let item = |given: ArrayLog| {
+            let log = given.to_log()?;
+            if given.drive == DriveMode::Position && motor.is_none() {
+                return Err(CaseError::NoMotor { log: given.name });
+            }
+            check_period(&log, &sensor)?;
+            let ArrayLog { name: file, role, drive, session, extra, tau_is, .. } = given;
+            let entry = StudyLog { file, path: PathBuf::new(), role, drive, motor, extra, session, tau_is };
+            check_torque_sign(&log, &entry)?;
+            Ok((log, entry, sensor))
+        };
+        let items = logs.into_iter().map(item).collect::<Result<_, CaseError>>()?;
+        Self::new(joint, uncertain, items, Vec::new())
     }
 
     fn new(
@@ -183,7 +239,8 @@ impl Case {
         let mut leg = None;
         if let Ok(leg_joint) = joint.name.parse::<LegJoint>() {
             let path = items.first().map_or_else(PathBuf::new, |(_, entry, _)| entry.path.clone());
-            let pose = read_pose_for(&path, &leg_joint.to_string())?;
+            let in_file = !path.as_os_str().is_empty();
+            let pose = if in_file { read_pose_for(&path, &leg_joint.to_string())? } else { None };
             if pose.is_some() {
                 documents.push(path.with_file_name("pose.toml"));
             }
@@ -207,24 +264,27 @@ impl Case {
         joint.gravity_m_s2 = gravity_m_s2;
         let items = items
             .into_iter()
-            .map(|(log, entry, sensor)| item(log, entry, sensor, gravity_m_s2, leg.as_ref()))
+            .enumerate()
+            .map(|(i, (log, entry, sensor))| item(i, log, entry, sensor, gravity_m_s2, leg.as_ref()))
             .collect::<Result<_, _>>()?;
         let by_bodies = by_bodies && leg.is_some();
         Ok(Self { joint, leg, by_bodies, uncertain, items, documents })
     }
 
-    /// Every file that was read: logs first, then what stood beside them.
+    /// Every file that was read: logs first, then what stood beside them. Arrays are none.
     pub fn inputs(&self) -> Vec<PathBuf> {
-        self.items.iter().map(|item| item.entry.path.clone()).chain(self.documents.iter().cloned()).collect()
+        let logs = self.items.iter().map(|item| &item.entry.path).filter(|path| !path.as_os_str().is_empty());
+        logs.chain(&self.documents).cloned().collect()
     }
 
-    /// Experiments of the logs with a role, in order; logs in which nothing moved are left out.
+    /// Experiments of the logs with a role, in order, parts of a log one after the other; logs in which nothing moved are left out.
     pub fn experiments(&self, role: Role) -> Vec<Experiment> {
-        self.items.iter().filter(|i| i.entry.role == role).filter_map(|i| i.experiment.clone()).collect()
+        self.items.iter().filter(|i| i.entry.role == role).flat_map(|i| i.experiments.iter().cloned()).collect()
     }
 }
 
 fn item(
+    log_index: usize,
     log: Log,
     entry: StudyLog,
     sensor: SensorSpec,
@@ -232,18 +292,21 @@ fn item(
     leg: Option<&LegCase>,
 ) -> Result<Item, CaseError> {
     let whole = health(&log, &sensor, entry.drive);
+    let holes = ends_of_holes(&log.t_s);
     let short = if entry.drive == DriveMode::Off { thinned(&log, &whole, MOST_SAMPLES) } else { None };
     let (log, health) = short.unwrap_or((log, whole));
     let free = health.start.held().map_or(log.len(), |held| log.len() - held.first_free);
     if free < FEWEST_SAMPLES && health.start != Start::AlwaysHeld {
-        return Err(CaseError::TooFewSamples { file: entry.path.clone(), samples: free, needed: FEWEST_SAMPLES });
+        return Err(CaseError::TooFewSamples { file: log.file.clone(), samples: free, needed: FEWEST_SAMPLES });
     }
     let resolution_rad = sensor.resolution_rad.or(health.step_rad).unwrap_or(0.0);
-    let mut experiment =
+    let experiment =
         health.moved.then(|| Experiment::new(&log, &entry, &health, resolution_rad, gravity_m_s2)).flatten();
-    if let Some(e) = &mut experiment {
+    let (mut experiments, mut remarks) = (Vec::new(), Vec::new());
+    if let Some(mut e) = experiment {
+        e.log_index = log_index;
         if e.compared() < FEWEST_SAMPLES {
-            let (file, samples) = (entry.path.clone(), e.compared());
+            let (file, samples) = (log.file.clone(), e.compared());
             return Err(CaseError::TooFewSamples { file, samples, needed: FEWEST_SAMPLES });
         }
         if let Some(leg) = leg {
@@ -251,8 +314,9 @@ fn item(
             e.bodies = leg.bodies().map_err(impossible)?;
             e.load = entry.extra.as_ref().map(|extra| leg.load(extra)).transpose().map_err(impossible)?;
         }
+        (experiments, remarks) = cut(e, &log, &holes, health.noise_rad);
     }
-    Ok(Item { log, entry, sensor, health, experiment })
+    Ok(Item { log, entry, sensor, health, experiments, remarks })
 }
 
 fn same_joint(path: &Path, spec: &JointSpec, first: &Path, expected: &JointSpec) -> Result<(), CaseError> {
@@ -318,7 +382,7 @@ mod tests {
         let case = Case::of_logs(&[PathBuf::from("data/q1.csv")], None).expect("readable");
         let leg = case.leg.expect("q1 is a joint of the leg");
         assert!(leg.pose_known);
-        let e = case.items[0].experiment.as_ref().expect("it swings");
+        let e = case.items[0].experiments.first().expect("it swings");
         assert_eq!((e.bodies.len(), e.uncompared), (3, 1));
         assert_eq!(case.documents.len(), 2);
     }

@@ -81,6 +81,15 @@ pub enum LogError {
         found: Vec<String>,
         hint: Option<String>,
     },
+    /// An array that is no column of a log; `index` counts from 0.
+    #[error("{log}: array `{array}`{}: {what}", index.map_or_else(String::new, |index| format!("[{index}]")))]
+    Array { log: String, array: &'static str, index: Option<usize>, what: String },
+    /// A log that is commanded, and nothing says how.
+    #[error("{}: column `{column}` varies, and nothing says what moves the joint: expected {} beside it with `schema = 1`, `[[log]]` and in it `drive = \"{}\"`{}, or `drive = \"off\"` where the motor is off and the joint swings freely", file.display(), file.with_extension("toml").display(), if *column == "tau" { "torque" } else { "position" }, if *column == "tau" { "" } else { " (which needs `[motor]` with kp and kd)" })]
+    DriveUnknown { file: PathBuf, column: &'static str },
+    /// A torque or current without its sign, where the study says what it is.
+    #[error("{}: column `tau`: no negative value although the joint moves both ways: this is a magnitude (some drives report only that), expected torque or current with its sign; log the signed value, or leave tau_is out", file.display())]
+    UnsignedTorque { file: PathBuf },
     /// Not TOML, an unknown key, or a value of the wrong type; the parser's own message shows the line.
     #[error("{}: {}{}", file.display(), source.to_string().trim_end(), hint.map_or_else(String::new, |hint| format!("; {hint}")))]
     Toml { file: PathBuf, source: Box<toml::de::Error>, hint: Option<&'static str> },

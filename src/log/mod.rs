@@ -3,6 +3,8 @@
 //! [`read_log`] and [`read_study`] accept the formats of the specification and nothing else: a file that they accept
 //! has finite numbers, rising time, and very likely seconds and radians. [`health`] then says what a log is like.
 
+mod arrays;
+mod beliefs;
 mod csv;
 mod document;
 mod error;
@@ -11,6 +13,7 @@ mod health;
 mod health_noise;
 mod health_stamps;
 mod inputs;
+mod motor;
 mod place;
 mod plausible;
 mod pose;
@@ -23,13 +26,16 @@ mod study;
 mod thin;
 mod types;
 mod write;
+mod write_study;
 
 pub(crate) use document::{Document, NOT_NEGATIVE, POSITIVE, Range64, finite_within, range};
+pub(crate) use inputs::{check_drive_stated, check_inputs, check_torque_sign};
 pub(crate) use robot_study::{
     RawControl, RawFloor, RawFriction, RawRobot, RawRobotSensor, Sections, floor, robot_sections,
 };
-pub(crate) use study::check_schema;
+pub(crate) use study::{check_schema, read_sidecar};
 
+pub use arrays::ArrayLog;
 pub use csv::{read_joint_log, read_log};
 pub use error::{CellFault, FileKind, LogError, UnitFault};
 pub use health::{Health, health};
@@ -50,3 +56,4 @@ pub use types::{
     SensorSpec, Spread, Study, StudyLog, TauIs, Uncertain, VoltageMotor,
 };
 pub use write::{Outputs, write_atomically, write_log};
+pub use write_study::study_text;

@@ -1,0 +1,178 @@
+//! Logs that are at hand as arrays: the checks of the CSV reader, with errors that name the array and the index.
+
+use super::error::LogError;
+use super::header::Column;
+use super::plausible::{self, Extremes, Row};
+use super::types::{DriveMode, ExtraMass, Log, Role, TauIs};
+use std::path::PathBuf;
+
+/// One log in memory, and what a study's `[[log]]` says of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ArrayLog {
+    /// What reports and errors call it.
+    pub name: String,
+    /// Sample times \[s\], strictly increasing.
+    pub t_s: Vec<f64>,
+    /// Joint angle as the encoder reads it \[rad\].
+    pub q_rad: Vec<f64>,
+    /// Position setpoint \[rad\]; needed by [`DriveMode::Position`].
+    pub q_ref_rad: Option<Vec<f64>>,
+    /// Torque \[N m\]; needed by [`DriveMode::Torque`], and of a position-driven log what `tau_is` says.
+    pub tau_nm: Option<Vec<f64>>,
+    /// Motor on, or joint held in a log with [`DriveMode::Off`].
+    pub on: Option<Vec<bool>>,
+    /// What the log is used for.
+    pub role: Role,
+    /// What moves the joint.
+    pub drive: DriveMode,
+    /// Logs of one session were taken in one go.
+    pub session: Option<String>,
+    /// A known mass on the link.
+    pub extra: Option<ExtraMass>,
+    /// What `tau_nm` of a position-driven log is.
+    pub tau_is: Option<TauIs>,
+}
+
+impl ArrayLog {
+    /// A log to be fitted in which nothing drives the joint; other fields are set with `..`.
+    pub fn new(name: impl Into<String>, t_s: Vec<f64>, q_rad: Vec<f64>) -> Self {
+        Self {
+            name: name.into(),
+            t_s,
+            q_rad,
+            q_ref_rad: None,
+            tau_nm: None,
+            on: None,
+            role: Role::Fit,
+            drive: DriveMode::Off,
+            session: None,
+            extra: None,
+            tau_is: None,
+        }
+    }
+
+    /// The log, checked as the reader of CSV files checks one.
+    ///
+    /// # Errors
+    /// [`LogError::Array`] naming the log, the array and, where there is one, the index.
+    pub fn to_log(&self) -> Result<Log, LogError> {
+        let n = self.t_s.len();
+        let columns = [
+            (Column::Time, Some(&self.t_s)),
+            (Column::Angle, Some(&self.q_rad)),
+            (Column::Setpoint, self.q_ref_rad.as_ref()),
+            (Column::Torque, self.tau_nm.as_ref()),
+        ];
+        let lengths = columns.iter().filter_map(|(column, values)| Some((column.name(), values.as_ref()?.len())));
+        for (array, found) in lengths.chain(self.on.iter().map(|on| (Column::Drive.name(), on.len()))) {
+            if found != n {
+                return Err(self.wrong(array, None, format!("{found} values, expected {n} as in `t`")));
+            }
+        }
+        if n < 2 {
+            return Err(self.wrong("t", None, format!("{n} samples, expected at least 2")));
+        }
+        let mut extremes = Extremes::default();
+        for (column, values) in columns.iter().filter_map(|(column, values)| Some((*column, (*values)?))) {
+            for (index, &value) in values.iter().enumerate() {
+                self.check(column, index, value)?;
+                extremes.see(column, value, row(index));
+            }
+        }
+        for (index, pair) in self.t_s.windows(2).enumerate() {
+            if pair[1] <= pair[0] {
+                let what = format!("{} s after {} s, expected strictly increasing", pair[1], pair[0]);
+                return Err(self.wrong("t", Some(index + 1), what));
+            }
+            extremes.see_step(pair[1] - pair[0], row(index), row(index + 1));
+        }
+        let q_ref = self.q_ref_rad.as_deref().unwrap_or_default();
+        if let Some((row, column, fault)) = plausible::check(&self.t_s, &self.q_rad, q_ref, &extremes) {
+            return Err(self.wrong(column.name(), Some(row.line as usize), fault.to_string()));
+        }
+        if let Some((gap_s, _, after)) = extremes.gap {
+            let what = format!("a gap of {gap_s:.1} s, expected at most 60 s; split the log there");
+            return Err(self.wrong("t", Some(after.line as usize), what));
+        }
+        self.check_drive()?;
+        Ok(Log {
+            file: PathBuf::from(&self.name),
+            t_s: self.t_s.clone(),
+            q_rad: self.q_rad.clone(),
+            dq_rad_s: None,
+            tau_nm: self.tau_nm.clone(),
+            q_ref_rad: self.q_ref_rad.clone(),
+            drive: self.on.clone(),
+            ignored_columns: Vec::new(),
+        })
+    }
+
+    fn check(&self, column: Column, index: usize, value: f64) -> Result<(), LogError> {
+        let what = if !value.is_finite() {
+            format!("{value}, expected a finite number [{}]", column.unit())
+        } else if value.abs() > column.limit() {
+            format!("{value}, expected at most {:e} {} in magnitude", column.limit(), column.unit())
+        } else {
+            return Ok(());
+        };
+        Err(self.wrong(column.name(), Some(index), what))
+    }
+
+    fn check_drive(&self) -> Result<(), LogError> {
+        let (array, word) = match self.drive {
+            DriveMode::Position if self.q_ref_rad.is_none() => ("q_ref", "position"),
+            DriveMode::Torque if self.tau_nm.is_none() => ("tau", "torque"),
+            _ => return Ok(()),
+        };
+        Err(self.wrong(array, None, format!("missing, which drive = \"{word}\" needs")))
+    }
+
+    pub(crate) fn wrong(&self, array: &'static str, index: Option<usize>, what: String) -> LogError {
+        LogError::Array { log: self.name.clone(), array, index, what }
+    }
+}
+
+/// A sample in the place of a file's row.
+fn row(index: usize) -> Row {
+    Row { byte: 0, line: index as u64 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn log() -> ArrayLog {
+        let t_s: Vec<f64> = (0..20).map(|k| 0.01 * f64::from(k)).collect();
+        let q_rad = t_s.iter().map(|t| 0.3 * (5.0 * t).sin()).collect();
+        ArrayLog::new("swing", t_s, q_rad)
+    }
+
+    #[test]
+    fn good_arrays_are_a_log() {
+        let good = log();
+        let read = good.to_log().unwrap();
+        assert_eq!((read.t_s, read.q_rad, read.drive), (good.t_s, good.q_rad, None));
+    }
+
+    #[test]
+    fn each_fault_is_one_error_that_names_array_and_index() {
+        let faults: [(fn(&mut ArrayLog), &str); 10] = [
+            (|l| l.q_rad.truncate(5), "swing: array `q`: 5 values, expected 20 as in `t`"),
+            (|l| l.on = Some(vec![true]), "swing: array `drive`: 1 values"),
+            (|l| l.q_rad[7] = f64::NAN, "swing: array `q`[7]: NaN, expected a finite number [rad]"),
+            (|l| l.t_s[3] = l.t_s[2], "swing: array `t`[3]: 0.02 s after 0.02 s, expected strictly increasing"),
+            (|l| l.t_s[19] = 100.0, "swing: array `t`[19]: a gap of 99.8 s"),
+            (|l| l.t_s.iter_mut().for_each(|t| *t *= 1e3), "swing: array `t`[0]: the median step is 10"),
+            (|l| l.q_rad[4] = 45.0, "swing: array `q`[4]: found 45, beyond 4 pi: this looks like degrees"),
+            (|l| l.tau_nm = Some(vec![1e9; 20]), "swing: array `tau`[0]: 1000000000, expected at most 1e5 N m"),
+            (|l| l.drive = DriveMode::Position, "swing: array `q_ref`: missing, which drive = \"position\" needs"),
+            (|l| (l.t_s, l.q_rad) = (vec![0.0], vec![0.0]), "swing: array `t`: 1 samples, expected at least 2"),
+        ];
+        for (fault, expected) in faults {
+            let mut log = log();
+            fault(&mut log);
+            let message = log.to_log().unwrap_err().to_string();
+            assert!(message.starts_with(expected), "`{expected}` is not how this begins:\n{message}");
+        }
+    }
+}
