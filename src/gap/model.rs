@@ -119,7 +119,8 @@ impl JointModel for GapModel {
             Signal::Torque { .. } => Some(Motor::direct()),
             Signal::Position { .. } => experiment.motor.map(Motor::new),
         };
-        let mut chain = Chain::new(link, Friction::coulomb_viscous(values[COULOMB], values[VISCOUS]), motor);
+        let friction = Friction::coulomb_viscous(values[COULOMB], values[VISCOUS]);
+        let mut chain = Chain::new(link, friction, motor).geared(experiment.motor.as_ref());
         let mut rest_of = &values[BASELINE.min(values.len())..];
         for &effect in &self.effects {
             let (own, later) = rest_of.split_at(effect.searched_count());

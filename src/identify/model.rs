@@ -182,6 +182,7 @@ impl JointModel for ExtensiveModel {
         });
         ExtensivePendulum { link, coulomb_nm: values[c], viscous_nm_s_rad: values[v], stribeck }
             .chain(experiment.motor.map(Motor::new))
+            .geared(experiment.motor.as_ref())
     }
 }
 

@@ -23,6 +23,7 @@ pub use effect::{Bounds, DrivenReach, EffectId, EffectParameter, Named, Reach, S
 pub use friction::{Contact, Friction, FrictionTerm, Stribeck};
 pub use gain::{Unrepresentable, gain, gain_word};
 pub use link::Link;
+pub(crate) use motor::Driven;
 pub use motor::{Motor, Setpoint, SpeedLine};
 pub use passive::{EndStop, Spring};
 pub use real::Real;

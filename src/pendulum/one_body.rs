@@ -4,7 +4,7 @@ use super::events::{dip, zero_of};
 use super::rollout::{Diverged, Mechanism, Start, State};
 use super::schedule::Command;
 use crate::integrate::rk4;
-use crate::joint::{Chain, Real};
+use crate::joint::{Chain, Driven, Real};
 
 /// What the joint is doing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,8 +44,8 @@ impl<'a, T: Real> OneBody<'a, T> {
             y: [start.angle_rad, start.rate_rad_s, T::nought()],
             mode,
             steps_left: steps,
-            swinging_rad_s: chain.fastest_rad_s(false),
-            driven_rad_s: chain.fastest_rad_s(true),
+            swinging_rad_s: chain.fastest_rad_s(Driven::Off),
+            driven_rad_s: chain.fastest_rad_s(Driven::ByLaw),
             refinement,
         }
     }
@@ -159,11 +159,11 @@ impl<T: Real> OneBody<'_, T> {
 
     /// One step of a slipping joint, cut short where its speed passes through zero.
     fn slip(&mut self, until: T, command: Command<T>, direction: f64) -> Result<(), Diverged> {
-        let motor_on = matches!(command, Command::Pid { .. });
+        let driven = command.driven();
         let whole = until - self.t_s;
-        let fastest_rad_s = if motor_on { self.driven_rad_s } else { self.swinging_rad_s };
+        let fastest_rad_s = if driven == Driven::ByLaw { self.driven_rad_s } else { self.swinging_rad_s };
         let [angle, rate, _] = self.y;
-        let longest_s = self.chain.longest_step_s(fastest_rad_s, angle.re(), rate.re(), motor_on) / self.refinement;
+        let longest_s = self.chain.longest_step_s(fastest_rad_s, angle.re(), rate.re(), driven) / self.refinement;
         let parts = (whole.re() / longest_s).ceil().max(1.0);
         if !(parts <= self.steps_left as f64) {
             return Err(Diverged { at_s: self.t_s.re() });

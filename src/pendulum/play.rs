@@ -7,7 +7,8 @@
 use super::rollout::{Diverged, Mechanism, Start, State};
 use super::schedule::Command;
 use crate::integrate::rk4;
-use crate::joint::{Chain, Play, Real};
+use crate::joint::{Chain, Driven, Play, Real};
+use crate::log::EncoderSide;
 
 /// Halvings that separate the events of a step.
 const HALVINGS: usize = 16;
@@ -44,7 +45,8 @@ enum Event {
 
 pub(super) struct TwoBodies<'a, T: Real> {
     chain: &'a Chain<T>,
-    play: Play<T>,
+    width_rad: T,
+    motor_side_kg_m2: T,
     t_s: T,
     /// Angle and rate of the link, the same of the motor side, integral of the angle error.
     y: [T; 5],
@@ -66,6 +68,9 @@ impl<'a, T: Real> TwoBodies<'a, T> {
     ) -> Self {
         let (angle, rate) = (start.angle_rad, start.rate_rad_s);
         let flank = if chain.passive_nm(angle, T::nought()).re() < 0.0 { -1.0 } else { 1.0 };
+        // The start is where the encoder sits.
+        let ahead = play.width_rad * (0.5 * flank);
+        let on_motor = if chain.encoder == EncoderSide::Motor { 1.0 } else { 0.0 };
         let mode = match (start.release_s, rate.re()) {
             (Some(_), _) => Mode::Clamped,
             (None, rate) if rate != 0.0 => Mode::Engaged(flank, Motion::Slip(rate.signum())),
@@ -73,13 +78,14 @@ impl<'a, T: Real> TwoBodies<'a, T> {
         };
         Self {
             chain,
-            play,
+            width_rad: play.width_rad,
+            motor_side_kg_m2: chain.motor_side_kg_m2(&play),
             t_s: T::constant(t_s.first().copied().unwrap_or(0.0)),
-            y: [angle, rate, angle - play.width_rad * (0.5 * flank), rate, T::nought()],
+            y: [angle + ahead * on_motor, rate, angle - ahead * (1.0 - on_motor), rate, T::nought()],
             flank,
             mode,
             steps_left: steps,
-            fastest_rad_s: chain.fastest_rad_s(true),
+            fastest_rad_s: chain.fastest_rad_s(Driven::ByLaw),
             refinement,
         }
     }
@@ -100,6 +106,11 @@ impl<T: Real> Mechanism<T> for TwoBodies<'_, T> {
 
     fn state(&self) -> State<T> {
         State { angle_rad: self.y[0], rate_rad_s: self.y[1] }
+    }
+
+    fn seen(&self) -> State<T> {
+        let [angle_rad, rate_rad_s] = self.seen_in(&self.y);
+        State { angle_rad, rate_rad_s }
     }
 
     fn integral_mut(&mut self) -> &mut T {
@@ -131,11 +142,21 @@ impl<T: Real> Mechanism<T> for TwoBodies<'_, T> {
 
 impl<T: Real> TwoBodies<'_, T> {
     fn link_kg_m2(&self) -> T {
-        self.chain.link.inertia_kg_m2 - self.play.motor_side_kg_m2
+        self.chain.inertia_kg_m2() - self.motor_side_kg_m2
+    }
+
+    /// Angle and rate of the side on which the encoder sits.
+    #[inline]
+    fn seen_in(&self, y: &[T; 5]) -> [T; 2] {
+        match self.chain.encoder {
+            EncoderSide::Link => [y[0], y[1]],
+            EncoderSide::Motor => [y[2], y[3]],
+        }
     }
 
     fn motor_nm(&self, command: Command<T>, t_s: T, y: &[T; 5]) -> T {
-        command.motor_nm(self.chain, t_s, &[y[0], y[1], y[4]])
+        let [angle, rate] = self.seen_in(y);
+        command.turning_motor_nm(self.chain, t_s, &[angle, rate, y[4]], y[3])
     }
 
     /// Friction of the whole joint at a speed and direction \[N m\].
@@ -199,7 +220,7 @@ impl<T: Real> TwoBodies<'_, T> {
 
     fn rate(&self, command: Command<T>, mode: Mode, t_s: T, y: &[T; 5]) -> [T; 5] {
         let nought = T::nought();
-        let error = command.error_rad(self.chain, t_s, y[0]);
+        let error = command.error_rad(self.chain, t_s, self.seen_in(y)[0]);
         match mode {
             Mode::Clamped | Mode::Engaged(_, Motion::Rest) => [nought, nought, nought, nought, error],
             Mode::Engaged(_, Motion::Slip(direction)) => {
@@ -219,7 +240,7 @@ impl<T: Real> TwoBodies<'_, T> {
                 };
                 let a_motor = match motor {
                     Motion::Rest => nought,
-                    Motion::Slip(d) => (motor_nm - friction(y[3], d, 1.0 - LINK_SHARE)) / self.play.motor_side_kg_m2,
+                    Motion::Slip(d) => (motor_nm - friction(y[3], d, 1.0 - LINK_SHARE)) / self.motor_side_kg_m2,
                 };
                 [y[1], a_link, y[3], a_motor, error]
             }
@@ -259,7 +280,7 @@ impl<T: Real> TwoBodies<'_, T> {
                 let motor_nm = motor_nm();
                 -self.beyond(motor_nm, 1.0 - LINK_SHARE, t_s, y[0], motor_nm).0
             }
-            (Event::Meets(flank), _) => self.play.width_rad * 0.5 - (y[0] - y[2]) * flank,
+            (Event::Meets(flank), _) => self.width_rad * 0.5 - (y[0] - y[2]) * flank,
             (Event::Parts, Mode::Engaged(flank, Motion::Slip(d))) => self.pressing_nm(command, flank, d, t_s, y),
             _ => T::constant(1.0),
         }
@@ -270,11 +291,10 @@ impl<T: Real> TwoBodies<'_, T> {
         let whole = until - self.t_s;
         let [angle, rate, _, motor_rate, _] = self.y;
         let fastest = rate.re().abs().max(motor_rate.re().abs());
-        let motor_on = matches!(command, Command::Pid { .. });
-        let mut longest_s = self.chain.longest_step_s(self.fastest_rad_s, angle.re(), fastest, motor_on);
+        let mut longest_s = self.chain.longest_step_s(self.fastest_rad_s, angle.re(), fastest, command.driven());
         if let Mode::Apart(..) = self.mode {
             // The motor side alone is the lighter of the two.
-            let share = self.play.motor_side_kg_m2.re() / self.chain.link.inertia_kg_m2.re();
+            let share = self.motor_side_kg_m2.re() / self.chain.inertia_kg_m2().re();
             longest_s *= share.clamp(1e-3, 1.0).sqrt();
         }
         let parts = (whole.re() * self.refinement / longest_s).ceil().max(1.0);
@@ -338,11 +358,11 @@ impl<T: Real> TwoBodies<'_, T> {
                 self.mode = Mode::Apart(Motion::Slip(d), Motion::Slip(d));
             }
             (Event::Meets(flank), _) => {
-                let whole = self.chain.link.inertia_kg_m2;
-                let momentum = self.link_kg_m2() * self.y[1] + self.play.motor_side_kg_m2 * self.y[3];
+                let whole = self.chain.inertia_kg_m2();
+                let momentum = self.link_kg_m2() * self.y[1] + self.motor_side_kg_m2 * self.y[3];
                 let rate = momentum / whole;
                 (self.y[1], self.y[3]) = (rate, rate);
-                self.y[2] = self.y[0] - self.play.width_rad * (0.5 * flank);
+                self.y[2] = self.y[0] - self.width_rad * (0.5 * flank);
                 let motion = if rate.re() == 0.0 { Motion::Rest } else { Motion::Slip(rate.re().signum()) };
                 self.mode = Mode::Engaged(flank, motion);
             }

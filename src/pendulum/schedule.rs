@@ -1,6 +1,6 @@
 //! What acts on the joint at each instant: setpoints and torques, as late and as rarely as the chain lets them through.
 
-use crate::joint::{Chain, Real, Setpoint, SetpointPath};
+use crate::joint::{Chain, Driven, Real, Setpoint, SetpointPath};
 use crate::log::Hold;
 
 /// What acts on the joint along a log; the slices are as long as the log's times, which count from its start.
@@ -29,7 +29,9 @@ pub enum Input<'a> {
 /// What is asked of the motor between two events.
 #[derive(Clone, Copy)]
 pub(crate) enum Command<T> {
-    /// A torque \[N m\], before the motor's gain and limits.
+    /// Nothing: the motor is off.
+    Off,
+    /// A torque \[N m\], before the motor's gain and limits, or the answer of its law that is held.
     Torque(T),
     /// A setpoint, `setpoint_rad + slope_rad_s (t - from_s)`, through the control law.
     Pid { setpoint_rad: T, slope_rad_s: f64, from_s: T },
@@ -39,12 +41,31 @@ impl<T: Real> Command<T> {
     /// The torque that arrives at the joint \[N m\]; `y` is angle, rate, integral of the angle error.
     #[inline]
     pub(crate) fn motor_nm(self, chain: &Chain<T>, t_s: T, y: &[T; 3]) -> T {
+        self.turning_motor_nm(chain, t_s, y, y[1])
+    }
+
+    /// The same where the motor does not turn at the rate that the controller sees; `seen` is true angle and rate there,
+    /// and the integral of the angle error.
+    #[inline]
+    pub(crate) fn turning_motor_nm(self, chain: &Chain<T>, t_s: T, seen: &[T; 3], motor_rad_s: T) -> T {
         match self {
-            Command::Torque(command_nm) => chain.delivered_nm(command_nm, y[1]),
+            Command::Off => T::nought(),
+            Command::Torque(command) => chain.delivered_nm(command, motor_rad_s),
             Command::Pid { setpoint_rad, slope_rad_s, from_s } => {
                 let angle_rad = (t_s - from_s) * slope_rad_s + setpoint_rad;
-                chain.motor_nm(Setpoint { angle_rad, rate_rad_s: T::constant(slope_rad_s) }, y[0], y[1], y[2])
+                let setpoint = Setpoint { angle_rad, rate_rad_s: T::constant(slope_rad_s) };
+                chain.turning_motor_nm(setpoint, *seen, motor_rad_s)
             }
+        }
+    }
+
+    /// What moves the joint.
+    #[inline]
+    pub(crate) fn driven(self) -> Driven {
+        match self {
+            Command::Off => Driven::Off,
+            Command::Torque(_) => Driven::Held,
+            Command::Pid { .. } => Driven::ByLaw,
         }
     }
 
@@ -52,7 +73,7 @@ impl<T: Real> Command<T> {
     #[inline]
     pub(crate) fn error_rad(self, chain: &Chain<T>, t_s: T, angle_rad: T) -> T {
         match self {
-            Command::Torque(_) => T::nought(),
+            Command::Off | Command::Torque(_) => T::nought(),
             Command::Pid { setpoint_rad, slope_rad_s, from_s } => {
                 (t_s - from_s) * slope_rad_s + setpoint_rad - angle_rad * chain.sensor_gain
             }
@@ -62,7 +83,7 @@ impl<T: Real> Command<T> {
     /// True where the torque on a resting joint does not change by itself.
     pub(crate) fn is_steady(self, chain: &Chain<T>) -> bool {
         match self {
-            Command::Torque(_) => true,
+            Command::Off | Command::Torque(_) => true,
             Command::Pid { slope_rad_s, .. } => {
                 slope_rad_s == 0.0 && !chain.motor.as_ref().is_some_and(|m| m.winds_up())
             }
@@ -169,7 +190,7 @@ impl<'a, T: Real> Schedule<'a, T> {
                 };
                 Command::Pid { setpoint_rad, slope_rad_s, from_s }
             }
-            _ => Command::Torque(T::nought()),
+            _ => Command::Off,
         }
     }
 }
