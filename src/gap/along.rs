@@ -3,10 +3,11 @@
 use super::diagnosis::ResidualTorque;
 use super::smoother::State;
 use crate::integrate::rk4;
-use crate::joint::{Chain, Driven, Setpoint};
+use crate::joint::{Chain, Driven};
 use crate::pendulum::{Command, Input, Schedule};
 
-/// A chain with what acts on it along a log. Its play is not followed: motor side and link move as one.
+/// A chain with what acts on it along a log. Its play or spring is not followed: motor side and link move as one; and its
+/// controller sees a late reading to first order in the delay.
 pub(super) struct Along<'a> {
     chain: &'a Chain<f64>,
     t_s: &'a [f64],
@@ -118,11 +119,11 @@ impl<'a> Along<'a> {
     /// commands until then. `None` where there is no such law.
     fn tick(&self, command: Command<f64>, t_s: f64, y: &[f64; 2], memory: &mut Memory) -> Option<(f64, Command<f64>)> {
         let period_s = self.sample_period_s?;
-        let Command::Pid { setpoint_rad, slope_rad_s, from_s } = command else { return None };
+        let setpoint = command.setpoint(t_s)?;
         let at = |ticks: u64| self.t_s[0] + ticks as f64 * period_s;
         if at(memory.ticks) <= t_s + SAME_INSTANT_S {
-            let setpoint = Setpoint { angle_rad: setpoint_rad + (t_s - from_s) * slope_rad_s, rate_rad_s: slope_rad_s };
-            let [angle_rad, rate_rad_s] = self.chain.reading(y[0], y[1]);
+            let late_rad = self.chain.sensor_delay_s.map_or(0.0, |delay_s| delay_s * y[1]);
+            let [angle_rad, rate_rad_s] = self.chain.reading(y[0] - late_rad, y[1]);
             let motor = self.chain.motor.as_ref()?;
             memory.held = motor.command(setpoint, angle_rad, rate_rad_s, memory.integral_rad_s);
             memory.ticks = ((t_s + SAME_INSTANT_S - self.t_s[0]) / period_s).floor() as u64 + 1;

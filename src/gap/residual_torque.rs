@@ -19,6 +19,15 @@ use crate::identify::Experiment;
 use crate::joint::{Chain, Driven};
 use crate::pendulum::Start;
 
+/// What the encoder shows of the joint at an instant, which a late one shows later \[rad\].
+fn reading_at(chain: &Chain<f64>, e: &Experiment, t_s: f64) -> f64 {
+    let shown_s = t_s + chain.sensor_delay_s.unwrap_or(0.0);
+    let last = e.t_s.len() - 1;
+    let k = e.t_s.partition_point(|t| *t <= shown_s).clamp(1, last);
+    let share = ((shown_s - e.t_s[k - 1]) / (e.t_s[k] - e.t_s[k - 1])).clamp(0.0, 1.0);
+    e.measured_rad[k - 1] + share * (e.measured_rad[k] - e.measured_rad[k - 1])
+}
+
 /// Reconstructs the torque that `chain` lacks along `e`, from its start on.
 ///
 /// Angles and rates are those of the joint, not of its encoder where the chain gives that a gain. A chain's play is not
@@ -31,10 +40,10 @@ use crate::pendulum::Start;
 pub fn residual_torque(chain: &Chain<f64>, e: &Experiment, start: Start<f64>, noise_rad: f64) -> ResidualTorque {
     let gain = chain.sensor_gain;
     let true_angles;
-    let (e, noise_rad) = if gain == 1.0 {
+    let (e, noise_rad) = if chain.reads_true() {
         (e, noise_rad)
     } else {
-        let measured_rad = e.measured_rad.iter().map(|q| q / gain).collect();
+        let measured_rad = e.t_s.iter().map(|t_s| chain.read_back(reading_at(chain, e, *t_s), 0.0)[0]).collect();
         true_angles = Experiment { measured_rad, resolution_rad: e.resolution_rad / gain, ..e.clone() };
         (&true_angles, noise_rad / gain)
     };

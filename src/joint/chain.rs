@@ -1,7 +1,10 @@
 //! One joint put together from its stages.
 
 use super::motor::Driven;
-use super::{Contact, EndStop, Friction, Link, Motor, Play, Real, Setpoint, SetpointPath, Spring};
+use super::{
+    Compliance, Contact, Eccentric, EndStop, Friction, Link, Motor, Play, Real, Setpoint, SetpointPath, Spring,
+    SpringCurve,
+};
 use crate::log::{EncoderSide, MotorSpec};
 
 /// The joint of one log: what the setpoint passes through, motor, link, friction, and what the encoder makes of it.
@@ -14,6 +17,8 @@ pub struct Chain<T: Real> {
     pub motor: Option<Motor<T>>,
     /// Free play between motor side and link.
     pub play: Option<Play<T>>,
+    /// A spring between motor side and link.
+    pub compliance: Option<Compliance<T>>,
     /// Inertia of rotor and gears as the joint feels it, whether the motor is on or off \[kg m^2\]; on the motor side of
     /// a play.
     pub armature_kg_m2: f64,
@@ -29,6 +34,25 @@ pub struct Chain<T: Real> {
     pub encoder: EncoderSide,
     /// Reading per true angle; 1 for a perfect encoder. The controller sees the reading.
     pub sensor_gain: T,
+    /// What the encoder adds once per turn, after the gain.
+    pub eccentric: Option<Eccentric<T>>,
+    /// The reading is this old \[s\]; the controller sees it so.
+    pub sensor_delay_s: Option<T>,
+}
+
+/// A spring between motor side and link is rigid where the two would swing faster than this against each other
+/// \[rad/s\]: no log shows it.
+const RIGID_RAD_S: f64 = 3e3;
+
+/// Motor side and link apart.
+#[derive(Clone, Copy)]
+pub(crate) struct TwoSides<T> {
+    /// Free play between them \[rad\].
+    pub width_rad: Option<T>,
+    /// A spring between them.
+    pub compliance: Option<Compliance<T>>,
+    /// Inertia of the motor side \[kg m^2\].
+    pub motor_side_kg_m2: T,
 }
 
 impl<T: Real> Chain<T> {
@@ -38,6 +62,7 @@ impl<T: Real> Chain<T> {
             setpoint: SetpointPath::default(),
             motor,
             play: None,
+            compliance: None,
             armature_kg_m2: 0.0,
             link,
             friction,
@@ -45,6 +70,8 @@ impl<T: Real> Chain<T> {
             stop: None,
             encoder: EncoderSide::default(),
             sensor_gain: T::constant(1.0),
+            eccentric: None,
+            sensor_delay_s: None,
         }
     }
 
@@ -62,9 +89,17 @@ impl<T: Real> Chain<T> {
         self.link.inertia_kg_m2 + self.armature_kg_m2
     }
 
-    /// Inertia on the motor side of a play \[kg m^2\].
-    pub(crate) fn motor_side_kg_m2(&self, play: &Play<T>) -> T {
-        play.motor_side_kg_m2 + self.armature_kg_m2
+    /// Motor side and link, where something gives between them.
+    pub(crate) fn two_sides(&self) -> Option<TwoSides<T>> {
+        let of_play = self.play.as_ref().map(|play| play.motor_side_kg_m2);
+        let of_spring = self.compliance.as_ref().map(|spring| spring.motor_side_kg_m2);
+        let motor_side_kg_m2 = of_play.or(of_spring)? + self.armature_kg_m2;
+        let whole = self.inertia_kg_m2().re();
+        let least = motor_side_kg_m2.re() * (whole - motor_side_kg_m2.re()) / whole;
+        let gives = |spring: &Compliance<T>| !(spring.stiffness_nm_rad.re() > RIGID_RAD_S.powi(2) * least);
+        let compliance = self.compliance.filter(gives);
+        let width_rad = self.play.as_ref().map(|play| play.width_rad);
+        (width_rad.is_some() || compliance.is_some()).then_some(TwoSides { width_rad, compliance, motor_side_kg_m2 })
     }
 
     /// Torque of spring and stop \[N m\].
@@ -112,12 +147,40 @@ impl<T: Real> Chain<T> {
     /// What the encoder makes of a true angle and rate on its side of the gearing.
     #[inline]
     pub fn reading(&self, angle_rad: T, rate_rad_s: T) -> [T; 2] {
-        [angle_rad * self.sensor_gain, rate_rad_s * self.sensor_gain]
+        let [angle_rad, rate_rad_s] = [angle_rad * self.sensor_gain, rate_rad_s * self.sensor_gain];
+        match &self.eccentric {
+            None => [angle_rad, rate_rad_s],
+            Some(eccentric) => {
+                let [reading_rad, slope] = eccentric.read(angle_rad);
+                [reading_rad, rate_rad_s * slope]
+            }
+        }
     }
 
-    /// The true angle and rate at which the encoder reads these.
+    /// What the encoder makes of a true angle.
+    #[inline]
+    pub fn reading_rad(&self, angle_rad: T) -> T {
+        match &self.eccentric {
+            None => angle_rad * self.sensor_gain,
+            Some(eccentric) => eccentric.read(angle_rad * self.sensor_gain)[0],
+        }
+    }
+
+    /// The true angle and rate at which the encoder reads these, its delay aside.
     pub fn read_back(&self, reading_rad: T, reading_rad_s: T) -> [T; 2] {
-        [reading_rad / self.sensor_gain, reading_rad_s / self.sensor_gain]
+        let [angle_rad, rate_rad_s] = match &self.eccentric {
+            None => [reading_rad, reading_rad_s],
+            Some(eccentric) => {
+                let angle_rad = eccentric.read_back(reading_rad);
+                [angle_rad, reading_rad_s / eccentric.read(angle_rad)[1]]
+            }
+        };
+        [angle_rad / self.sensor_gain, rate_rad_s / self.sensor_gain]
+    }
+
+    /// Whether encoder and controller see the true angle at once.
+    pub fn reads_true(&self) -> bool {
+        self.sensor_gain.re() == 1.0 && self.eccentric.is_none() && self.sensor_delay_s.is_none()
     }
 
     /// The torque that the motor's law asks of it and that arrives \[N m\], at a true angle and rate.
@@ -159,10 +222,15 @@ impl<T: Real> Chain<T> {
     /// A tenth of a radian of the fastest oscillation ([`Chain::fastest_rad_s`], which is the same all along a motion),
     /// or a quarter of the fastest decay: the phase error is then 1e-7 rad per step. Near a stop its stiffness counts.
     pub(crate) fn longest_step_s(&self, fastest_rad_s: f64, angle_rad: f64, rate_rad_s: f64, driven: Driven) -> f64 {
-        let (_, kd) = self.stiffness_and_damping(driven);
+        let (kp, kd) = self.stiffness_and_damping(driven);
         let speed_rad_s = rate_rad_s.abs();
         let inertia = self.inertia_kg_m2().re();
         let decay_1_s = (self.friction.slope_nm_s_rad(speed_rad_s) + kd) / inertia;
+        let mut fastest_rad_s = fastest_rad_s;
+        if let Some(spring @ Spring { curve: SpringCurve::Stiffening(_), .. }) = &self.spring {
+            let stiffness = self.link.peak_gravity_nm() + kp + spring.slope_nm_rad(angle_rad);
+            fastest_rad_s = fastest_rad_s.max((stiffness / inertia).sqrt());
+        }
         let step_s = 1.0 / (10.0 * fastest_rad_s).max(4.0 * decay_1_s).max(2.0 * speed_rad_s).max(1.0);
         match &self.stop {
             Some(stop) => {

@@ -32,6 +32,37 @@ pub(crate) enum Driven {
     ByLaw,
 }
 
+/// A motor's largest torque.
+#[derive(Clone, Copy, Debug)]
+pub struct TorqueLimit<T> {
+    /// \[N m\]
+    pub most_nm: T,
+    /// How it is reached.
+    pub knee: Knee,
+}
+
+/// How a torque comes to its limit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Knee {
+    /// It is cut off there.
+    #[default]
+    Hard,
+    /// By a hyperbolic tangent, as iron saturates.
+    Soft,
+}
+
+impl<T: Real> TorqueLimit<T> {
+    #[inline]
+    fn of(&self, torque_nm: T) -> T {
+        let ratio = torque_nm / self.most_nm;
+        match self.knee {
+            // Further out the tangent is 1, and its derivative would overflow.
+            Knee::Soft if ratio.re().abs() < 18.0 => self.most_nm * ratio.tanh(),
+            _ => saturated(torque_nm, self.most_nm),
+        }
+    }
+}
+
 /// The controller with its motor: `a = kp (q_ref - q) + ki integral - kd dq`, then what the motor makes of it.
 ///
 /// The answer `a` of the law is a torque, or the duty of a motor fed by voltage: `kt (a supply - kt q') / resistance` with
@@ -42,8 +73,10 @@ pub struct Motor<T> {
     law: Option<MotorSpec>,
     /// Delivered torque per commanded torque, before any limit; 1 for a perfect motor.
     pub gain: T,
-    /// A limit beyond those of the control law \[N m\].
-    pub torque_limit_nm: Option<T>,
+    /// Torques below this do not arrive, and larger ones arrive less this \[N m\].
+    pub dead_band_nm: Option<T>,
+    /// A limit beyond those of the control law.
+    pub torque_limit: Option<TorqueLimit<T>>,
     /// A torque-speed curve beyond that of the control law; it limits a motor that drives, not one that brakes.
     pub speed_line: Option<SpeedLine<T>>,
 }
@@ -51,12 +84,12 @@ pub struct Motor<T> {
 impl<T: Real> Motor<T> {
     /// The motor of a log that is driven by position, perfect but for the limits that the engineer models.
     pub fn new(spec: MotorSpec) -> Self {
-        Self { law: Some(spec), gain: T::constant(1.0), torque_limit_nm: None, speed_line: None }
+        Self { law: Some(spec), gain: T::constant(1.0), dead_band_nm: None, torque_limit: None, speed_line: None }
     }
 
     /// A perfect motor whose commanded torque is in the log.
     pub fn direct() -> Self {
-        Self { law: None, gain: T::constant(1.0), torque_limit_nm: None, speed_line: None }
+        Self { law: None, gain: T::constant(1.0), dead_band_nm: None, torque_limit: None, speed_line: None }
     }
 
     /// Period at which the law is evaluated \[s\]; `None`: continuously.
@@ -93,13 +126,19 @@ impl<T: Real> Motor<T> {
     /// What would arrive of an answer of the law \[N m\] if nothing were limited.
     #[inline]
     pub(crate) fn unlimited_nm(&self, command: T, rate_rad_s: T) -> T {
-        match self.voltage() {
-            None => command * self.gain,
-            Some(motor) => (command * motor.stall_nm() - rate_rad_s * motor.braking_nm_s_rad()) * self.gain,
+        let voltage = self.voltage();
+        let mut torque_nm = voltage.map_or(command, |motor| command * motor.stall_nm());
+        if let Some(band_nm) = self.dead_band_nm {
+            let sign = if torque_nm.re() < 0.0 { -1.0 } else { 1.0 };
+            torque_nm = if torque_nm.re() * sign > band_nm.re() { torque_nm - band_nm * sign } else { T::nought() };
         }
+        if let Some(motor) = voltage {
+            torque_nm -= rate_rad_s * motor.braking_nm_s_rad();
+        }
+        torque_nm * self.gain
     }
 
-    /// What arrives of an answer of the law \[N m\], at the true rate of the motor: gain first, then the limits.
+    /// What arrives of an answer of the law \[N m\], at the true rate of the motor: dead band, gain, limits.
     #[inline]
     pub fn delivered_nm(&self, command: T, rate_rad_s: T) -> T {
         let command = self.voltage().map_or(command, |motor| saturated(command, T::constant(motor.duty_limit)));
@@ -115,8 +154,8 @@ impl<T: Real> Motor<T> {
                 None => saturated(torque_nm, stall_nm),
             };
         }
-        if let Some(limit_nm) = self.torque_limit_nm {
-            torque_nm = saturated(torque_nm, limit_nm);
+        if let Some(limit) = &self.torque_limit {
+            torque_nm = limit.of(torque_nm);
         }
         match self.speed_line {
             Some(line) => on_line(torque_nm, rate_rad_s, line),
@@ -127,7 +166,7 @@ impl<T: Real> Motor<T> {
     /// Whether its torque is limited.
     pub fn is_limited(&self) -> bool {
         let by_law = self.law.is_some_and(|law| law.torque_limit_nm.is_some());
-        by_law || self.voltage().is_some() || self.torque_limit_nm.is_some() || self.speed_line.is_some()
+        by_law || self.voltage().is_some() || self.torque_limit.is_some() || self.speed_line.is_some()
     }
 
     /// Stiffness and damping that the law adds to the joint \[N m/rad, N m s/rad\], for the choice of the step.

@@ -9,8 +9,10 @@
 mod drive_tests;
 mod events;
 mod extensive;
+mod history;
 mod one_body;
 mod play;
+mod profile;
 pub mod ratios;
 mod rollout;
 mod schedule;

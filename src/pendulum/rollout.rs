@@ -42,6 +42,8 @@ const RUNAWAY_RAD: f64 = 1e4;
 /// Integration steps per sample, on average, after which a motion counts as diverged: a decay that needs more is over
 /// long before the next sample, so that no log could tell it from a faster one.
 const STEPS_PER_SAMPLE: usize = 60;
+/// The same where motor side and link swing against each other on a stiff spring.
+const STEPS_PER_SAMPLE_ON_A_SPRING: usize = 300;
 
 /// Integrates a joint through the sample times of a log and shows each sample's state to `visit`.
 ///
@@ -104,9 +106,12 @@ fn watch<T: Real>(
     (refinement, view): (f64, View),
     visit: &mut impl FnMut(usize, &State<T>),
 ) -> Result<(), Diverged> {
-    let steps = (refinement.max(1.0) as usize) * (STEPS_PER_SAMPLE * t_s.len() + 10_000);
-    match &chain.play {
-        Some(play) => walk(TwoBodies::new(chain, *play, t_s, start, refinement, steps), input, t_s, start, view, visit),
+    let per_sample = if chain.compliance.is_some() { STEPS_PER_SAMPLE_ON_A_SPRING } else { STEPS_PER_SAMPLE };
+    let steps = (refinement.max(1.0) as usize) * (per_sample * t_s.len() + 10_000);
+    match chain.two_sides() {
+        Some(sides) => {
+            walk(TwoBodies::new(chain, sides, t_s, start, refinement, steps), input, t_s, start, view, visit)
+        }
         None => walk(OneBody::new(chain, t_s, start, refinement, steps), input, t_s, start, view, visit),
     }
 }
@@ -121,9 +126,7 @@ pub(super) trait Mechanism<T: Real> {
     /// The link.
     fn state(&self) -> State<T>;
     /// What the encoder reads, before its gain.
-    fn seen(&self) -> State<T> {
-        self.state()
-    }
+    fn seen(&self) -> State<T>;
     /// Integral of the angle error \[rad s\].
     fn integral_mut(&mut self) -> &mut T;
     /// Moves to `until`, through as many events as happen before it.
@@ -184,13 +187,9 @@ fn walk<T: Real>(
                 (until, event) = (r, Event::Release);
             }
             let mut command = schedule.command(k);
-            if let (Some(period_s), Command::Pid { setpoint_rad, slope_rad_s, from_s }) = (sample_period_s, command) {
+            if let (Some(period_s), Some(setpoint)) = (sample_period_s, command.setpoint(now)) {
                 let next_tick = t_s[0] + ticks as f64 * period_s;
                 if next_tick <= now.re() + 1e-12 {
-                    let setpoint = Setpoint {
-                        angle_rad: (now - from_s) * slope_rad_s + setpoint_rad,
-                        rate_rad_s: T::constant(slope_rad_s),
-                    };
                     held = sampled_command(&mut body, setpoint, period_s);
                     ticks += 1;
                     continue;
