@@ -134,7 +134,7 @@ macro_rules! catalogue {
             }
 
             fn near_default(self, values: &[f64], reach: &Reach) -> Vec<f64> {
-                of_form!(self, $($effect, $module;)* |term, _name| term.from_default(values, reach))
+                of_form!(self, $($effect, $module;)* |term, _name| term.near_default(values, reach))
             }
         }
     };

@@ -28,7 +28,7 @@ impl Effect for Term {
     }
 
     /// The same torque in a contact as deep as it takes to turn the joint back.
-    fn from_default(self, values: &[f64], reach: &Reach) -> Vec<f64> {
+    fn near_default(self, values: &[f64], reach: &Reach) -> Vec<f64> {
         let [stiffer, denser] = self.per_linear((reach.torque_nm / values[2]).clamp(1e-3, 0.2));
         vec![values[0], values[1], values[2] * stiffer, values[3] * denser]
     }

@@ -25,7 +25,7 @@ impl Effect for Term {
         }
     }
 
-    fn from_default(self, values: &[f64], reach: &Reach) -> Vec<f64> {
+    fn near_default(self, values: &[f64], reach: &Reach) -> Vec<f64> {
         // The same change in the middle of a log: 1 - exp(-1/2) = 0.39 over its half.
         vec![1.27 * values[0], reach.duration_s]
     }

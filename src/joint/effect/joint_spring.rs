@@ -32,7 +32,7 @@ impl Effect for Term {
         }
     }
 
-    fn from_default(self, values: &[f64], reach: &Reach) -> Vec<f64> {
+    fn near_default(self, values: &[f64], reach: &Reach) -> Vec<f64> {
         let [low, high] = reach.angle_rad;
         match self {
             Term::Linear => values.to_vec(),

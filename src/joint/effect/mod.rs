@@ -175,7 +175,7 @@ trait Effect: Copy + 'static {
     }
 
     /// Values of this form that do much the same as fitted ones of the default form.
-    fn from_default(self, values: &[f64], _reach: &Reach) -> Vec<f64> {
+    fn near_default(self, values: &[f64], _reach: &Reach) -> Vec<f64> {
         values.to_vec()
     }
 

@@ -26,7 +26,7 @@ impl Effect for Term {
         }
     }
 
-    fn from_default(self, values: &[f64], _reach: &Reach) -> Vec<f64> {
+    fn near_default(self, values: &[f64], _reach: &Reach) -> Vec<f64> {
         vec![values[0], 2.0]
     }
 

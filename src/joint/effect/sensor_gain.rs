@@ -26,7 +26,7 @@ impl Effect for Term {
         }
     }
 
-    fn from_default(self, values: &[f64], _reach: &Reach) -> Vec<f64> {
+    fn near_default(self, values: &[f64], _reach: &Reach) -> Vec<f64> {
         match self {
             Term::Constant => values.to_vec(),
             // The same gain about an angle of nought.
