@@ -86,10 +86,16 @@ impl Serialize for OutsideId {
     }
 }
 
+/// Effects that this exam's simulator makes by the catalogue's definition.
+pub(super) fn simulable() -> Vec<EffectId> {
+    use EffectId::*;
+    let beyond = [Compliance, SensorDelay, SetpointProfile, DeadBand];
+    EffectId::ALL.iter().copied().filter(|effect| !beyond.contains(effect)).collect()
+}
+
 /// Effects that only a driven log can show.
 pub(super) fn needs_motor(effect: EffectId) -> bool {
-    use EffectId::*;
-    matches!(effect, GearFriction | Delay | SetpointHold | TorqueLimit | SpeedLimit | MotorGain)
+    effect.is_driven_only()
 }
 
 impl Cause {
@@ -139,7 +145,10 @@ impl FromStr for CauseFilter {
 
     fn from_str(word: &str) -> Result<Self, UnknownCause> {
         let unknown = || UnknownCause(word.to_owned());
-        let effect = |word: &str| word.trim().parse::<EffectId>().map_err(|_| unknown());
+        let effect = |word: &str| match word.trim().parse::<EffectId>() {
+            Ok(effect) if simulable().contains(&effect) => Ok(effect),
+            _ => Err(unknown()),
+        };
         Ok(match word {
             "any" => CauseFilter::Any,
             "none" => CauseFilter::Nothing,

@@ -1,6 +1,6 @@
 //! Makes a study and keeps its answer.
 
-use super::cause::{Cause, CauseFilter, OutsideId};
+use super::cause::{Cause, CauseFilter, OutsideId, simulable};
 use super::dice::{Dice, significant};
 use super::joint::{DIGITS, Joint};
 use super::plan::{LogPlan, one_sided, plan};
@@ -59,11 +59,11 @@ fn draw_cause(filter: CauseFilter, dice: &mut Dice) -> Cause {
     match filter {
         CauseFilter::Any | CauseFilter::Nothing => Cause::Nothing,
         CauseFilter::Calibration => Cause::Calibration,
-        CauseFilter::AnyEffect => Cause::One(dice.pick(EffectId::ALL)),
+        CauseFilter::AnyEffect => Cause::One(dice.pick(&simulable())),
         CauseFilter::AnyOutside => Cause::Outside(dice.pick(OutsideId::ALL)),
         CauseFilter::AnyPair => {
-            let first = dice.pick(EffectId::ALL);
-            let others: Vec<EffectId> = EffectId::ALL.iter().copied().filter(|other| can_pair(first, *other)).collect();
+            let first = dice.pick(&simulable());
+            let others: Vec<EffectId> = simulable().into_iter().filter(|other| can_pair(first, *other)).collect();
             Cause::Two(first, dice.pick(&others))
         }
         CauseFilter::Only(cause) => cause,
@@ -84,10 +84,10 @@ fn kind(effect: EffectId) -> u8 {
     match effect {
         Stribeck | LoadFriction | GearFriction | QuadraticDrag | AsymmetricFriction | PositionFriction
         | FrictionDrift => 0,
-        Backlash | EndStop => 1,
+        Backlash | EndStop | Compliance => 1,
         JointSpring | AngleOffset | SensorGain => 2,
-        Delay | SetpointHold => 3,
-        TorqueLimit | SpeedLimit | MotorGain => 4,
+        Delay | SetpointHold | SetpointProfile | SensorDelay => 3,
+        TorqueLimit | SpeedLimit | MotorGain | DeadBand => 4,
     }
 }
 
@@ -264,7 +264,7 @@ mod tests {
 
     #[test]
     fn sizes_lie_where_they_are_sought() {
-        for (trial, effect) in EffectId::ALL.iter().enumerate() {
+        for (trial, effect) in simulable().iter().enumerate() {
             let truth = make_with(12, trial as u64, Cause::One(*effect)).truth;
             let mechanism = &truth.mechanisms[0];
             assert_eq!((mechanism.id, truth.effect), (effect.id(), Some(effect.id())));

@@ -1,6 +1,6 @@
 //! Puts a cause into a joint, of a size that shows as it should.
 
-use super::cause::{Cause, needs_motor};
+use super::cause::{Cause, needs_motor, simulable};
 use super::dice::{Dice, significant};
 use super::joint::DIGITS;
 use super::make::Draft;
@@ -127,7 +127,7 @@ impl Draft {
         let can_show = |effect: &EffectId| !needs_motor(*effect) || self.plans.iter().any(LogPlan::is_driven);
         let mut nearest = Nearest { effect: EffectId::Stribeck, left: f64::INFINITY };
         let scene = &Scene { textbook: true, ..*scene };
-        for effect in EffectId::ALL.iter().copied().filter(can_show) {
+        for effect in simulable().into_iter().filter(can_show) {
             let mut shapes = Vec::with_capacity(4);
             for _ in 0..2 {
                 shapes.extend(yard.shapes(&mechanism::effect(effect, scene, dice), &self.plain));

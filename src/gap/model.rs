@@ -3,7 +3,7 @@
 
 use super::evidence::Evidence;
 use crate::identify::{Experiment, JointModel, Parameter, Search, Signal};
-use crate::joint::{Chain, EffectId, Friction, Link, Motor, Reach, Real, Scan};
+use crate::joint::{Chain, EffectForm, EffectId, Friction, Link, Motor, Reach, Real, Scan};
 use crate::log::{Nominal, Uncertain};
 
 /// Where the numbers stand among the values.
@@ -25,6 +25,8 @@ const LEAST_FRICTION: f64 = 0.01;
 pub(crate) struct GapModel {
     parameters: Vec<Parameter>,
     effects: Vec<EffectId>,
+    /// The same in the forms that they have here.
+    forms: Vec<EffectForm>,
     unit_rad2_s: f64,
 }
 
@@ -62,7 +64,7 @@ impl GapModel {
             Parameter::positive("gain", "c", "", Some(1.0), 1.0).believed(gain_sd),
             Parameter::angle("rest", "q_rest", Some(rest_rad), rest_rad).fixed(),
         ];
-        Self { parameters, effects: Vec::new(), unit_rad2_s: 0.0 }
+        Self { parameters, effects: Vec::new(), forms: Vec::new(), unit_rad2_s: 0.0 }
     }
 
     /// The same model, in which one unit of deviance weighs so much in the criterion \[rad^2 s\].
@@ -78,15 +80,16 @@ impl GapModel {
     }
 
     /// The same joint with one effect more.
-    pub(crate) fn with(&self, effect: EffectId, reach: &Reach) -> Self {
-        let mut more = self.clone();
-        more.effects.push(effect);
-        if effect == EffectId::MotorGain {
+    pub(crate) fn with(&self, effect: impl Into<EffectForm>, reach: &Reach) -> Self {
+        let (mut more, form) = (self.clone(), effect.into());
+        more.effects.push(form.id);
+        more.forms.push(form);
+        if form.id == EffectId::MotorGain {
             // The effect is the number without what is believed of it.
             let gain = &mut more.parameters[GAIN];
             (gain.fixed, gain.start) = (true, 1.0);
         }
-        more.parameters.extend(effect.parameters(reach).into_iter().map(|p| {
+        more.parameters.extend(form.parameters(reach).into_iter().map(|p| {
             let search = match p.scan {
                 Scan::Logarithm => Search::Logarithm,
                 Scan::Linear(scale) => Search::Linear { scale },
@@ -128,7 +131,7 @@ impl GapModel {
         let mut model = evidence.baseline().in_unit(self.unit_rad2_s);
         let mut left = values[..BASELINE].to_vec();
         for &k in kept {
-            model = model.with(self.effects[k], &evidence.reach);
+            model = model.with(self.forms[k], &evidence.reach);
             left.extend(&values[self.place(k)]);
         }
         (model, left)
@@ -141,8 +144,8 @@ impl GapModel {
 
     /// Where the values of the `k`-th effect stand.
     pub(super) fn place(&self, k: usize) -> std::ops::Range<usize> {
-        let from = BASELINE + self.effects[..k].iter().map(|e| e.searched_count()).sum::<usize>();
-        from..from + self.effects[k].searched_count()
+        let from = BASELINE + self.forms[..k].iter().map(|e| e.searched_count()).sum::<usize>();
+        from..from + self.forms[k].searched_count()
     }
 
     /// Free parameters.
@@ -179,9 +182,10 @@ impl JointModel for GapModel {
         if let Some(motor) = &mut motor {
             motor.gain = values[GAIN];
         }
-        let mut chain = Chain::new(link, Friction::coulomb_viscous(values[COULOMB], values[VISCOUS]), motor);
+        let friction = Friction::coulomb_viscous(values[COULOMB], values[VISCOUS]);
+        let mut chain = Chain::new(link, friction, motor).geared(experiment.motor.as_ref());
         let mut rest_of = &values[BASELINE.min(values.len())..];
-        for &effect in &self.effects {
+        for &effect in &self.forms {
             let (own, later) = rest_of.split_at(effect.searched_count());
             effect.apply(own, values[INERTIA], &mut chain);
             rest_of = later;

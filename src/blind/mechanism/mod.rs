@@ -127,7 +127,11 @@ pub(super) fn effect(id: EffectId, scene: &Scene<'_>, dice: &mut Dice) -> Mechan
         EndStop => link::stop(scene, dice),
         AngleOffset => link::offset(dice),
         SensorGain => link::gain(dice),
-        Delay => motor::delay(scene, dice),
+        Compliance => outside::flexible(scene, dice),
+        SetpointProfile => outside_drive::slew(scene),
+        DeadBand => outside_drive::dead_zone(),
+        // Never drawn: this simulator has no late reading.
+        Delay | SensorDelay => motor::delay(scene, dice),
         SetpointHold => motor::hold(scene, dice),
         TorqueLimit => motor::torque_limit(scene, dice),
         SpeedLimit => motor::speed_limit(scene, dice),

@@ -35,7 +35,7 @@ fn every_mechanism_vanishes_with_its_size_and_grows_with_it() {
         drawn(trial, textbook, |scene, machine, dice| {
             let resolution = scene.joint.sensor.resolution_rad;
             let mut all: Vec<(&str, Mechanism)> =
-                EffectId::ALL.iter().map(|id| (id.id(), effect(*id, scene, dice))).collect();
+                crate::blind::cause::simulable().iter().map(|id| (id.id(), effect(*id, scene, dice))).collect();
             all.extend(OutsideId::ALL.iter().map(|id| (id.id(), outside(*id, scene, dice))));
             for (id, mechanism) in &all {
                 let [least, most] = mechanism.range;

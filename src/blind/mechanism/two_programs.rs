@@ -42,7 +42,7 @@ fn both_programs_move_the_same_joint_the_same_way() {
     for trial in 0..4 {
         drawn(trial, true, |scene, plain, dice| {
             let noise_rad = scene.joint.sensor.noise_rad();
-            for id in EffectId::ALL {
+            for id in &crate::blind::cause::simulable() {
                 let mechanism = effect(*id, scene, dice);
                 let size = (mechanism.range[0] * mechanism.range[1]).sqrt();
                 let mut machine = plain.clone();
