@@ -11,6 +11,8 @@ mod health;
 mod health_noise;
 mod health_stamps;
 mod inputs;
+mod manifest;
+mod outputs;
 mod place;
 mod plausible;
 mod pose;
@@ -25,6 +27,7 @@ mod types;
 mod write;
 
 pub(crate) use document::{Document, NOT_NEGATIVE, POSITIVE, Range64, finite_within, range};
+pub(crate) use manifest::sha256;
 pub(crate) use robot_study::{
     RawControl, RawFloor, RawFriction, RawRobot, RawRobotSensor, Sections, floor, robot_sections,
 };
@@ -34,6 +37,7 @@ pub use csv::{read_joint_log, read_log};
 pub use error::{CellFault, FileKind, LogError, UnitFault};
 pub use health::{Health, health};
 pub use inputs::read_study_logs;
+pub use outputs::Outputs;
 pub use place::{Place, Subject};
 pub use plausible::check_period;
 pub use pose::{Pose, read_pose_for};
@@ -49,4 +53,4 @@ pub use types::{
     Derivative, DriveMode, EncoderSide, ExtraMass, Hold, JointSpec, Log, MotorModel, MotorSpec, Nominal, Release, Role,
     SensorSpec, Spread, Study, StudyLog, TauIs, Uncertain, VoltageMotor,
 };
-pub use write::{Outputs, write_atomically, write_log};
+pub use write::{write_atomically, write_log};
