@@ -48,6 +48,7 @@ pub mod integrate;
 pub mod joint;
 pub mod log;
 pub mod pendulum;
+pub mod progress;
 pub mod report;
 pub mod robot;
 pub mod synth;
