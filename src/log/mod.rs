@@ -23,6 +23,7 @@ mod rows;
 mod schema;
 mod study;
 mod thin;
+mod toml_text;
 mod types;
 mod write;
 
@@ -32,6 +33,7 @@ pub(crate) use robot_study::{
     RawControl, RawFloor, RawFriction, RawRobot, RawRobotSensor, Sections, floor, robot_sections,
 };
 pub(crate) use study::check_schema;
+pub(crate) use toml_text::{toml_key, toml_string};
 
 pub use csv::{read_joint_log, read_log};
 pub use error::{CellFault, FileKind, LogError, UnitFault};
