@@ -47,6 +47,7 @@ pub mod identify;
 pub mod integrate;
 pub mod joint;
 pub mod log;
+mod number;
 pub mod pendulum;
 pub mod progress;
 pub mod report;

@@ -39,6 +39,7 @@ pub use csv::{read_joint_log, read_log};
 pub use error::{CellFault, FileKind, LogError, UnitFault};
 pub use health::{Health, health};
 pub use inputs::read_study_logs;
+pub use manifest::MANIFEST_FILE;
 pub use outputs::Outputs;
 pub use place::{Place, Subject};
 pub use plausible::check_period;
