@@ -225,8 +225,8 @@ fn a_run_into_a_folder_leaves_nothing_of_the_last_one_there() {
     run("data/thesis-robot/q2-bare-0.csv", &used, "first.json");
     let of_first = names(&used);
     std::fs::write(used.join("mine.svg"), "drawn by hand").unwrap();
-    run("data/thesis-robot/q3-bare-0.csv", &used, "copy.json");
-    run("data/thesis-robot/q3-bare-0.csv", &fresh, "copy.json");
+    run("data/thesis-robot/q2-220g-0.csv", &used, "copy.json");
+    run("data/thesis-robot/q2-220g-0.csv", &fresh, "copy.json");
     // The two have figures of their own, so there was something to leave behind.
     assert!(of_first.iter().any(|name| name != "first.json" && !names(&fresh).contains(name)), "{of_first:?}");
     let mut expected = names(&fresh);
