@@ -21,18 +21,19 @@
 //!
 //! # A swing, fitted
 //! ```
-//! use aibo_fit::{Case, DropOptions, Status, fit_drop};
+//! use aibo_fit::geometry::LinkBody;
+//! use aibo_fit::{Case, DropOptions, Named, Status, fit_drop};
 //!
 //! // Reads data/q1.csv, its sidecar data/q1.toml and data/pose.toml beside it.
 //! let case = Case::of_logs(&["data/q1.csv".into()], None)?;
 //! let fit = fit_drop(&case, &DropOptions::default(), &|_| {})?;
 //!
-//! let coulomb = fit.extensive.estimate("coulomb").expect("every extensive model has it");
+//! let coulomb = fit.extensive.estimate(Named::Coulomb).expect("every extensive model has it");
 //! let [low, high] = coulomb.interval.expect("this swing determines it");
 //! assert!(low < 0.001 && 0.001 < high, "Table 3.3 has 0.001 N m");
 //!
 //! // The shoulder lies on the axis of q1: no swing can weigh it, and the fit says so.
-//! let shoulder = fit.extensive.estimate("mass_shoulder").expect("a body of the leg");
+//! let shoulder = fit.extensive.estimate(Named::Mass(LinkBody::Shoulder)).expect("a body of the leg");
 //! assert_eq!(shoulder.status, Status::NotDetermined);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -46,7 +47,9 @@ pub mod identify;
 pub mod integrate;
 pub mod joint;
 pub mod log;
+mod number;
 pub mod pendulum;
+pub mod progress;
 pub mod report;
 pub mod robot;
 pub mod synth;
@@ -55,7 +58,8 @@ pub mod thesis;
 pub use fit::{Budget, Method, Stop};
 pub use geometry::{Ers7Tables, Leg, LegJoint, LegPose, lump};
 pub use identify::{
-    Case, Directives, DropFit, DropOptions, Estimate, Experiment, ExtensiveModel, Parameter, Status, conclude, fit_drop,
+    Case, Directives, DropFit, DropOptions, Estimate, Experiment, ExtensiveModel, Named, Parameter, Status, conclude,
+    fit_drop,
 };
 pub use log::{Log, Study, read_log, read_study};
 pub use pendulum::{ExtensivePendulum, SimplePendulum, rollout};

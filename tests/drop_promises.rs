@@ -22,7 +22,7 @@ fn the_example_is_fitted_and_everything_is_written() {
     let mut names: Vec<String> =
         everything_in(&out).iter().map(|p| p.file_name().unwrap().to_string_lossy().into_owned()).collect();
     names.retain(|name| !name.ends_with(".svg"));
-    assert_eq!(names, ["fit.json", "fit.toml", "report.html"]);
+    assert_eq!(names, [".aibo-fit.toml", "fit.json", "fit.toml", "report.html"]);
     for figure in everything_in(&out).iter().filter(|p| p.extension().is_some_and(|e| e == "svg")) {
         let svg = fs::read_to_string(figure).unwrap();
         roxmltree::Document::parse(&svg).unwrap_or_else(|error| panic!("{}: {error}", figure.display()));
@@ -208,4 +208,29 @@ fn without_held_back_logs_each_is_predicted_from_the_others() {
         // The encoder's noise is 2.45 mrad; one swing tells enough to predict the other.
         assert!(alone >= 0.98 * fitted && alone < 0.0035, "{fitted} {alone}");
     }
+}
+
+#[test]
+fn a_run_into_a_folder_leaves_nothing_of_the_last_one_there() {
+    let dir = tempfile::tempdir().unwrap();
+    let (used, fresh) = (dir.path().join("used"), dir.path().join("fresh"));
+    let run = |log: &str, out: &std::path::Path, json: &str| {
+        let json = out.join(json);
+        let words = ["drop", log, "--out", out.to_str().unwrap(), "--json", json.to_str().unwrap(), "--quiet"];
+        expect_code(root(), &words, 0);
+    };
+    let names = |out: &std::path::Path| -> Vec<String> {
+        everything_in(out).iter().map(|path| path.strip_prefix(out).unwrap().display().to_string()).collect()
+    };
+    run("data/thesis-robot/q2-bare-0.csv", &used, "first.json");
+    let of_first = names(&used);
+    std::fs::write(used.join("mine.svg"), "drawn by hand").unwrap();
+    run("data/thesis-robot/q2-220g-0.csv", &used, "copy.json");
+    run("data/thesis-robot/q2-220g-0.csv", &fresh, "copy.json");
+    // The two have figures of their own, so there was something to leave behind.
+    assert!(of_first.iter().any(|name| name != "first.json" && !names(&fresh).contains(name)), "{of_first:?}");
+    let mut expected = names(&fresh);
+    expected.extend(["first.json".to_owned(), "mine.svg".to_owned()]);
+    expected.sort();
+    assert_eq!(names(&used), expected);
 }

@@ -124,7 +124,13 @@ fn an_answer_has_every_key_of_the_contract_and_its_report_is_the_same_on_any_num
         |files: &[(std::path::PathBuf, Vec<u8>)]| files.iter().map(|(path, _)| path.clone()).collect::<Vec<_>>();
     assert_eq!(names(&one_files), names(&two_files));
     for ((path, a), (_, b)) in one_files.iter().zip(&two_files) {
-        let plain = |bytes: &[u8]| String::from_utf8_lossy(bytes).replace("--threads 2", "--threads 1");
+        // The list of files has digests of all, also of the two that quote the command line.
+        let is_list = path.ends_with(".aibo-fit.toml");
+        let plain = |bytes: &[u8]| -> String {
+            let text = String::from_utf8_lossy(bytes).replace("--threads 2", "--threads 1");
+            let quotes = |line: &&str| is_list && (line.contains("report.html\" =") || line.contains("fit.json\" ="));
+            text.lines().filter(|line| !quotes(line)).collect::<Vec<_>>().join("\n")
+        };
         assert!(plain(a) == plain(b), "{} differs", path.display());
     }
     assert!(names(&one_files).iter().any(|path| path.ends_with("fit.json")));

@@ -99,7 +99,7 @@ fn same_spec_same_bytes_on_any_number_of_threads() {
     assert_eq!(truth["effects"][0]["id"], "torque_limit");
     assert_eq!(truth["effects"][0]["joints"], serde_json::json!(["lr3", "rr3"]));
     assert!((truth["friction"]["lf3"]["viscous"].as_f64().expect("a number") / 0.012 - 1.0).abs() < 0.03);
-    assert_eq!(everything_in(&folder.path().join("one")).len(), 3);
+    assert_eq!(everything_in(&folder.path().join("one")).len(), 4);
     let study = String::from_utf8(read("one", "study.toml")).expect("UTF-8");
     assert!(!study.contains("truth") && !study.contains("torque_limit") && !study.contains("weak"), "{study}");
 }

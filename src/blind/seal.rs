@@ -1,7 +1,7 @@
 //! The seal: the answers as one text, and its hash.
 
+use crate::log::sha256;
 use serde::Serialize;
-use sha2::{Digest, Sha256};
 
 /// Name of the file with the answers, once they are open.
 pub const TRUTHS_FILE: &str = "truths.json";
@@ -22,7 +22,7 @@ impl Sealed {
     /// Where an answer cannot be written as JSON.
     pub fn new(truths: &[impl Serialize]) -> Result<Self, serde_json::Error> {
         let text = serde_json::to_string(truths)? + "\n";
-        let sha256 = sha256(&text);
+        let sha256 = sha256(text.as_bytes());
         Ok(Self { text, sha256 })
     }
 
@@ -30,10 +30,6 @@ impl Sealed {
     pub fn line(&self) -> String {
         format!("{}  {TRUTHS_FILE}\n", self.sha256)
     }
-}
-
-fn sha256(text: &str) -> String {
-    Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 #[cfg(test)]

@@ -102,7 +102,7 @@ fn run_with<T: Serialize + Send>(
     let progress = Progress::new(args.common.quiet);
     let seed = args.seed.unwrap_or_else(rand::random);
     if let Some(folder) = &args.make_only {
-        let truths = args.common.on_threads(|| make_all(args, seed, folder, make, &progress))??;
+        let (_, truths) = args.common.on_threads(|| make_all(args, seed, folder, make, &progress))??;
         let mut outputs = Outputs::default();
         for (trial, truth) in truths.iter().enumerate() {
             outputs.add(folder.join("truth").join(format!("{trial:03}.json")), json_text(truth)?);
@@ -113,14 +113,14 @@ fn run_with<T: Serialize + Send>(
         return Ok(0);
     }
     let folder = args.common.folder(name);
-    let truths = args.common.on_threads(|| make_all(args, seed, &folder, make, &progress))??;
+    let (made, truths) = args.common.on_threads(|| make_all(args, seed, &folder, make, &progress))??;
     let sealed = Sealed::new(&truths).map_err(encode)?;
     forget_earlier(&folder)?;
     let mut seal = Outputs::default();
     seal.add(folder.join(SEAL_FILE), sealed.line());
     seal.write()?;
     progress.pause(|| say(args, &format!("{} answers sealed: SHA-256 {}\n", truths.len(), sealed.sha256)));
-    let run = Run { args, seed, folder: &folder, sealed: &sealed };
+    let run = Run { args, seed, folder: &folder, made: &made, sealed: &sealed };
     let (text, page) = rest(&run, &truths, &progress)?;
     drop(progress);
     say(args, &format!("\n{text}\nreport: {}\n", page.display()));
@@ -142,26 +142,30 @@ fn study_folder(folder: &Path, trial: u64) -> PathBuf {
     folder.join("studies").join(format!("{trial:03}"))
 }
 
-/// Makes and writes every study; what is true of them stays in memory.
+/// Makes and writes every study, and gives their files; what is true of them stays in memory.
 fn make_all<T: Send>(
     args: &BlindArgs,
     seed: u64,
     folder: &Path,
     make: &(dyn Fn(u64, u64) -> Result<Study<T>, CliError> + Sync),
     progress: &Progress,
-) -> Result<Vec<T>, CliError> {
+) -> Result<(Vec<PathBuf>, Vec<T>), CliError> {
     let done = AtomicUsize::new(0);
-    let one = |trial: u64| {
+    let one = |trial: u64| -> Result<(Vec<PathBuf>, T), CliError> {
         let (study, truth) = make(seed, trial)?;
         let mut outputs = Outputs::default();
         for (name, content) in study {
             outputs.add(study_folder(folder, trial).join(name), content);
         }
+        let files = outputs.paths().map(Path::to_path_buf).collect();
         outputs.write()?;
         progress.say(&format!("making studies: {} of {}", 1 + done.fetch_add(1, Ordering::Relaxed), args.trials));
-        Ok(truth)
+        Ok((files, truth))
     };
-    (0..u64::from(args.trials)).into_par_iter().map(one).collect()
+    let all: Vec<(Vec<PathBuf>, T)> =
+        (0..u64::from(args.trials)).into_par_iter().map(one).collect::<Result<_, CliError>>()?;
+    let (files, truths): (Vec<Vec<PathBuf>>, Vec<T>) = all.into_iter().unzip();
+    Ok((files.concat(), truths))
 }
 
 /// Diagnoses every study from its files; results in the order of the trials.
@@ -185,9 +189,14 @@ fn diagnose_all(
     })
 }
 
+/// File of a diagnosis under the folder of all.
+fn diagnosis_file(folder: &Path, trial: u64) -> PathBuf {
+    folder.join("diagnoses").join(format!("{trial:03}.json"))
+}
+
 fn write_diagnosis(folder: &Path, trial: u64, diagnosis: &impl Serialize) -> Result<(), CliError> {
     let mut output = Outputs::default();
-    output.add(folder.join("diagnoses").join(format!("{trial:03}.json")), json_text(diagnosis)?);
+    output.add(diagnosis_file(folder, trial), json_text(diagnosis)?);
     Ok(output.write()?)
 }
 

@@ -39,7 +39,7 @@ impl CommonArgs {
     /// Adds the JSON where it was asked for.
     pub fn add_json(&self, outputs: &mut Outputs, value: &impl Serialize) -> Result<(), CliError> {
         if let Some(path) = &self.json {
-            outputs.add(path, json_text(value)?);
+            outputs.add_apart(path, json_text(value)?);
         }
         Ok(())
     }
@@ -52,7 +52,7 @@ pub(super) fn json_text(value: &impl Serialize) -> Result<String, CliError> {
 }
 
 /// Writes all results or none; a result never takes the place of a file that was read.
-pub(super) fn write_outputs(outputs: Outputs, inputs: &[PathBuf]) -> Result<(), CliError> {
+pub(super) fn write_outputs(mut outputs: Outputs, inputs: &[PathBuf]) -> Result<(), CliError> {
     let read: Vec<(&PathBuf, PathBuf)> = inputs.iter().filter_map(|i| Some((i, i.canonicalize().ok()?))).collect();
     for path in outputs.paths() {
         let there = path.canonicalize().ok();
@@ -60,6 +60,7 @@ pub(super) fn write_outputs(outputs: Outputs, inputs: &[PathBuf]) -> Result<(), 
             return Err(CliError::Overwrites { input: (*input).clone() });
         }
     }
+    outputs.keep(inputs);
     Ok(outputs.write()?)
 }
 

@@ -186,7 +186,7 @@ fn write_report(
     outputs.add(folder.join("fit.json"), json_text(&file)?);
     outputs.add(folder.join("fit.toml"), toml::to_string(&file).map_err(|error| CliError::Encode(error.to_string()))?);
     let page = folder.join("report.html");
-    outputs.add(&page, render_html(report)?);
+    outputs.add_page(&page, render_html(report)?);
     args.common.add_json(&mut outputs, &file)?;
     write_outputs(outputs, &case.inputs().into_iter().chain(args.robot.clone()).collect::<Vec<_>>())?;
     Ok(page)

@@ -2,8 +2,7 @@
 
 use super::CliError;
 use crate::geometry::LinkBody;
-use crate::identify::{Case, DropError, DropFit, Experiment, LegCase, Prediction};
-use crate::joint::Stribeck;
+use crate::identify::{Case, DropError, DropFit, Experiment, LegCase, Named, Prediction};
 use crate::report::{FullCurves, FullDrop, FullRow, HeldRow, RefitSummary};
 use crate::robot::Model;
 use crate::robot::bench::{BenchDrop, Dropped, Held, bench_drop};
@@ -56,18 +55,10 @@ impl<'a> Bench<'a> {
         e: &'a Experiment,
         prediction: &'a Prediction,
     ) -> Self {
-        let value = |name: &str| fit.extensive.estimate(name).map(|e| e.value);
-        let bodies = [
-            ("mass_shoulder", LinkBody::Shoulder),
-            ("mass_upper_leg", LinkBody::UpperLeg),
-            ("mass_lower_leg", LinkBody::LowerLeg),
-        ];
-        let coulomb_nm = value("coulomb").unwrap_or(0.0);
-        let stribeck = value("static_excess").zip(value("v_st")).map(|(excess, speed_rad_s)| Stribeck {
-            static_nm: coulomb_nm + excess,
-            speed_rad_s,
-            curve: Default::default(),
-        });
+        let value = |named: Named| fit.extensive.estimate(named).map(|e| e.value);
+        let bodies = [LinkBody::Shoulder, LinkBody::UpperLeg, LinkBody::LowerLeg];
+        let (model, values) = (&fit.extensive.model, &fit.extensive.found.values);
+        let [coulomb_nm, viscous_nm_s_rad] = model.friction_at().map(|at| values[at]);
         let begins = e.t_s.first().copied().unwrap_or(0.0);
         let (release_s, rate_rad_s) = match e.release_window_s {
             Some(_) => (prediction.start[1], 0.0),
@@ -76,13 +67,13 @@ impl<'a> Bench<'a> {
         let drop = BenchDrop {
             leg,
             extra: case.items.iter().find(|item| item.entry.file == e.file).and_then(|item| item.entry.extra),
-            masses_kg: bodies.into_iter().filter_map(|(name, body)| Some((body, value(name)?))).collect(),
+            masses_kg: bodies.into_iter().filter_map(|body| Some((body, value(Named::Mass(body))?))).collect(),
             coulomb_nm,
-            viscous_nm_s_rad: value("viscous").unwrap_or(0.0),
-            stribeck,
+            viscous_nm_s_rad,
+            stribeck: model.stribeck_of(values),
             effects: Vec::new(),
             others: Vec::new(),
-            zero_rad: value("zero").unwrap_or(0.0),
+            zero_rad: value(Named::Zero).unwrap_or(0.0),
             angle_rad: prediction.start[0],
             rate_rad_s,
             release_s,
@@ -149,5 +140,34 @@ fn held_row(e: &Experiment, model_rad: &[f64]) -> HeldRow {
         rms: finite(rms),
         first_swing: passage(model_rad).zip(passage(&e.measured_rad)).map(|(model, measured)| model - measured),
         rest: finite(rest(model_rad) - rests),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identify::{Directives, DropOptions, fit_drop};
+    use std::path::Path;
+
+    #[test]
+    fn the_whole_robot_drops_with_every_friction_that_was_fitted() {
+        let log = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/thesis-robot/q2-bare-0.csv");
+        let case = Case::of_logs(&[log], None).unwrap();
+        let held = [("coulomb", 0.005), ("static_excess", 0.004), ("stribeck_speed", 0.3)];
+        let fix = held.map(|(name, value)| (name.to_owned(), Some(value))).to_vec();
+        let options = DropOptions {
+            stribeck: true,
+            directives: Directives { fix, ..Directives::default() },
+            ..DropOptions::default()
+        };
+        let fit = fit_drop(&case, &options, &|_| {}).unwrap();
+        let (leg, e, prediction) = (case.leg.as_ref().unwrap(), &fit.fitted[0], &fit.extensive.predictions[0]);
+        let drop = Bench::of((&case, Model::ers7()), &fit, leg, e, prediction).drop;
+        assert_eq!(drop.coulomb_nm, 0.005);
+        assert_eq!(drop.viscous_nm_s_rad, fit.extensive.estimate(Named::Viscous).unwrap().value);
+        let stribeck = drop.stribeck.expect("the fit has a Stribeck part");
+        approx::assert_relative_eq!(stribeck.static_nm, 0.009, max_relative = 1e-12);
+        assert_eq!(stribeck.speed_rad_s, 0.3);
+        assert_eq!(drop.masses_kg.len(), fit.extensive.model.friction_at()[0]);
     }
 }

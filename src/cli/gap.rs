@@ -121,7 +121,7 @@ fn write_report(args: &GapArgs, case: &Case, report: &GapReport) -> Result<PathB
         outputs.add(folder.join(NEXT_FILE), motion_csv(t_s, q_ref_rad));
     }
     let page = folder.join("report.html");
-    outputs.add(&page, render_gap_html(report)?);
+    outputs.add_page(&page, render_gap_html(report)?);
     args.common.add_json(&mut outputs, &gap_json(report))?;
     write_outputs(outputs, &case.inputs())?;
     Ok(page)

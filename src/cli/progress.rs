@@ -1,5 +1,6 @@
 //! Progress on standard error, where that is a terminal; nothing otherwise.
 
+use crate::progress::{self, Step};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use std::time::Duration;
@@ -36,10 +37,32 @@ impl Progress {
     }
 }
 
+impl progress::Progress for Progress {
+    fn step(&self, step: Step) {
+        self.say(&told(step));
+    }
+}
+
+/// `screening: 3 of 17`
+fn told(Step { stage, done, of }: Step) -> String {
+    if of == 0 { stage.to_owned() } else { format!("{stage}: {done} of {of}") }
+}
+
 impl Drop for Progress {
     fn drop(&mut self) {
         if let Some(bar) = &self.0 {
             bar.finish_and_clear();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_is_told_with_its_parts_where_they_are_counted() {
+        assert_eq!(told(Step { stage: "screening", done: 3, of: 17 }), "screening: 3 of 17");
+        assert_eq!(told(Step::stage("reading")), "reading");
     }
 }

@@ -51,7 +51,7 @@ pub(super) fn run(args: &GapArgs) -> Result<u8, CliError> {
     outputs.add(folder.join(REPAIRED_FILE), repaired);
     outputs.add(folder.join(ANIMATION_FILE), animation_html(&animation)?);
     let page = folder.join("report.html");
-    outputs.add(&page, robot_gap_html(&report)?);
+    outputs.add_page(&page, robot_gap_html(&report)?);
     args.common.add_json(&mut outputs, &robot_gap_json(&report))?;
     write_outputs(outputs, &case.inputs())?;
     drop(progress);

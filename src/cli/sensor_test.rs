@@ -65,7 +65,7 @@ pub(super) fn run(args: &SensorTestArgs) -> Result<u8, CliError> {
         outputs.add(folder.join(figure.file_name), figure.svg);
     }
     let page = folder.join("report.html");
-    outputs.add(&page, sensor_html(&report)?);
+    outputs.add_page(&page, sensor_html(&report)?);
     args.common.add_json(&mut outputs, &report)?;
     write_outputs(outputs, &[])?;
     drop(progress);

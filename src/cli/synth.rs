@@ -70,11 +70,11 @@ pub(super) fn run(args: &SynthArgs) -> Result<u8, CliError> {
             .collect(),
     };
     let mut outputs = Outputs::default();
-    outputs.add(&study, made.study_toml);
+    outputs.add_page(&study, made.study_toml);
     for (name, text) in made.robot.into_iter().chain(made.logs) {
         outputs.add(folder.join(name), text);
     }
-    outputs.add(&truth, json_text(&made.truth)?);
+    outputs.add_apart(&truth, json_text(&made.truth)?);
     args.common.add_json(&mut outputs, &answer)?;
     write_outputs(outputs, std::slice::from_ref(&args.spec))?;
     drop(progress);

@@ -43,7 +43,7 @@ pub(super) fn run(args: &TablesArgs) -> Result<u8, CliError> {
         outputs.add(folder.join(figure.file_name), figure.svg);
     }
     let page = folder.join("report.html");
-    outputs.add(&page, thesis_html(&report)?);
+    outputs.add_page(&page, thesis_html(&report)?);
     args.common.add_json(&mut outputs, &thesis_json(&report))?;
     write_outputs(outputs, &inputs)?;
     drop(progress);

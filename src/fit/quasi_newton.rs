@@ -270,7 +270,9 @@ fn run<'a, S: Solver<Scaled<'a>, Search>>(
     Executor::new(problem, solver).configure(configure).timer(false).run().map(|_| ())
 }
 
-/// `(J'J + mu I)^-1` in the unbounded coordinates, halved because the criterion is a sum of squares without a half.
+/// `(J'J + mu I)^-1` in the unbounded coordinates, halved because the criterion is a sum of squares without a half;
+/// where that is not positive definite, the textbook start, a multiple of the identity. Only the way depends on it, not
+/// the minimum.
 fn inverse_hessian(normal: &Normal, slopes: &[f64], unit: f64) -> InverseHessian {
     let n = slopes.len();
     let mut a = DMatrix::from_fn(n, n, |i, k| 2.0 * normal.jtj[(i, k)] * slopes[i] * slopes[k] / unit);

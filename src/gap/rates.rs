@@ -9,7 +9,7 @@ use super::diagnosis::{Candidate, Verdict};
 use serde::{Deserialize, Serialize};
 
 /// Counts of a sealed trial, in the form of `data/rates.toml`.
-#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rates {
     /// The command that made them.
@@ -34,12 +34,12 @@ pub struct Rate {
 impl Rates {
     /// The rates that come with the program, for joints.
     pub(super) fn shipped() -> Self {
-        toml::from_str(include_str!("../../data/rates.toml")).unwrap_or_default()
+        read(include_str!("../../data/rates.toml"))
     }
 
     /// The same for whole robots.
     pub(super) fn shipped_for_robots() -> Self {
-        toml::from_str(include_str!("../../data/rates-robot.toml")).unwrap_or_default()
+        read(include_str!("../../data/rates-robot.toml"))
     }
 
     /// Counts a trial's answers by their standing.
@@ -62,6 +62,10 @@ impl Rates {
         let those = self.rate.iter().filter(|r| r.standing.starts_with(beginning));
         those.fold((0, 0), |sum, r| (sum.0 + r.answers, sum.1 + r.right))
     }
+}
+
+fn read(shipped: &str) -> Rates {
+    toml::from_str(shipped).expect("the file is compiled in and tested")
 }
 
 /// Deviance by which the next hypothesis must be behind for an answer to stand out.
@@ -129,9 +133,9 @@ mod tests {
 
     #[test]
     fn the_shipped_rates_can_be_read() {
-        let text = include_str!("../../data/rates.toml");
-        let rates: Rates = toml::from_str(text).expect("data/rates.toml is well-formed");
-        assert!(rates.command.starts_with("aibo-fit blind") && !rates.rate.is_empty());
-        assert!(rates.rate.iter().all(|r| r.right <= r.answers));
+        for rates in [Rates::shipped(), Rates::shipped_for_robots()] {
+            assert!(rates.command.starts_with("aibo-fit blind") && !rates.rate.is_empty());
+            assert!(rates.rate.iter().all(|r| r.right <= r.answers));
+        }
     }
 }

@@ -5,7 +5,7 @@
 
 use super::parameter::Search;
 use super::run::{Found, Prediction, prediction, refine, search};
-use super::{Experiment, JointModel, Problem};
+use super::{Experiment, JointModel, Named, Problem};
 use crate::fit::{Budget, Method, Rejected, Residuals, Stop, Uncertainty, Undetermined, uncertainty};
 use nalgebra::DVector;
 
@@ -102,11 +102,11 @@ pub fn conclude<M: JointModel + Clone>(
         };
         let held = free[k];
         open[held] = true;
-        let (name, nominal) = (model.parameters()[held].name.clone(), model.parameters()[held].nominal);
+        let (named, nominal) = (model.parameters()[held].named(), model.parameters()[held].nominal);
         // Without any nominal value everything is counted per unit of inertia.
-        let scale = match name.as_str() {
-            "inertia" if nominal.is_none() => Some(1.0),
-            "moment" => nominal,
+        let scale = match named {
+            Some(Named::Inertia) if nominal.is_none() => Some(1.0),
+            Some(Named::Moment) => nominal,
             _ => None,
         };
         let at_nominal = scale.or(nominal).map(|value| {
@@ -164,12 +164,12 @@ fn most_open<M: JointModel>(model: &M, free: &[usize], u: &Uncertainty) -> Optio
         let p = &model.parameters()[free[k]];
         let half_width = u.half_width_robust(k).max(p.known_to);
         match p.search {
-            Search::Logarithm if p.name == "moment" && p.nominal.is_some() => half_width / OPEN_MOMENT,
+            Search::Logarithm if p.named() == Some(Named::Moment) && p.nominal.is_some() => half_width / OPEN_MOMENT,
             Search::Logarithm => half_width / OPEN_FACTOR,
             Search::Linear { scale } => half_width / (OPEN_LINEAR * scale),
         }
     };
-    let scale_first = |k: usize| if model.parameters()[free[k]].name == "moment" { 1e6 } else { 1.0 };
+    let scale_first = |k: usize| if model.parameters()[free[k]].named() == Some(Named::Moment) { 1e6 } else { 1.0 };
     (0..free.len())
         .filter(|&k| !(openness(k) <= 1.0))
         .max_by(|&a, &b| (openness(a) * scale_first(a)).total_cmp(&(openness(b) * scale_first(b))))
@@ -178,18 +178,15 @@ fn most_open<M: JointModel>(model: &M, free: &[usize], u: &Uncertainty) -> Optio
 /// Which parameter to hold where a direction is undetermined: the one that is usually known beforehand.
 fn scapegoat<M: JointModel>(model: &M, free: &[usize], direction: &DVector<f64>) -> usize {
     let parameters = model.parameters();
-    let known = parameters.iter().any(|p| p.name == "moment" && p.nominal.is_some());
-    let rank = |k: usize| {
-        let name = parameters[free[k]].name.as_str();
-        match name {
-            "moment" if known => 0,
-            "inertia" if !known => 1,
-            _ if name.starts_with("mass_") => 2,
-            "ml2" | "inertia" => 3,
-            "stribeck_speed" => 4,
-            "static_excess" => 5,
-            _ => 6,
-        }
+    let known = parameters.iter().any(|p| p.named() == Some(Named::Moment) && p.nominal.is_some());
+    let rank = |k: usize| match parameters[free[k]].named() {
+        Some(Named::Moment) if known => 0,
+        Some(Named::Inertia) if !known => 1,
+        Some(Named::Mass(_)) => 2,
+        Some(Named::Ml2 | Named::Inertia) => 3,
+        Some(Named::StribeckSpeed) => 4,
+        Some(Named::StaticExcess) => 5,
+        _ => 6,
     };
     let takes_part = |k: &usize| direction[*k].abs() > 0.05;
     (0..free.len()).filter(takes_part).min_by_key(|&k| rank(k)).unwrap_or_else(|| {
@@ -239,10 +236,17 @@ fn estimates<M: JointModel>(
         .collect()
 }
 
+impl Estimate {
+    /// Which of the pendulum models' parameters it is; `None` for one of another model.
+    pub fn named(&self) -> Option<Named> {
+        Named::of(&self.name)
+    }
+}
+
 impl<M: JointModel> Fitted<M> {
-    /// The estimate of a parameter.
-    pub fn estimate(&self, name: &str) -> Option<&Estimate> {
-        self.estimates.iter().find(|e| e.name == name)
+    /// The estimate of a parameter; `None` where the model has no such parameter.
+    pub fn estimate(&self, named: Named) -> Option<&Estimate> {
+        self.estimates.iter().find(|e| e.named() == Some(named))
     }
 
     /// RMS over all compared samples of the fitted experiments \[rad\].

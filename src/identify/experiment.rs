@@ -1,6 +1,7 @@
 //! One log made ready to be fitted: the samples that count, what acts on the joint, and how the motion begins.
 
 use crate::fit::Rounding;
+use crate::geometry::LinkBody;
 use crate::joint::Real;
 use crate::log::{DriveMode, ExtraMass, Health, Hold, Log, MotorSpec, Role, StudyLog};
 use crate::pendulum::{Input, Start};
@@ -35,8 +36,8 @@ impl Load {
 /// One body of the link: its inertia and its lever, per kilogram.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
-    /// Parameter name, e.g. `mass_lower_leg`.
-    pub name: String,
+    /// Which one.
+    pub body: LinkBody,
     /// About the joint axis \[m^2\].
     pub inertia_per_kg_m2: f64,
     /// Distance of its centre of mass from the axis \[m\].

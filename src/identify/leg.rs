@@ -84,7 +84,7 @@ impl LegCase {
     /// As [`lump()`].
     pub fn masses(&self) -> Result<Vec<BodyMass>, GeometryError> {
         let parameter = |(i, b): (usize, &BodyLump)| BodyMass {
-            name: mass_name(b.body).into(),
+            body: b.body,
             symbol: symbol(b.body).into(),
             nominal_kg: b.mass_kg,
             free: i == 0,
@@ -135,19 +135,10 @@ fn hanging(body: &BodyLump) -> f64 {
 
 fn body(lump: &BodyLump) -> Body {
     Body {
-        name: mass_name(lump.body).into(),
+        body: lump.body,
         inertia_per_kg_m2: lump.inertia_per_kg_m2,
         lever_m: lump.distance_m(),
         hanging_rad: hanging(lump),
-    }
-}
-
-fn mass_name(body: LinkBody) -> &'static str {
-    match body {
-        LinkBody::Shoulder => "mass_shoulder",
-        LinkBody::UpperLeg => "mass_upper_leg",
-        LinkBody::LowerLeg => "mass_lower_leg",
-        LinkBody::Extra => "mass_extra",
     }
 }
 
@@ -188,7 +179,7 @@ mod tests {
         let (bare, bodies, masses) = (case.bare().unwrap(), case.bodies().unwrap(), case.masses().unwrap());
         let inertia: f64 = bodies.iter().zip(&masses).map(|(b, m)| m.nominal_kg * b.inertia_per_kg_m2).sum();
         assert_relative_eq!(inertia, bare.inertia_kg_m2, max_relative = 1e-12);
-        assert_eq!((masses.len(), masses[0].name.as_str(), masses[0].free), (2, "mass_upper_leg", true));
+        assert_eq!((masses.len(), masses[0].body, masses[0].free), (2, LinkBody::UpperLeg, true));
         assert_eq!(case.nominal().unwrap().coulomb_nm, 0.007);
     }
 }

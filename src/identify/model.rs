@@ -1,6 +1,7 @@
 //! The models that are fitted: which parameters they have, and the joint chain that a set of values makes.
 
-use super::{Experiment, Parameter, Scale};
+use super::{Experiment, Named, Parameter, Scale};
+use crate::geometry::LinkBody;
 use crate::joint::{Chain, Link, Motor, Real, Stribeck};
 use crate::log::Nominal;
 use crate::pendulum::{ExtensivePendulum, SimplePendulum};
@@ -37,16 +38,16 @@ impl SimpleModel {
     /// `scale` tells what is known beforehand; `driven` frees `M L^2`, which a free swing does not show.
     pub fn new(scale: &Scale, driven: bool) -> Self {
         let inertia = if driven { scale.inertia_kg_m2 } else { 1.0 };
-        let ml2 = Parameter::positive("ml2", "M L^2", "kg m^2", None, inertia);
+        let ml2 = Parameter::positive(Named::Ml2, "M L^2", "kg m^2", None, inertia);
         let g_over_l = scale.frequency_rad_s.powi(2);
         Self {
             parameters: vec![
                 if driven { ml2 } else { ml2.fixed() },
                 Parameter {
                     upper: MOST_DAMPED * scale.frequency_rad_s,
-                    ..Parameter::friction("b_over_ml2", "B/ML^2", "1/s", None, 1.0, scale.frequency_rad_s)
+                    ..Parameter::friction(Named::BOverMl2, "B/ML^2", "1/s", None, 1.0, scale.frequency_rad_s)
                 },
-                Parameter::positive("g_over_l", "g/L", "1/s^2", None, g_over_l),
+                Parameter::positive(Named::GOverL, "g/L", "1/s^2", None, g_over_l),
                 scale.rest(),
             ],
         }
@@ -100,12 +101,12 @@ impl ExtensiveModel {
         let inertia = nominal.map_or(scale.inertia_kg_m2, |n| n.inertia_kg_m2);
         let moment = nominal.map_or(scale.moment_kg_m(), |n| n.moment_kg_m);
         let mut parameters = vec![
-            Parameter::positive("inertia", "I*", "kg m^2", nominal.map(|n| n.inertia_kg_m2), inertia),
+            Parameter::positive(Named::Inertia, "I*", "kg m^2", nominal.map(|n| n.inertia_kg_m2), inertia),
             if moment > 0.0 {
-                Parameter::positive("moment", "M*", "kg m", nominal.map(|n| n.moment_kg_m), moment)
+                Parameter::positive(Named::Moment, "M*", "kg m", nominal.map(|n| n.moment_kg_m), moment)
             } else {
                 let unit = scale.torque_nm / scale.gravity_m_s2;
-                Parameter::friction("moment", "M*", "kg m", nominal.map(|n| n.moment_kg_m), 0.0, unit)
+                Parameter::friction(Named::Moment, "M*", "kg m", nominal.map(|n| n.moment_kg_m), 0.0, unit)
             },
         ];
         parameters.extend(scale.friction(nominal, stribeck));
@@ -126,14 +127,14 @@ impl ExtensiveModel {
         let mut parameters: Vec<Parameter> = masses
             .iter()
             .map(|m| {
-                let p = Parameter::positive(&m.name, &m.symbol, "kg", Some(m.nominal_kg), m.nominal_kg);
-                let known_to = BENCH_PRECISION / share(experiments, masses, &m.name);
+                let p = Parameter::positive(Named::Mass(m.body), &m.symbol, "kg", Some(m.nominal_kg), m.nominal_kg);
+                let known_to = BENCH_PRECISION / share(experiments, masses, m.body);
                 Parameter { known_to, fixed: !m.free, ..p }
             })
             .collect();
         let link = parameters.len();
         parameters.extend(scale.friction(friction, stribeck));
-        parameters.push(Parameter::angle("zero", "q_0", pose_known.then_some(0.0), 0.0));
+        parameters.push(Parameter::angle(Named::Zero, "q_0", pose_known.then_some(0.0), 0.0));
         Self { parameters, link_by: LinkBy::Bodies, link, stribeck }
     }
 
@@ -151,6 +152,13 @@ impl ExtensiveModel {
                 bodies.fold(first, Link::joined)
             }
         }
+    }
+
+    /// Static friction and Stribeck speed of the values; `None` where the law has no such part.
+    pub fn stribeck_of<T: Real>(&self, values: &[T]) -> Option<Stribeck<T>> {
+        let [c, v] = self.friction_at();
+        // Held above the Coulomb friction: mu_st = mu_c + an excess.
+        self.stribeck.then(|| Stribeck { static_nm: values[c] + values[v + 1], speed_rad_s: values[v + 2], curve: Default::default() })
     }
 
     /// Friction parameters among the values: Coulomb, viscous.
@@ -181,15 +189,14 @@ impl JointModel for ExtensiveModel {
             link = link.joined(Link::new(inertia, moment, hanging, experiment.gravity_m_s2));
         }
         let [c, v] = self.friction_at();
-        let stribeck = self.stribeck.then(|| Stribeck {
-            // Held above the Coulomb friction: mu_st = mu_c + an excess.
-            static_nm: values[c] + values[v + 1],
-            speed_rad_s: values[v + 2],
-            curve: Default::default(),
-        });
-        ExtensivePendulum { link, coulomb_nm: values[c], viscous_nm_s_rad: values[v], stribeck }
-            .chain(experiment.motor.map(Motor::new))
-            .geared(experiment.motor.as_ref())
+        ExtensivePendulum {
+            link,
+            coulomb_nm: values[c],
+            viscous_nm_s_rad: values[v],
+            stribeck: self.stribeck_of(values),
+        }
+        .chain(experiment.motor.map(Motor::new))
+        .geared(experiment.motor.as_ref())
     }
 }
 
@@ -197,14 +204,14 @@ impl JointModel for ExtensiveModel {
 const BENCH_PRECISION: f64 = 0.01;
 
 /// The largest share that a body has in the inertia or in the moment of all that turns, over the experiments.
-fn share(experiments: &[Experiment], masses: &[BodyMass], name: &str) -> f64 {
+fn share(experiments: &[Experiment], masses: &[BodyMass], of: LinkBody) -> f64 {
     let share_in = |e: &Experiment| {
         let (mut inertia, mut moment) = e.load.map_or((0.0, 0.0), |l| (l.inertia_kg_m2, l.moment_kg_m));
         let mut own = (0.0, 0.0);
         for (body, mass) in e.bodies.iter().zip(masses) {
             let part = (mass.nominal_kg * body.inertia_per_kg_m2, mass.nominal_kg * body.lever_m);
             (inertia, moment) = (inertia + part.0, moment + part.1);
-            if body.name == name {
+            if mass.body == of {
                 own = part;
             }
         }
@@ -216,8 +223,8 @@ fn share(experiments: &[Experiment], masses: &[BodyMass], name: &str) -> f64 {
 /// A body's mass as a parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyMass {
-    /// e.g. `mass_lower_leg`.
-    pub name: String,
+    /// The body.
+    pub body: LinkBody,
     /// e.g. `M_L`.
     pub symbol: String,
     /// By the table \[kg\].

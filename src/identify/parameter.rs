@@ -1,5 +1,6 @@
 //! Parameters of a joint model: names, units, bounds, and the coordinate in which each is searched.
 
+use super::Named;
 use crate::fit::Coordinate;
 use crate::joint::Real;
 
@@ -57,7 +58,7 @@ const LOG_REACH: f64 = 5.0;
 
 impl Parameter {
     /// A positive quantity, searched by its logarithm.
-    pub fn positive(name: &str, symbol: &str, unit: &str, nominal: Option<f64>, start: f64) -> Self {
+    pub fn positive(name: impl Into<String>, symbol: &str, unit: &str, nominal: Option<f64>, start: f64) -> Self {
         Self {
             name: name.into(),
             symbol: symbol.into(),
@@ -74,12 +75,19 @@ impl Parameter {
     }
 
     /// A friction, zero or above.
-    pub fn friction(name: &str, symbol: &str, unit: &str, nominal: Option<f64>, start: f64, scale: f64) -> Self {
+    pub fn friction(
+        name: impl Into<String>,
+        symbol: &str,
+        unit: &str,
+        nominal: Option<f64>,
+        start: f64,
+        scale: f64,
+    ) -> Self {
         Self { search: Search::Linear { scale }, ..Self::positive(name, symbol, unit, nominal, start) }
     }
 
     /// An angle \[rad\] within half a turn of its start.
-    pub fn angle(name: &str, symbol: &str, nominal: Option<f64>, start: f64) -> Self {
+    pub fn angle(name: impl Into<String>, symbol: &str, nominal: Option<f64>, start: f64) -> Self {
         Self {
             lower: start - std::f64::consts::PI,
             upper: start + std::f64::consts::PI,
@@ -98,6 +106,11 @@ impl Parameter {
     /// How many standard deviations of its belief a value lies away; `None` where nothing is believed.
     pub fn moved_sd(&self, value: f64) -> Option<f64> {
         self.belief.map(|belief| (self.to_coordinate(value) - belief.at) / belief.sd)
+    }
+
+    /// Which of the pendulum models' parameters it is; `None` for one of another model.
+    pub fn named(&self) -> Option<Named> {
+        Named::of(&self.name)
     }
 
     /// The same parameter, not searched.

@@ -2,7 +2,7 @@
 
 use super::equation_error::equation_error_values;
 use super::parameter::{free_of, starts_of};
-use super::{Experiment, JointModel, Parameter, Problem, Search};
+use super::{Experiment, JointModel, Named, Parameter, Problem, Search};
 use crate::fit::{Budget, Method, Rejected, Residuals, Solution, solve};
 use crate::pendulum::Diverged;
 use rayon::prelude::*;
@@ -182,7 +182,9 @@ fn leaves_structure<M: JointModel>(problem: &Problem<'_, M>, x: &[f64]) -> bool 
 /// a minimum of its own.
 fn other_stops<M: JointModel>(model: &M, problem: &Problem<'_, M>, x: &[f64]) -> Vec<Vec<f64>> {
     let free = free_of(model.parameters());
-    let Some(at) = free.iter().position(|&i| model.parameters()[i].name == "coulomb") else { return Vec::new() };
+    let Some(at) = free.iter().position(|&i| model.parameters()[i].named() == Some(Named::Coulomb)) else {
+        return Vec::new();
+    };
     let c = &problem.coordinates()[at];
     STOP_FACTORS
         .iter()

@@ -1,7 +1,7 @@
 //! Typical sizes in a set of experiments: where a search starts when nothing is known, and how far a step may go.
 
 use super::smooth::motion;
-use super::{Experiment, Parameter, Signal};
+use super::{Experiment, Named, Parameter, Signal};
 use crate::log::Nominal;
 
 /// Typical sizes in the experiments, from which searches start and steps are measured.
@@ -59,7 +59,7 @@ impl Scale {
     }
 
     pub(super) fn rest(&self) -> Parameter {
-        let p = Parameter::angle("rest", "q_rest", self.rest_given.then_some(self.rest_rad), self.rest_rad);
+        let p = Parameter::angle(Named::Rest, "q_rest", self.rest_given.then_some(self.rest_rad), self.rest_rad);
         if self.rest_given { p.fixed() } else { p }
     }
 
@@ -67,7 +67,7 @@ impl Scale {
         let damping = self.torque_nm / self.frequency_rad_s;
         let mut parameters = vec![
             Parameter::friction(
-                "coulomb",
+                Named::Coulomb,
                 "mu_c",
                 "N m",
                 nominal.map(|n| n.coulomb_nm),
@@ -75,7 +75,7 @@ impl Scale {
                 self.torque_nm,
             ),
             Parameter::friction(
-                "viscous",
+                Named::Viscous,
                 "mu_v",
                 "N m s/rad",
                 nominal.map(|n| n.viscous_nm_s_rad),
@@ -85,8 +85,21 @@ impl Scale {
         ];
         if stribeck {
             let start = 0.3 * parameters[0].start.max(0.01 * self.torque_nm);
-            parameters.push(Parameter::friction("static_excess", "mu_st - mu_c", "N m", None, start, self.torque_nm));
-            parameters.push(Parameter::positive("stribeck_speed", "v_st", "rad/s", None, 0.05 * self.frequency_rad_s));
+            parameters.push(Parameter::friction(
+                Named::StaticExcess,
+                "mu_st - mu_c",
+                "N m",
+                None,
+                start,
+                self.torque_nm,
+            ));
+            parameters.push(Parameter::positive(
+                Named::StribeckSpeed,
+                "v_st",
+                "rad/s",
+                None,
+                0.05 * self.frequency_rad_s,
+            ));
         }
         parameters
     }

@@ -13,7 +13,9 @@ mod health;
 mod health_noise;
 mod health_stamps;
 mod inputs;
+mod manifest;
 mod motor;
+mod outputs;
 mod place;
 mod plausible;
 mod pose;
@@ -24,22 +26,27 @@ mod rows;
 mod schema;
 mod study;
 mod thin;
+mod toml_text;
 mod types;
 mod write;
 mod write_study;
 
 pub(crate) use document::{Document, NOT_NEGATIVE, POSITIVE, Range64, finite_within, range};
 pub(crate) use inputs::{check_drive_stated, check_inputs, check_torque_sign};
+pub(crate) use manifest::sha256;
 pub(crate) use robot_study::{
     RawControl, RawFloor, RawFriction, RawRobot, RawRobotSensor, Sections, floor, robot_sections,
 };
 pub(crate) use study::{check_schema, read_sidecar};
+pub(crate) use toml_text::{toml_key, toml_string};
 
 pub use arrays::ArrayLog;
 pub use csv::{read_joint_log, read_log};
 pub use error::{CellFault, FileKind, LogError, UnitFault};
 pub use health::{Health, health};
 pub use inputs::read_study_logs;
+pub use manifest::MANIFEST_FILE;
+pub use outputs::Outputs;
 pub use place::{Place, Subject};
 pub use plausible::check_period;
 pub use pose::{Pose, read_pose_for};
@@ -55,5 +62,5 @@ pub use types::{
     Derivative, DriveMode, EncoderSide, ExtraMass, Hold, JointSpec, Log, MotorModel, MotorSpec, Nominal, Release, Role,
     SensorSpec, Spread, Study, StudyLog, TauIs, Uncertain, VoltageMotor,
 };
-pub use write::{Outputs, write_atomically, write_log};
+pub use write::{write_atomically, write_log};
 pub use write_study::study_text;

@@ -2,7 +2,7 @@
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use tempfile::NamedTempFile;
 
@@ -35,15 +35,15 @@ fn write_or_leave(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Resul
 }
 
 /// A device or a pipe.
-fn is_special(path: &Path) -> bool {
+pub(super) fn is_special(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|meta| !meta.is_file() && !meta.is_dir())
 }
 
-fn folder_of(path: &Path) -> &Path {
+pub(super) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
+pub(super) fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".aibo-fit-");
     #[cfg(unix)]
@@ -53,79 +53,6 @@ fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     builder.tempfile_in(folder_of(path))
-}
-
-/// Files that belong together and are written all or none.
-///
-/// Every file is first written beside its place under a temporary name; only when all of them are there do they take
-/// their names. Where one cannot be written, no file has changed and no new folder stays.
-#[derive(Debug, Default)]
-pub struct Outputs {
-    files: Vec<(PathBuf, Vec<u8>)>,
-}
-
-impl Outputs {
-    /// Adds a file; of two with one path the later counts.
-    pub fn add(&mut self, path: impl Into<PathBuf>, content: impl Into<Vec<u8>>) {
-        self.files.push((path.into(), content.into()));
-    }
-
-    /// Paths of the files, in the order in which they were added.
-    pub fn paths(&self) -> impl Iterator<Item = &Path> {
-        self.files.iter().map(|(path, _)| path.as_path())
-    }
-
-    /// Writes all files.
-    ///
-    /// # Errors
-    /// [`LogError::Write`] with the path that cannot be written.
-    pub fn write(self) -> Result<(), LogError> {
-        let mut made = Vec::new();
-        let written = self.write_keeping_track(&mut made);
-        if written.is_err() {
-            // Innermost first; one that is not empty is somebody else's by now.
-            for folder in made.iter().rev() {
-                let _ = fs::remove_dir(folder);
-            }
-        }
-        written
-    }
-
-    fn write_keeping_track(self, made: &mut Vec<PathBuf>) -> Result<(), LogError> {
-        let mut staged = Vec::with_capacity(self.files.len());
-        for (path, content) in &self.files {
-            let failed = |source| LogError::Write { file: path.clone(), source };
-            if path.is_dir() {
-                return Err(failed(io::ErrorKind::IsADirectory.into()));
-            }
-            if is_special(path) {
-                continue;
-            }
-            make_folders(folder_of(path), made).map_err(failed)?;
-            let mut file = temporary_beside(path).map_err(failed)?;
-            file.write_all(content).map_err(failed)?;
-            staged.push((path, file));
-        }
-        for (path, file) in staged {
-            file.persist(path).map_err(|error| LogError::Write { file: path.clone(), source: error.error })?;
-        }
-        for (path, content) in self.files.iter().filter(|(path, _)| is_special(path)) {
-            write_atomically(path, |out| out.write_all(content))?;
-        }
-        Ok(())
-    }
-}
-
-/// Makes a folder and those above it, and adds to `made` what was not there before.
-fn make_folders(folder: &Path, made: &mut Vec<PathBuf>) -> io::Result<()> {
-    let missing: Vec<&Path> =
-        folder.ancestors().take_while(|f| !f.as_os_str().is_empty() && fs::symlink_metadata(f).is_err()).collect();
-    for folder in missing.into_iter().rev() {
-        fs::create_dir(folder)?;
-        made.push(folder.to_path_buf());
-    }
-    // A file in the way of the folder is found here.
-    fs::create_dir_all(folder)
 }
 
 /// Writes a log as CSV, in the format that [`read_log`](super::read_log) reads; numbers keep every digit.
@@ -189,29 +116,6 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let error = write_atomically(dir.path(), |w| w.write_all(b"x")).unwrap_err();
         assert!(error.to_string().contains(&*dir.path().to_string_lossy()));
-    }
-
-    #[test]
-    fn outputs_are_written_all_or_none_and_leave_no_folder() {
-        let dir = tempfile::tempdir().unwrap();
-        fs::write(dir.path().join("old"), "old").unwrap();
-        fs::create_dir(dir.path().join("folder")).unwrap();
-        let mut outputs = Outputs::default();
-        outputs.add(dir.path().join("old"), "new");
-        outputs.add(dir.path().join("a/b/one"), "1");
-        outputs.add(dir.path().join("folder"), "2");
-        let error = outputs.write().unwrap_err().to_string();
-        assert!(error.contains("folder: could not be written") && error.contains("name of a file"), "{error}");
-        assert_eq!(fs::read_to_string(dir.path().join("old")).unwrap(), "old");
-        assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 2);
-
-        let mut outputs = Outputs::default();
-        outputs.add(dir.path().join("old"), "new");
-        outputs.add(dir.path().join("a/b/one"), "1");
-        outputs.write().unwrap();
-        assert_eq!(fs::read_to_string(dir.path().join("old")).unwrap(), "new");
-        assert_eq!(fs::read_to_string(dir.path().join("a/b/one")).unwrap(), "1");
-        assert_eq!(fs::read_dir(dir.path().join("a/b")).unwrap().count(), 1);
     }
 
     #[cfg(unix)]

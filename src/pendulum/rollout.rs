@@ -104,7 +104,7 @@ fn watch<T: Real>(
     t_s: &[f64],
     start: Start<T>,
     (refinement, view): (f64, View),
-    visit: &mut impl FnMut(usize, &State<T>),
+    visit: &mut dyn FnMut(usize, &State<T>),
 ) -> Result<(), Diverged> {
     let per_sample = if chain.compliance.is_some() { STEPS_PER_SAMPLE_ON_A_SPRING } else { STEPS_PER_SAMPLE };
     let steps = (refinement.max(1.0) as usize) * (per_sample * t_s.len() + 10_000);

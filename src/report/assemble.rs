@@ -6,7 +6,7 @@ use super::{
     Provenance,
 };
 use crate::fit::Stop;
-use crate::identify::{Case, DropFit, Estimate, Experiment, Fitted, Item, JointModel, Prediction, Status};
+use crate::identify::{Case, DropFit, Estimate, Experiment, Fitted, Item, JointModel, Named, Prediction, Status};
 use crate::log::{Role, Start};
 
 /// Everything the report of a drop shows.
@@ -34,7 +34,7 @@ pub fn drop_report(case: &Case, fit: &DropFit, provenance: Provenance) -> DropRe
 
 /// True where the logs determine ratios to the inertia only, and no nominal value gives the scale.
 pub(super) fn is_relative(fit: &DropFit) -> bool {
-    let inertia = fit.extensive.estimate("inertia");
+    let inertia = fit.extensive.estimate(Named::Inertia);
     inertia.is_some_and(|e| e.status == Status::NotDetermined && e.nominal.is_none() && e.value == 1.0)
 }
 
@@ -85,13 +85,14 @@ fn derived_row(
 pub(super) fn joint_rows(fit: &DropFit) -> Vec<ParameterRow> {
     let mut rows: Vec<ParameterRow> = fit.extensive.estimates.iter().map(row).collect();
     if fit.by_bodies() {
-        let is_determined = |prefix: &str| {
-            fit.extensive.estimates.iter().any(|e| e.name.starts_with(prefix) && e.status == Status::Determined)
+        let is_determined = |which: fn(Named) -> bool| {
+            let mut those = fit.extensive.estimates.iter().filter(|e| e.named().is_some_and(which));
+            those.any(|e| e.status == Status::Determined)
         };
-        let masses = is_determined("mass_");
+        let masses = is_determined(|named| matches!(named, Named::Mass(_)));
         rows.push(derived_row(fit, ("inertia", "I*", "kg m^2"), masses, |v| fit.bare_link(v)[0]));
         rows.push(derived_row(fit, ("moment", "M*", "kg m"), masses, |v| fit.bare_link(v)[1]));
-        let rest = masses || is_determined("zero");
+        let rest = masses || is_determined(|named| named == Named::Zero);
         rows.push(derived_row(fit, ("rest", "q_rest", "rad"), rest, |v| fit.bare_link(v)[2]));
     }
     if is_relative(fit) {
@@ -110,14 +111,14 @@ pub(super) fn ratio_rows(fit: &DropFit) -> Vec<ParameterRow> {
         return Vec::new();
     }
     let names = [
-        ("moment", "moment_per_inertia", "M*/I*", "1/m"),
-        ("coulomb", "coulomb_per_inertia", "mu_c/I*", "1/s^2"),
-        ("viscous", "viscous_per_inertia", "mu_v/I*", "1/s"),
+        (Named::Moment, "moment_per_inertia", "M*/I*", "1/m"),
+        (Named::Coulomb, "coulomb_per_inertia", "mu_c/I*", "1/s^2"),
+        (Named::Viscous, "viscous_per_inertia", "mu_v/I*", "1/s"),
     ];
     names
         .iter()
-        .filter_map(|(name, ratio, symbol, unit)| {
-            let e = fit.extensive.estimate(name)?;
+        .filter_map(|(named, ratio, symbol, unit)| {
+            let e = fit.extensive.estimate(*named)?;
             Some(ParameterRow {
                 name: (*ratio).into(),
                 symbol: (*symbol).into(),
@@ -132,9 +133,9 @@ pub(super) fn ratio_rows(fit: &DropFit) -> Vec<ParameterRow> {
 /// `mu_st` and `v_st` by the catalogue's names, where the friction law has a Stribeck part.
 pub(super) fn stribeck_rows(fit: &DropFit) -> Vec<ParameterRow> {
     let model = &fit.extensive.model;
-    let index = |name: &str| model.parameters().iter().position(|p| p.name == name);
+    let index = |named: Named| model.parameters().iter().position(|p| p.named() == Some(named));
     let (Some(coulomb), Some(excess), Some(speed)) =
-        (index("coulomb"), index("static_excess"), index("stribeck_speed"))
+        (index(Named::Coulomb), index(Named::StaticExcess), index(Named::StribeckSpeed))
     else {
         return Vec::new();
     };
@@ -274,7 +275,7 @@ fn simple_summary(fit: &DropFit) -> ModelSummary {
     let mut trace: Vec<f64> = Vec::new();
     for group in &fit.simple {
         for e in &group.fitted.estimates {
-            if e.name == "ml2" && e.status == Status::Held {
+            if e.named() == Some(Named::Ml2) && e.status == Status::Held {
                 continue;
             }
             let mut row = row(e);

@@ -1,7 +1,7 @@
 //! `fit.json`: what a fit found, for programs (specification, section 6).
 
 use super::{DropReport, FullRow, ModelSummary, ParameterRow, ParameterStatus, RefitSummary};
-use crate::identify::DropFit;
+use crate::identify::{DropFit, Named};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -164,7 +164,7 @@ impl FitFile {
     pub fn of_drop(fit: &DropFit, report: &DropReport) -> Self {
         let rows = super::assemble::joint_rows(fit);
         let joint = JointFit::of(&rows);
-        let masses = fit.extensive.estimates.iter().filter(|e| e.name.starts_with("mass_"));
+        let masses = fit.extensive.estimates.iter().filter(|e| matches!(e.named(), Some(Named::Mass(_))));
         let stribeck = super::assemble::stribeck_rows(fit);
         let effects = if stribeck.is_empty() {
             Vec::new()

@@ -14,7 +14,6 @@ mod gap;
 mod html;
 mod model;
 mod notes;
-mod number;
 mod plot;
 mod robot_gap;
 mod rows;
@@ -26,6 +25,8 @@ mod text;
 mod thesis;
 mod walk;
 
+pub(crate) use crate::number;
+pub use crate::number::{WithUncertainty, format_with_uncertainty};
 pub use animation::{Animation, Dog, GifOptions, Recording, animation_gif, animation_html, animation_strip};
 pub use assemble::drop_report;
 pub use blind::{
@@ -42,7 +43,6 @@ pub use model::{
     ParameterStatus, Provenance,
 };
 pub use notes::{resting_gravity_nm, still};
-pub use number::{WithUncertainty, format_with_uncertainty};
 pub use plot::{
     Figure, correlation_matrix, figures, friction_curve, optimiser_trace, parameter_intervals, phase_portrait, swing,
 };

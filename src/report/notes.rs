@@ -4,8 +4,8 @@ use super::assemble::{is_relative, joint_rows, ratio_rows};
 use super::number::{as_given, mrad};
 use super::{ParameterRow, ParameterStatus, format_with_uncertainty};
 use crate::fit::Stop;
-use crate::geometry::Ers7Tables;
-use crate::identify::{Case, DropFit, Estimate, Experiment, Item, Status};
+use crate::geometry::{Ers7Tables, LinkBody};
+use crate::identify::{Case, DropFit, Estimate, Experiment, Item, Named, Status};
 use crate::joint::Link;
 use crate::log::{DriveMode, Start};
 
@@ -53,7 +53,11 @@ fn friction_found(fit: &DropFit) -> String {
 }
 
 fn is_friction(e: &Estimate) -> bool {
-    e.name == "coulomb" || e.name == "viscous"
+    matches!(e.named(), Some(Named::Coulomb | Named::Viscous))
+}
+
+fn is_mass(e: &Estimate) -> bool {
+    matches!(e.named(), Some(Named::Mass(_)))
 }
 
 fn simple_rms(fit: &DropFit) -> f64 {
@@ -151,7 +155,7 @@ fn contradicted(fit: &DropFit) -> Option<String> {
         .extensive
         .estimates
         .iter()
-        .filter(|e| e.name != "zero")
+        .filter(|e| e.named() != Some(Named::Zero))
         .filter_map(|e| {
             let ([low, high], nominal) = (e.interval?, e.nominal?);
             (!(low..=high).contains(&nominal)).then(|| {
@@ -220,8 +224,8 @@ fn held_back(fit: &DropFit) -> Option<String> {
 fn open_notes(case: &Case, fit: &DropFit, open: &[&Estimate]) -> Vec<String> {
     let mut notes = Vec::new();
     if fit.by_bodies() {
-        for e in open.iter().filter(|e| e.name.starts_with("mass_")) {
-            let (why, what_follows) = if e.name == "mass_shoulder" {
+        for e in open.iter().filter(|e| is_mass(e)) {
+            let (why, what_follows) = if e.named() == Some(Named::Mass(LinkBody::Shoulder)) {
                 (": it lies on the joint's axis", "which changes nothing that is shown")
             } else {
                 ("", "and the rest is conditional on it")
@@ -233,9 +237,9 @@ fn open_notes(case: &Case, fit: &DropFit, open: &[&Estimate]) -> Vec<String> {
             ));
         }
     }
-    let others: Vec<&Estimate> = open.iter().filter(|e| !e.name.starts_with("mass_")).copied().collect();
+    let others: Vec<&Estimate> = open.iter().filter(|e| !is_mass(e)).copied().collect();
     let (scale, rest): (Vec<&Estimate>, Vec<&Estimate>) =
-        others.into_iter().partition(|e| e.name == "moment" && e.nominal == Some(e.value));
+        others.into_iter().partition(|e| e.named() == Some(Named::Moment) && e.nominal == Some(e.value));
     if let Some(moment) = scale.first() {
         let source = if case.by_bodies { "Table A.2" } else { "the study" };
         let driven = fit.fitted.iter().any(Experiment::is_driven);
@@ -262,16 +266,16 @@ fn open_notes(case: &Case, fit: &DropFit, open: &[&Estimate]) -> Vec<String> {
 
 /// A parameter in words.
 fn words(name: &str) -> String {
-    match name {
-        "coulomb" => "Coulomb friction".into(),
-        "viscous" => "viscous friction".into(),
-        "rest" => "the hanging angle".into(),
-        "zero" => "the encoder's zero".into(),
-        "static_excess" => "static friction above Coulomb's".into(),
-        "stribeck_speed" => "the Stribeck speed".into(),
-        "inertia" | "moment" => format!("the {name}"),
-        _ if name.starts_with("mass_") => format!("the {} mass", name.trim_start_matches("mass_").replace('_', " ")),
-        _ => name.into(),
+    match Named::of(name) {
+        Some(Named::Coulomb) => "Coulomb friction".into(),
+        Some(Named::Viscous) => "viscous friction".into(),
+        Some(Named::Rest) => "the hanging angle".into(),
+        Some(Named::Zero) => "the encoder's zero".into(),
+        Some(Named::StaticExcess) => "static friction above Coulomb's".into(),
+        Some(Named::StribeckSpeed) => "the Stribeck speed".into(),
+        Some(Named::Inertia | Named::Moment) => format!("the {name}"),
+        Some(Named::Mass(body)) => format!("the {body} mass"),
+        Some(Named::Ml2 | Named::BOverMl2 | Named::GOverL) | None => name.into(),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::joint::Believed;
 use super::plan::Plan;
-use crate::log::{Derivative, Hold, RobotScenario, RobotStudy, RobotStudyLog, Role};
+use crate::log::{Derivative, Hold, RobotScenario, RobotStudy, RobotStudyLog, Role, toml_key, toml_string};
 use crate::robot::simulate::{Accelerometer, JointDrive, Joints, PositionSensor, Recording};
 use crate::robot::{JointId, Model};
 use rand::Rng;
@@ -84,7 +84,7 @@ pub(super) fn joint_log(
 pub(super) fn robot_study(study: &RobotStudy, robot_file: Option<&str>, logs: &[RobotStudyLog]) -> String {
     let mut text = String::from("schema = 1\n\n[robot]\n");
     let model = robot_file.unwrap_or(&study.model);
-    let _ = writeln!(text, "model = \"{model}\"\nscenario = \"{}\"", study.scenario.word());
+    let _ = writeln!(text, "model = {}\nscenario = \"{}\"", toml_string(model), study.scenario.word());
     if study.scenario == RobotScenario::Floor {
         let _ = writeln!(text, "drop_height = {:?}", study.drop_height_m);
     }
@@ -103,7 +103,7 @@ pub(super) fn robot_study(study: &RobotStudy, robot_file: Option<&str>, logs: &[
     if !control.gains.is_empty() {
         text.push_str("[control.gains]\n");
         for (joint, row) in &control.gains {
-            let _ = writeln!(text, "{joint} = {row:?}");
+            let _ = writeln!(text, "{} = {row:?}", toml_key(joint));
         }
     }
     if study.scenario == RobotScenario::Floor {
@@ -128,7 +128,7 @@ pub(super) fn robot_study(study: &RobotStudy, robot_file: Option<&str>, logs: &[
     for log in logs {
         entry(&mut text, log);
         if let Some(release) = &log.release {
-            let _ = writeln!(text, "released = \"{}\"\nrelease_time = {:?}", release.joint, release.time_s);
+            let _ = writeln!(text, "released = {}\nrelease_time = {:?}", toml_string(&release.joint), release.time_s);
         }
         if let Some(f) = &log.forward {
             let _ = writeln!(
@@ -145,7 +145,7 @@ pub(super) fn robot_study(study: &RobotStudy, robot_file: Option<&str>, logs: &[
 /// The study of a joint.
 pub(super) fn joint_study(believed: &Believed, study: &RobotStudy, logs: &[RobotStudyLog]) -> String {
     let n = &believed.nominal;
-    let mut text = format!("schema = 1\n\n[joint]\nname = \"{}\"\n", believed.kind);
+    let mut text = format!("schema = 1\n\n[joint]\nname = {}\n", toml_string(&believed.kind));
     let _ = writeln!(text, "inertia = {:?}\nmoment = {:?}", n.inertia_kg_m2, n.moment_kg_m);
     let _ = writeln!(text, "coulomb = {:?}\nviscous = {:?}", n.coulomb_nm, n.viscous_nm_s_rad);
     let _ = writeln!(text, "gravity = {:?}\nrest = {:?}", believed.gravity_m_s2, believed.rest_rad);
@@ -166,11 +166,59 @@ fn sensor(text: &mut String, study: &RobotStudy) {
 
 fn entry(text: &mut String, log: &RobotStudyLog) {
     let role = if log.role == Role::Fit { "fit" } else { "validate" };
-    let _ = writeln!(text, "\n[[log]]\nfile = \"{}\"\nrole = \"{role}\"", log.file);
+    let _ = writeln!(text, "\n[[log]]\nfile = {}\nrole = \"{role}\"", toml_string(&log.file));
 }
 
 fn extra(text: &mut String, log: &RobotStudyLog) {
     let Some(e) = &log.extra else { return };
     let _ = writeln!(text, "[log.extra]\nmass = {:?}\ndistance = {:?}", e.mass_kg, e.distance_m);
     let _ = writeln!(text, "radius = {:?}\nlength = {:?}", e.radius_m, e.length_m);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::{ControlSpec, FloorSpec, LegFrictionSpec, Nominal, RobotRelease, RobotSensorSpec};
+
+    #[test]
+    fn a_name_with_quotes_and_backslashes_is_read_back() {
+        let log = RobotStudyLog {
+            file: r#"swing "one"\two.csv"#.into(),
+            path: "swing.csv".into(),
+            role: Role::Fit,
+            release: Some(RobotRelease { joint: r#"l"f\2"#.into(), time_s: 0.5 }),
+            extra: None,
+            forward: None,
+        };
+        let mut text = String::new();
+        entry(&mut text, &log);
+        let read: toml::Table = toml::from_str(&text).expect("TOML");
+        assert_eq!(read["log"][0]["file"].as_str(), Some(log.file.as_str()));
+        let nominal = Nominal { inertia_kg_m2: 1e-3, moment_kg_m: 5e-3, coulomb_nm: 0.0, viscous_nm_s_rad: 0.0 };
+        let believed = Believed { nominal, gravity_m_s2: 9.81, rest_rad: 0.0, kind: r#"q"2\"#.into() };
+        let study = RobotStudy {
+            file: "study.toml".into(),
+            model: "ers7".into(),
+            model_path: None,
+            scenario: RobotScenario::Drop,
+            drop_height_m: 0.0,
+            friction: LegFrictionSpec::default(),
+            control: ControlSpec {
+                gains: [(r#"l"f\2"#.to_owned(), [1.0, 0.0, 0.1])].into(),
+                hold: Hold::Step,
+                sample_period_s: None,
+                derivative: Derivative::Error,
+            },
+            floor: FloorSpec::default(),
+            sensor: RobotSensorSpec::default(),
+            logs: Vec::new(),
+        };
+        let text = joint_study(&believed, &study, &[]);
+        assert_eq!(toml::from_str::<toml::Table>(&text).expect("TOML")["joint"]["name"].as_str(), Some(r#"q"2\"#));
+        let text = robot_study(&study, Some(r#"my "robot".toml"#), std::slice::from_ref(&log));
+        let read: toml::Table = toml::from_str(&text).expect("TOML");
+        assert_eq!(read["robot"]["model"].as_str(), Some(r#"my "robot".toml"#));
+        assert_eq!(read["log"][0]["released"].as_str(), Some(r#"l"f\2"#));
+        assert!(read["control"]["gains"].as_table().expect("gains").contains_key(r#"l"f\2"#), "{text}");
+    }
 }

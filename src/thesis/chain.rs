@@ -5,8 +5,8 @@
 
 use super::swings::{JointSwings, Load};
 use super::{Of, Printed, Row, TablesError};
-use crate::geometry::{LegJoint, straight_leg};
-use crate::identify::{Experiment, ExtensiveModel, Fitted, JointModel, Status};
+use crate::geometry::{LegJoint, LinkBody, straight_leg};
+use crate::identify::{Experiment, ExtensiveModel, Fitted, JointModel, Named, Status};
 use rayon::prelude::*;
 
 /// Tables 3.2 and 3.3 of one joint.
@@ -14,7 +14,9 @@ use rayon::prelude::*;
 pub struct Weighed {
     /// The joint.
     pub joint: LegJoint,
-    /// Table 3.2: the mass that is weighed about this joint.
+    /// The body that is weighed about this joint.
+    pub body: LinkBody,
+    /// Table 3.2: its mass.
     pub mass: Row,
     /// Table 3.3: Coulomb and viscous friction.
     pub friction: Vec<Row>,
@@ -45,8 +47,8 @@ const STRUCTURED: f64 = 1.1;
 /// parameter to count as identifiable.
 const WIDEST: f64 = 0.25;
 
-/// Masses that are held, by parameter name \[kg\].
-type Held = Vec<(String, f64)>;
+/// Parameters that are held: masses \[kg\], the encoder's zero \[rad\].
+type Held = Vec<(Named, f64)>;
 
 /// Tables 3.2 and 3.3 of all joints, in the order q1, q2, q3.
 pub(super) fn weigh(swings: &[JointSwings], progress: &(dyn Fn(&str) + Sync)) -> Result<Vec<Weighed>, TablesError> {
@@ -71,27 +73,29 @@ pub(super) fn weigh(swings: &[JointSwings], progress: &(dyn Fn(&str) + Sync)) ->
             },
         );
         let (tests, all, ends) = (tests?, all?, ends?);
-        let name = mass_name(joint)?;
+        let body = weighed_body(joint)?;
+        let mass_of = Named::Mass(body);
         let one = Joined { swings: joint, tests: &tests, all: &all, ends: &ends };
-        let mass = one.mass(&name);
+        let mass = one.mass(body);
         for (held, end) in at_the_ends.iter_mut().zip(&ends) {
-            held.push((name.clone(), value(end, &name)));
+            held.push((mass_of, value(end, mass_of)));
         }
-        by_tests.push((name.clone(), mass.average().unwrap_or_else(|| value(&all, &name))));
+        by_tests.push((mass_of, mass.average().unwrap_or_else(|| value(&all, mass_of))));
         let mut end = by_all.clone();
-        by_all.push((name.clone(), value(&all, &name)));
+        by_all.push((mass_of, value(&all, mass_of)));
         if let Some([_, high]) = mass.interval {
-            end.push((name.clone(), high));
+            end.push((mass_of, high));
             at_the_ends.push(end);
         }
         let ((by_load, chosen), straight) = rayon::join(
-            || rayon::join(|| by_load(joint, &name, &by_all), || chosen(joint, &by_all)),
-            || straight(joint, &name, &by_all, &all),
+            || rayon::join(|| by_load(joint, body, &by_all), || chosen(joint, &by_all)),
+            || straight(joint, body, &by_all, &all),
         );
         let experiments = joint.moving();
         weighed.push(Weighed {
             joint: joint.joint,
             friction: one.friction(),
+            body,
             mass,
             by_load: by_load?,
             chosen: chosen?,
@@ -108,7 +112,7 @@ pub(super) fn weigh(swings: &[JointSwings], progress: &(dyn Fn(&str) + Sync)) ->
 /// Each of the tests that the thesis took, alone, with the encoder's zero as the geometry has it.
 fn single_tests(swings: &JointSwings, held: &Held) -> Result<Vec<Fitted<ExtensiveModel>>, TablesError> {
     let Some(load) = swings.thesis_choice() else { return Ok(Vec::new()) };
-    let held: Held = held.iter().cloned().chain([("zero".to_owned(), 0.0)]).collect();
+    let held: Held = held.iter().copied().chain([(Named::Zero, 0.0)]).collect();
     load.moving.par_iter().map(|test| swings.extensive(std::slice::from_ref(test), &held)).collect()
 }
 
@@ -121,11 +125,11 @@ struct Joined<'a> {
 }
 
 impl Joined<'_> {
-    fn mass(&self, name: &str) -> Row {
-        let body = body_of(name);
-        let row = Row::new(Of::Body(body.clone()), "mass", "all", "kg", Printed::embedded().mass_kg(&body));
-        let row = self.row(row, name);
-        let bench = self.all.model.parameters().iter().find(|p| p.name == name).map_or(0.0, |p| p.known_to);
+    fn mass(&self, body: LinkBody) -> Row {
+        let (name, mass) = (body.to_string(), Named::Mass(body));
+        let row = Row::new(Of::Body(name.clone()), "mass", "all", "kg", Printed::embedded().mass_kg(&name));
+        let row = self.row(row, mass);
+        let bench = self.all.model.parameters().iter().find(|p| p.named() == Some(mass)).map_or(0.0, |p| p.known_to);
         let half = row.relative_half_width().unwrap_or(f64::INFINITY);
         let with_bench = half.hypot(bench);
         if row.ours.is_some() && with_bench > WIDEST {
@@ -140,26 +144,29 @@ impl Joined<'_> {
         let printed = Printed::embedded().estimated(self.swings.joint);
         let of = || Of::Joint(self.swings.joint.to_string());
         vec![
-            self.row(Row::new(of(), "coulomb", "all", "N m", printed.map(|p| p.coulomb_nm)), "coulomb"),
-            self.row(Row::new(of(), "viscous", "all", "N m s/rad", printed.map(|p| p.viscous_nm_s_rad)), "viscous"),
+            self.row(Row::new(of(), "coulomb", "all", "N m", printed.map(|p| p.coulomb_nm)), Named::Coulomb),
+            self.row(
+                Row::new(of(), "viscous", "all", "N m s/rad", printed.map(|p| p.viscous_nm_s_rad)),
+                Named::Viscous,
+            ),
         ]
     }
 
     /// The estimate of all swings, its interval widened by what the held masses leave open.
-    fn row(&self, row: Row, name: &str) -> Row {
+    fn row(&self, row: Row, named: Named) -> Row {
         let determined =
-            |fit: &&Fitted<ExtensiveModel>| fit.estimate(name).is_some_and(|e| e.status == Status::Determined);
-        let tests = self.tests.iter().filter(determined).map(|fit| value(fit, name)).collect();
-        let row = Row { tests, ..with_estimate(row, self.all, name) };
+            |fit: &&Fitted<ExtensiveModel>| fit.estimate(named).is_some_and(|e| e.status == Status::Determined);
+        let tests = self.tests.iter().filter(determined).map(|fit| value(fit, named)).collect();
+        let row = Row { tests, ..with_estimate(row, self.all, named) };
         let (Some(ours), Some([low, high])) = (row.ours, row.interval) else { return row };
-        let shift: f64 = self.ends.iter().map(|end| (value(end, name) - ours).powi(2)).sum();
+        let shift: f64 = self.ends.iter().map(|end| (value(end, named) - ours).powi(2)).sum();
         let widened = [ours - (ours - low).hypot(shift.sqrt()), ours + (high - ours).hypot(shift.sqrt())];
         Row { interval: Some(widened), ..row }
     }
 }
 
-fn with_estimate(row: Row, fit: &Fitted<ExtensiveModel>, name: &str) -> Row {
-    let Some(e) = fit.estimate(name) else { return row };
+fn with_estimate(row: Row, fit: &Fitted<ExtensiveModel>, named: Named) -> Row {
+    let Some(e) = fit.estimate(named) else { return row };
     match (e.status, e.interval) {
         (Status::Determined, Some(interval)) => row.estimated(e.value, interval),
         (Status::Held, _) => Row { ours: Some(e.value), remark: "held".into(), ..row },
@@ -167,24 +174,19 @@ fn with_estimate(row: Row, fit: &Fitted<ExtensiveModel>, name: &str) -> Row {
     }
 }
 
-fn value(fit: &Fitted<ExtensiveModel>, name: &str) -> f64 {
-    fit.estimate(name).map_or(f64::NAN, |e| e.value)
+fn value(fit: &Fitted<ExtensiveModel>, named: Named) -> f64 {
+    fit.estimate(named).map_or(f64::NAN, |e| e.value)
 }
 
-/// The mass that is weighed about a joint: the first of its bodies (3.3.1).
-fn mass_name(swings: &JointSwings) -> Result<String, TablesError> {
-    let masses = swings.leg()?.masses()?;
-    Ok(masses.into_iter().find(|m| m.free).map_or_else(String::new, |m| m.name))
-}
-
-/// `mass_lower_leg`: `lower leg`.
-fn body_of(mass_name: &str) -> String {
-    mass_name.trim_start_matches("mass_").replace('_', " ")
+/// The body that is weighed about a joint: the first of those that swing (3.3.1).
+fn weighed_body(swings: &JointSwings) -> Result<LinkBody, TablesError> {
+    let first = swings.leg()?.masses()?.into_iter().find(|m| m.free);
+    first.map(|m| m.body).ok_or(TablesError::NoPose { joint: swings.joint })
 }
 
 /// Mass and friction with one load at a time; the other masses are held.
-fn by_load(swings: &JointSwings, mass: &str, held: &Held) -> Result<Vec<Row>, TablesError> {
-    let others: Held = held.iter().filter(|(name, _)| name != mass).cloned().collect();
+fn by_load(swings: &JointSwings, weighed: LinkBody, held: &Held) -> Result<Vec<Row>, TablesError> {
+    let others: Held = held.iter().filter(|(named, _)| *named != Named::Mass(weighed)).copied().collect();
     let loads: Vec<&Load> = swings.loads.iter().filter(|load| !load.moving.is_empty()).collect();
     let fits = loads
         .par_iter()
@@ -192,16 +194,16 @@ fn by_load(swings: &JointSwings, mass: &str, held: &Held) -> Result<Vec<Row>, Ta
         .collect::<Result<Vec<_>, TablesError>>()?;
     let printed = Printed::embedded();
     let friction = printed.estimated(swings.joint);
-    let body = body_of(mass);
+    let body = weighed.to_string();
     let rows = loads.iter().zip(&fits).flat_map(|(load, fit)| {
         let joint = || Of::Joint(swings.joint.to_string());
-        let row = |of, quantity, unit, thesis, name: &str| {
-            with_estimate(Row::new(of, quantity, &load.name, unit, thesis), fit, name)
+        let row = |of, quantity, unit, thesis, named: Named| {
+            with_estimate(Row::new(of, quantity, &load.name, unit, thesis), fit, named)
         };
         [
-            row(Of::Body(body.clone()), "mass", "kg", printed.mass_kg(&body), mass),
-            row(joint(), "coulomb", "N m", friction.map(|f| f.coulomb_nm), "coulomb"),
-            row(joint(), "viscous", "N m s/rad", friction.map(|f| f.viscous_nm_s_rad), "viscous"),
+            row(Of::Body(body.clone()), "mass", "kg", printed.mass_kg(&body), Named::Mass(weighed)),
+            row(joint(), "coulomb", "N m", friction.map(|f| f.coulomb_nm), Named::Coulomb),
+            row(joint(), "viscous", "N m s/rad", friction.map(|f| f.viscous_nm_s_rad), Named::Viscous),
         ]
     });
     Ok(rows.collect())
@@ -214,10 +216,12 @@ fn chosen(swings: &JointSwings, held: &Held) -> Result<Vec<Row>, TablesError> {
     let printed = Printed::embedded().chosen(swings.joint);
     let of = || Of::Joint(swings.joint.to_string());
     let rows = [
-        ("coulomb", "N m", printed.map(|p| p.coulomb_nm)),
-        ("viscous", "N m s/rad", printed.map(|p| p.viscous_nm_s_rad)),
+        (Named::Coulomb, "N m", printed.map(|p| p.coulomb_nm)),
+        (Named::Viscous, "N m s/rad", printed.map(|p| p.viscous_nm_s_rad)),
     ];
-    let row = |(name, unit, thesis)| with_estimate(Row::new(of(), name, &load.name, unit, thesis), &fit, name);
+    let row = |(named, unit, thesis): (Named, _, _)| {
+        with_estimate(Row::new(of(), named.name(), &load.name, unit, thesis), &fit, named)
+    };
     Ok(rows.into_iter().map(row).collect())
 }
 
@@ -225,7 +229,7 @@ fn chosen(swings: &JointSwings, held: &Held) -> Result<Vec<Row>, TablesError> {
 /// difference to the exact leg stands where the tables have the thesis.
 fn straight(
     swings: &JointSwings,
-    mass: &str,
+    weighed: LinkBody,
     held: &Held,
     exact: &Fitted<ExtensiveModel>,
 ) -> Result<Vec<Row>, TablesError> {
@@ -245,16 +249,20 @@ fn straight(
         e
     };
     let experiments: Vec<Experiment> = swings.moving().into_iter().map(straighten).collect();
-    let others: Held = held.iter().filter(|(name, _)| name != mass).cloned().collect();
+    let others: Held = held.iter().filter(|(named, _)| *named != Named::Mass(weighed)).copied().collect();
     let fit = swings.extensive(&experiments, &others)?;
     let of = |quantity: &str| match quantity {
-        "mass" => Of::Body(body_of(mass)),
+        "mass" => Of::Body(weighed.to_string()),
         _ => Of::Joint(swings.joint.to_string()),
     };
-    let rows = [("mass", "kg", mass), ("coulomb", "N m", "coulomb"), ("viscous", "N m s/rad", "viscous")];
-    let row = |(quantity, unit, name): (&str, &str, &str)| {
-        let beside = exact.estimate(name).filter(|e| e.status == Status::Determined).map(|e| e.value);
-        with_estimate(Row::new(of(quantity), quantity, "all", unit, beside), &fit, name)
+    let rows = [
+        ("mass", "kg", Named::Mass(weighed)),
+        ("coulomb", "N m", Named::Coulomb),
+        ("viscous", "N m s/rad", Named::Viscous),
+    ];
+    let row = |(quantity, unit, named): (&str, &str, Named)| {
+        let beside = exact.estimate(named).filter(|e| e.status == Status::Determined).map(|e| e.value);
+        with_estimate(Row::new(of(quantity), quantity, "all", unit, beside), &fit, named)
     };
     Ok(rows.into_iter().map(row).collect())
 }

@@ -3,6 +3,7 @@
 use super::swings::JointSwings;
 use super::{Row, TablesError};
 use crate::geometry::LinkBody;
+use crate::identify::Named;
 use crate::robot::Model;
 use crate::robot::bench::{BenchDrop, Held, bench_drop};
 use crate::robot::simulate::Method;
@@ -39,25 +40,19 @@ pub struct Compared {
 /// angle at which it was held.
 pub(super) fn drop(
     swings: &JointSwings,
-    masses: &[(String, f64)],
+    masses_kg: Vec<(LinkBody, f64)>,
     friction: &[Row],
 ) -> Result<Option<Drop>, TablesError> {
     let Some(e) = swings.thesis_choice().and_then(|load| load.moving.first()) else { return Ok(None) };
     let Some([_, release_s]) = e.release_window_s else { return Ok(None) };
-    let chosen = |name: &str| friction.iter().find(|row| row.quantity == name).and_then(|row| row.ours);
-    let body = |name: &str| match name {
-        "mass_shoulder" => Some(LinkBody::Shoulder),
-        "mass_upper_leg" => Some(LinkBody::UpperLeg),
-        "mass_lower_leg" => Some(LinkBody::LowerLeg),
-        _ => None,
-    };
+    let chosen = |named: Named| friction.iter().find(|row| row.quantity == named.name()).and_then(|row| row.ours);
     let extra = swings.case.items.iter().find(|item| item.entry.file == e.file).and_then(|item| item.entry.extra);
     let bench = BenchDrop {
         leg: swings.leg()?,
         extra,
-        masses_kg: masses.iter().filter_map(|(name, mass_kg)| Some((body(name)?, *mass_kg))).collect(),
-        coulomb_nm: chosen("coulomb").unwrap_or(0.0),
-        viscous_nm_s_rad: chosen("viscous").unwrap_or(0.0),
+        masses_kg,
+        coulomb_nm: chosen(Named::Coulomb).unwrap_or(0.0),
+        viscous_nm_s_rad: chosen(Named::Viscous).unwrap_or(0.0),
         stribeck: None,
         effects: Vec::new(),
         others: Vec::new(),

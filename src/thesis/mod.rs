@@ -33,7 +33,7 @@ pub use whole::Whole;
 
 use crate::fit::Rejected;
 use crate::geometry::{GeometryError, LegJoint};
-use crate::identify::{CaseError, DirectiveError};
+use crate::identify::{CaseError, DirectiveError, Named};
 use crate::log::LogError;
 use crate::pendulum::Diverged;
 use crate::robot::simulate::SimulateError;
@@ -127,14 +127,13 @@ pub fn tables(folder: &Path, progress: &(dyn Fn(&str) + Sync)) -> Result<Tables,
     let of_joint = |joint| swings.iter().zip(&all).find(|(swings, _)| swings.joint == joint);
     let (mut drop, mut knee, mut shoulder) = (None, None, None);
     if let Some((q1, weighed)) = of_joint(LegJoint::Q1) {
-        let known = |row: &Row| Some((format!("mass_{}", row.of.name().replace(' ', "_")), row.ours?));
-        let rows = weighed_masses(&all).into_iter().filter(|row| row.identifiable);
-        let masses: Vec<(String, f64)> = rows.filter_map(known).collect();
-        drop = drop::drop(q1, &masses, &weighed.chosen)?;
+        let identifiable = all.iter().filter(|weighed| weighed.mass.identifiable);
+        let masses_kg = identifiable.filter_map(|weighed| Some((weighed.body, weighed.mass.ours?))).collect();
+        drop = drop::drop(q1, masses_kg, &weighed.chosen)?;
         shoulder = shoulder::shoulder(q1)?;
     }
     if let Some((q3, weighed)) = of_joint(LegJoint::Q3) {
-        let coulomb = weighed.friction.iter().find(|row| row.quantity == "coulomb");
+        let coulomb = weighed.friction.iter().find(|row| row.quantity == Named::Coulomb.name());
         knee = knee::knee(q3, coulomb.and_then(|row| Some((row.ours?, row.interval?))))?;
     }
     let friction: Vec<&Row> = all.iter().flat_map(|weighed| &weighed.chosen).collect();

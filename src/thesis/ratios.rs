@@ -2,7 +2,7 @@
 
 use super::swings::{JointSwings, Load};
 use super::{Of, Printed, Row, TablesError};
-use crate::identify::{Estimate, Fitted, SimpleModel, Status};
+use crate::identify::{Estimate, Fitted, Named, SimpleModel, Status};
 use crate::pendulum::{RatioTest, SimpleEstimate};
 use rayon::prelude::*;
 
@@ -37,12 +37,12 @@ pub(super) fn table(swings: &JointSwings) -> Result<RatioTable, TablesError> {
     let rows = |fits: &[Fitted<SimpleModel>]| {
         let mut rows = Vec::new();
         for (k, (load, fit)) in tests.iter().zip(fits).enumerate() {
-            for (name, unit, thesis) in [
-                ("b_over_ml2", "1/s", printed.map(|row| row.b_over_ml2_1_s[k])),
-                ("g_over_l", "1/s^2", printed.map(|row| row.g_over_l_1_s2[k])),
+            for (named, unit, thesis) in [
+                (Named::BOverMl2, "1/s", printed.map(|row| row.b_over_ml2_1_s[k])),
+                (Named::GOverL, "1/s^2", printed.map(|row| row.g_over_l_1_s2[k])),
             ] {
-                let row = Row::new(of(), name, &load.name, unit, thesis);
-                rows.push(fit.estimate(name).map_or(row.clone(), |e| with_estimate(row, e)));
+                let row = Row::new(of(), named.name(), &load.name, unit, thesis);
+                rows.push(fit.estimate(named).map_or(row.clone(), |e| with_estimate(row, e)));
             }
         }
         let [mass, friction] = solved(&tests, fits, gravity_m_s2);
@@ -77,7 +77,7 @@ type Found = Option<(f64, [f64; 2])>;
 /// Mass and friction from two fits, with 95 % intervals by the delta method; `None` where a ratio is not determined.
 fn solved(tests: &[&Load], fits: &[Fitted<SimpleModel>], gravity_m_s2: f64) -> [Found; 2] {
     let ratios = |k: usize| -> Option<[f64; 4]> {
-        let (v, s) = (fits.get(k)?.estimate("b_over_ml2")?, fits[k].estimate("g_over_l")?);
+        let (v, s) = (fits.get(k)?.estimate(Named::BOverMl2)?, fits[k].estimate(Named::GOverL)?);
         let half = |e: &Estimate| match e.status {
             Status::Determined => e.interval.map(|[low, high]| 0.5 * (high - low)),
             Status::Held => Some(0.0),

@@ -10,7 +10,7 @@ use super::TablesError;
 use super::swings::JointSwings;
 use crate::fit::{Normal, Residuals};
 use crate::geometry::{Ers7Tables, LegJoint, LegPose, LinkBody, joint_name, lump};
-use crate::identify::{Experiment, ExtensiveModel, JointModel, LegCase, Problem, Scale, Signal};
+use crate::identify::{Experiment, ExtensiveModel, JointModel, LegCase, Named, Problem, Scale, Signal};
 use crate::pendulum::Start;
 
 /// What the shoulder's mass does about q1, and what would show it.
@@ -162,7 +162,9 @@ fn proposal(
     let answering: Vec<usize> = (0..size).filter(|&i| information[(i, i)] > 0.0).collect();
     let reduced =
         nalgebra::DMatrix::from_fn(answering.len(), answering.len(), |i, k| information[(answering[i], answering[k])]);
-    let Some(place) = problem.free().iter().position(|p| p.name.starts_with("mass_")) else { return Ok(none) };
+    let Some(place) = problem.free().iter().position(|p| matches!(p.named(), Some(Named::Mass(_)))) else {
+        return Ok(none);
+    };
     let Some(at) = answering.iter().position(|&i| i == place) else { return Ok(none) };
     let Some(covariance) = reduced.try_inverse() else { return Ok(none) };
     let by_noise = 1.96 * NOISE_RAD * (PERIOD_S * covariance[(at, at)]).max(0.0).sqrt();

@@ -4,7 +4,7 @@ use super::TablesError;
 use crate::fit::{Budget, Method};
 use crate::geometry::LegJoint;
 use crate::identify::{
-    Case, Directives, Experiment, ExtensiveModel, Fitted, JointModel, LegCase, Scale, SimpleModel, conclude,
+    Case, Directives, Experiment, ExtensiveModel, Fitted, JointModel, LegCase, Named, Scale, SimpleModel, conclude,
 };
 use crate::log::{LogError, read_sidecar_for};
 use std::path::{Path, PathBuf};
@@ -116,7 +116,7 @@ impl JointSwings {
         let scale = Scale::of(experiments, self.case.joint.nominal.as_ref(), None);
         let mut model = SimpleModel::new(&scale, false);
         if let Some(set) = g_over_l_1_s2 {
-            let fix = vec![("g_over_l".to_owned(), Some(set))];
+            let fix = vec![(Named::GOverL.into(), Some(set))];
             Directives { fix, ..Directives::default() }.apply(model.parameters_mut())?;
         }
         Ok(conclude(&model, experiments, Method::Lm, Budget::default())?)
@@ -126,13 +126,13 @@ impl JointSwings {
     pub(super) fn extensive(
         &self,
         experiments: &[Experiment],
-        held: &[(String, f64)],
+        held: &[(Named, f64)],
     ) -> Result<Fitted<ExtensiveModel>, TablesError> {
         let leg = self.leg()?;
         let nominal = self.case.joint.nominal.as_ref();
         let scale = Scale::of(experiments, nominal, None);
         let mut model = ExtensiveModel::bodies(&scale, experiments, &leg.masses()?, leg.pose_known, nominal, false);
-        let fix = held.iter().map(|(name, value)| (name.clone(), Some(*value))).collect();
+        let fix = held.iter().map(|(named, value)| ((*named).into(), Some(*value))).collect();
         Directives { fix, ..Directives::default() }.apply(model.parameters_mut())?;
         Ok(conclude(&model, experiments, Method::Lm, Budget::default())?)
     }

@@ -1,6 +1,6 @@
 //! The end of a run, of joints or of robots: the answers are opened, scored and written down.
 
-use super::{BlindArgs, SEAL_FILE, encode};
+use super::{BlindArgs, SEAL_FILE, diagnosis_file, encode};
 use crate::blind::{RunRecord, Sealed, TRUTHS_FILE, Trial, TrialRecord};
 use crate::cli::CliError;
 use crate::cli::common::json_text;
@@ -16,6 +16,8 @@ pub(super) struct Run<'a> {
     pub args: &'a BlindArgs,
     pub seed: u64,
     pub folder: &'a Path,
+    /// Files of the studies.
+    pub made: &'a [PathBuf],
     pub sealed: &'a Sealed,
 }
 
@@ -64,13 +66,16 @@ impl Run<'_> {
             outputs.add(self.folder.join(figure.file_name), figure.svg);
         }
         outputs.add(self.folder.join("score.json"), json_text(&record)?);
+        let diagnoses = (0..u64::from(self.args.trials)).map(|trial| diagnosis_file(self.folder, trial));
+        let seal = std::iter::once(self.folder.join(SEAL_FILE));
+        outputs.add_written(self.made.iter().cloned().chain(diagnoses).chain(seal));
         let page = self.folder.join("report.html");
-        outputs.add(&page, drawn.page);
+        outputs.add_page(&page, drawn.page);
         self.args.common.add_json(&mut outputs, &record)?;
         if let Some(path) = &self.args.rates {
             let answers = record.trials.iter().filter_map(|trial| Some(counted(trial.answer?, &trial.judgement)));
             let rates = Rates::count(report.provenance.command.clone(), answers);
-            outputs.add(path, toml::to_string(&rates).map_err(|error| CliError::Encode(error.to_string()))?);
+            outputs.add_apart(path, toml::to_string(&rates).map_err(|error| CliError::Encode(error.to_string()))?);
         }
         outputs.write()?;
         Ok(page)

@@ -242,11 +242,11 @@ pub(super) fn run(args: &WalkArgs) -> Result<u8, CliError> {
         outputs.add(folder.join(figure.file_name), figure.svg);
     }
     let page = folder.join("report.html");
-    outputs.add(&page, walk_html(&report)?);
+    outputs.add_page(&page, walk_html(&report)?);
     film.add(&mut outputs, &folder)?;
     outputs.add(folder.join("log.csv"), log_csv(model, joints, &recording, sensor, args.seed));
     if let Some(path) = &args.export_motion {
-        outputs.add(path, plan.motion.to_text(model));
+        outputs.add_apart(path, plan.motion.to_text(model));
     }
     args.common.add_json(&mut outputs, &report)?;
     write_outputs(outputs, &inputs)?;

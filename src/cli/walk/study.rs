@@ -54,7 +54,7 @@ pub(super) fn write<R: Serialize>(
         outputs.add(folder.join(&figure.file_name), figure.svg.clone());
     }
     let page = folder.join("report.html");
-    outputs.add(&page, study_html(report)?);
+    outputs.add_page(&page, study_html(report)?);
     common.add_json(&mut outputs, report)?;
     write_outputs(outputs, inputs)?;
     if !common.quiet {

@@ -75,7 +75,7 @@ impl<'a> Bench<'a> {
         let groups = groups(case, &layout.moving());
         let reach = (0..case.names.len()).map(|joint| reach_of(case, &given_logs, joint)).collect();
         let sigma_rad = sigma_rad(case, &layout, &measured, &given);
-        let blank = || Noise::new(Vec::new(), Vec::new());
+        let blank = || Noise::new(Vec::new(), Vec::new()).expect("nothing is finite");
         let floor = floor_of(case);
         let mut bench = Self {
             case,
@@ -112,7 +112,7 @@ impl<'a> Bench<'a> {
                 weight[k] = if bench.layout.compared[k] { 1.0 / (own + extra[k]) } else { 0.0 };
             }
         }
-        bench.noise_of_all = Noise::new(weight, columns);
+        bench.noise_of_all = Noise::new(weight, columns).ok_or(RanAway)?;
         bench.noise = bench.noise_of_all.only(|k| !bench.layout.held[k]);
         Ok(bench)
     }

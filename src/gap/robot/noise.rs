@@ -19,8 +19,8 @@ pub(super) struct Weighed {
 }
 
 impl Noise {
-    /// Of each sample's weight and the columns of `U`.
-    pub fn new(weight: Vec<f64>, columns: Vec<Vec<f64>>) -> Self {
+    /// Of each sample's weight and the columns of `U`; `None` where their products are not finite.
+    pub fn new(weight: Vec<f64>, columns: Vec<Vec<f64>>) -> Option<Self> {
         let n = columns.len();
         let mut inner = DMatrix::identity(n, n);
         for a in 0..n {
@@ -32,15 +32,13 @@ impl Noise {
                 }
             }
         }
-        let identity = || Cholesky::new(DMatrix::identity(n, n)).expect("the identity is positive definite");
-        let inner = Cholesky::new(inner).unwrap_or_else(identity);
-        Self { weight, columns, inner }
+        Some(Self { weight, columns, inner: root(inner)? })
     }
 
     /// The same where fewer samples count.
     pub fn only(&self, counts: impl Fn(usize) -> bool) -> Self {
         let weight = self.weight.iter().enumerate().map(|(k, w)| if counts(k) { *w } else { 0.0 }).collect();
-        Self::new(weight, self.columns.clone())
+        Self::new(weight, self.columns.clone()).expect("fewer samples of finite columns are finite")
     }
 
     fn along(&self, column: &[f64]) -> DVector<f64> {
@@ -49,7 +47,7 @@ impl Noise {
 
     pub fn weigh(&self, column: Vec<f64>) -> Weighed {
         let along = self.along(&column);
-        let low = self.inner.l().solve_lower_triangular(&along).unwrap_or(along);
+        let low = self.inner.l().solve_lower_triangular(&along).expect("no zero on the diagonal of a Cholesky factor");
         Weighed { column, low }
     }
 
@@ -84,6 +82,29 @@ impl Noise {
     }
 }
 
+/// The Cholesky factor of `I + U' D^-1 U`, whose eigenvalues are 1 or more.
+///
+/// Where columns are so large and so alike that rounding swallows the 1, the diagonal grows by as much as rounding may
+/// have taken. `None` where the matrix is not finite.
+fn root(mut inner: DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
+    if inner.iter().any(|entry| !entry.is_finite()) {
+        return None;
+    }
+    let mut ridge = f64::EPSILON * inner.nrows() as f64 * inner.diagonal().max().max(1.0);
+    loop {
+        if let Some(root) = Cholesky::new(inner.clone()) {
+            return Some(root);
+        }
+        for k in 0..inner.nrows() {
+            inner[(k, k)] += ridge;
+        }
+        ridge *= 10.0;
+        if !ridge.is_finite() {
+            return None;
+        }
+    }
+}
+
 fn weighted(weight: &[f64], a: &[f64], b: &[f64]) -> f64 {
     weight.iter().zip(a).zip(b).map(|((w, a), b)| w * a * b).sum()
 }
@@ -102,7 +123,7 @@ mod tests {
             covariance += &column * column.transpose();
         }
         let inverse = covariance.try_inverse().unwrap();
-        let noise = Noise::new(weight, u);
+        let noise = Noise::new(weight, u).unwrap();
         let (a, b) = (vec![1.0, -2.0, 0.3], vec![0.2, 0.1, 4.0]);
         let expected = (DVector::from_column_slice(&a).transpose() * inverse * DVector::from_column_slice(&b))[0];
         assert_relative_eq!(noise.dot(&noise.weigh(a), &noise.weigh(b)), expected, max_relative = 1e-12);
@@ -110,8 +131,24 @@ mod tests {
 
     #[test]
     fn what_is_uncertain_is_taken_out_as_far_as_the_samples_that_count_tell() {
-        let noise = Noise::new(vec![1e6, 1e6, 0.0], vec![vec![1.0, 1.0, 1.0]]);
+        let noise = Noise::new(vec![1e6, 1e6, 0.0], vec![vec![1.0, 1.0, 1.0]]).unwrap();
         let left = noise.adapted(&[0.5, 0.5, 0.7]);
         assert!(left[0].abs() < 1e-5 && (left[2] - 0.2).abs() < 1e-5, "{left:?}");
+    }
+
+    #[test]
+    fn columns_that_are_huge_and_alike_are_still_taken_out() {
+        let column = vec![1e9, 1e9, -1e9];
+        let noise = Noise::new(vec![1e6; 3], vec![column.clone(), column.clone(), column]).unwrap();
+        let residual = noise.weigh(vec![0.5, 0.5, -0.5]);
+        // 1e6 (3 0.5^2) without the columns.
+        assert!(noise.dot(&residual, &residual).abs() < 1.0, "{}", noise.dot(&residual, &residual));
+        assert!(noise.adapted(&[0.5, 0.5, -0.5]).iter().all(|left| left.abs() < 1e-6));
+    }
+
+    #[test]
+    fn columns_that_are_not_finite_are_no_noise() {
+        assert!(Noise::new(vec![1.0], vec![vec![f64::NAN]]).is_none());
+        assert!(Noise::new(vec![1.0], vec![vec![1e200]]).is_none());
     }
 }

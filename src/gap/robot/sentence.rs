@@ -4,6 +4,7 @@ use super::cause::Cause;
 use super::diagnosis::{Found, RobotGap};
 use crate::gap::Verdict;
 use crate::gap::sentence::words as effect_words;
+use crate::number::quantity;
 
 /// Words for a cause.
 pub(super) fn words(cause: Cause) -> &'static str {
@@ -29,23 +30,11 @@ fn place(found: &Found) -> String {
 }
 
 fn sized(found: &Found) -> String {
-    let number = found.parameters.first().map_or(String::new(), |n| {
-        let unit = if n.unit.is_empty() { String::new() } else { format!(" {}", n.unit) };
-        format!(" ({} = {}{unit})", n.name, short(n.value))
-    });
+    let number = found
+        .parameters
+        .first()
+        .map_or(String::new(), |n| format!(" ({} = {})", n.name, quantity(n.value, None, &n.unit)));
     format!("{}{}{number}", words(found.cause), place(found))
-}
-
-/// Three digits, with a power of ten where they would be lost.
-fn short(value: f64) -> String {
-    match value.abs() {
-        size if (100.0..10_000.0).contains(&size) => format!("{value:.0}"),
-        size if (10.0..100.0).contains(&size) => format!("{value:.1}"),
-        size if (1.0..10.0).contains(&size) => format!("{value:.2}"),
-        size if (0.1..1.0).contains(&size) => format!("{value:.3}"),
-        size if (1e-3..0.1).contains(&size) => format!("{value:.4}"),
-        _ => format!("{value:.2e}"),
-    }
 }
 
 fn mrad(rad: f64) -> String {

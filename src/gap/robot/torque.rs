@@ -100,7 +100,8 @@ impl Motion {
     }
 }
 
-/// Value, slope and curvature at a sample of the parabola that fits a window best.
+/// Value, slope and curvature at a sample of the parabola that fits a window best; zeros where the window has fewer than
+/// the three samples that it takes.
 fn parabola(values: &[f64], window: std::ops::Range<usize>, at: usize, dt_s: f64) -> [f64; 3] {
     use nalgebra::{Matrix3, Vector3};
     let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());

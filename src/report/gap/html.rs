@@ -10,7 +10,7 @@ use crate::gap::{Candidate, Detectable, Diagnosis, LogGap};
 use crate::joint::Stage;
 use crate::report::ReportError;
 use crate::report::html::{figure_views, health_view, open_and_folded, parameter_view, render};
-use crate::report::number::{mrad, percent, significant};
+use crate::report::number::{mrad, share, significant};
 use crate::report::rows::typeset_unit;
 
 /// Puts a diagnosis into one HTML page: verdict, data health, where, which, how far, logs, parameters, what could have
@@ -31,7 +31,7 @@ pub fn render_gap_html(report: &GapReport) -> Result<String, ReportError> {
         joint => diagnosis.joint.as_str(),
         sentence => with_code(&answer.sentence),
         verdict => answer.verdict.name(),
-        probability => percent(answer.probability),
+        probability => share(answer.probability),
         source => with_code(answer.probability_source.trim_end_matches('.')),
         answer => words::answer(diagnosis),
         has_second => answer.second.is_some(),
@@ -58,7 +58,7 @@ pub fn render_gap_html(report: &GapReport) -> Result<String, ReportError> {
         detectable => diagnosis.detectable.iter().map(detectable_view).collect::<Vec<_>>(),
         detectable_words => words::DETECTABLE,
         next => diagnosis.next.as_ref().map(|proposal| {
-            context! { what => with_code(&proposal.what), power => percent(proposal.power), figures => figure_views(next) }
+            context! { what => with_code(&proposal.what), power => share(proposal.power), figures => figure_views(next) }
         }),
         notes => words::notes(report).iter().map(|note| with_code(note)).collect::<Vec<_>>(),
         version => provenance.version.as_str(),
@@ -115,9 +115,9 @@ fn candidate_view(diagnosis: &Diagnosis, candidate: &Candidate) -> Value {
         stage => candidate.effect.stage().name(),
         named => words::is_named(&diagnosis.answer, candidate.effect),
         after => shown(candidate.after),
-        closed => candidate.closed.filter(|_| candidate.refitted).map_or_else(dash, percent),
+        closed => candidate.closed.filter(|_| candidate.refitted).map_or_else(dash, share),
         behind => significant(candidate.behind_sd, 2),
-        probability => percent(candidate.probability),
+        probability => share(candidate.probability),
         parameters => candidate.parameters.iter().map(|p| typeset_unit(&words::parameter(p))).collect::<Vec<_>>(),
     }
 }

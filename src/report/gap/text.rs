@@ -6,7 +6,7 @@ use super::rows::{effect_rows, joint_rows};
 use super::words;
 use super::{GapReport, NEXT_FILE};
 use crate::gap::{Candidate, Diagnosis, Gap, MapCell, Phase};
-use crate::report::number::{UNKNOWN, percent, significant};
+use crate::report::number::{UNKNOWN, share, significant};
 use crate::report::rows::shorten;
 use crate::report::text::{finish, number, one_line, parameter_table, table, wrap};
 
@@ -37,7 +37,7 @@ pub fn gap_text(report: &GapReport) -> String {
 
 /// What is answered, and how sure it is.
 pub(in crate::report) fn opening(sentence: &str, probability: f64, source: &str) -> String {
-    let sure = format!("Probability {}: {}.", percent(probability), source.trim_end_matches('.'));
+    let sure = format!("Probability {}: {}.", share(probability), source.trim_end_matches('.'));
     format!("{}\n{}", paragraph(sentence), paragraph(&sure))
 }
 
@@ -76,19 +76,21 @@ fn location(diagnosis: &Diagnosis) -> String {
     let (files, phases) = words::files_and_phases(&location.cells);
     let names: Vec<&str> = phases.iter().map(|phase| phase.name()).collect();
     let mut table = table(WIDTH, &["share of the gap"], &names);
+    let shown = words::shares_of_cells(&location.cells);
     for name in files {
-        let share = |phase: &Phase| {
-            let cell = location.cells.iter().find(|cell| cell.file == name && cell.phase == *phase);
-            number(cell.map_or_else(|| "-".to_owned(), share))
+        let of_phase = |phase: &Phase| {
+            let mut cells = location.cells.iter().zip(&shown);
+            let cell = cells.find(|(cell, _)| cell.file == name && cell.phase == *phase);
+            number(cell.map_or_else(|| "-".to_owned(), |(cell, shown)| marked(cell, shown)))
         };
-        table.add_row(std::iter::once(file(name)).chain(phases.iter().map(share)));
+        table.add_row(std::iter::once(file(name)).chain(phases.iter().map(of_phase)));
     }
     format!("{words}\n{}\n* more than noise alone would give", finish(&mut table))
 }
 
-fn share(cell: &MapCell) -> String {
+fn marked(cell: &MapCell, shown: &str) -> String {
     let mark = if cell.significant { "*" } else { " " };
-    format!("{}{mark}", percent(cell.share))
+    format!("{shown}{mark}")
 }
 
 /// Every candidate that was refitted, between what was given and the sensor's noise; the others by name.
@@ -111,9 +113,9 @@ fn ranking(diagnosis: &Diagnosis) -> String {
             Cell::new(format!("{}{mark}", candidate.effect)),
             Cell::new(candidate.parameters.iter().map(words::parameter).collect::<Vec<_>>().join("\n")),
             mrad(candidate.after),
-            number(candidate.closed.map_or_else(|| "-".to_owned(), percent)),
+            number(candidate.closed.map_or_else(|| "-".to_owned(), share)),
             number(significant(candidate.behind_sd, 2)),
-            number(percent(candidate.probability)),
+            number(share(candidate.probability)),
         ]);
     }
     plain(&mut table, "(sensor noise)", gap.floor);
@@ -160,7 +162,7 @@ fn detectable(diagnosis: &Diagnosis) -> Option<String> {
 
 fn next(diagnosis: &Diagnosis) -> Option<String> {
     let next = diagnosis.next.as_ref()?;
-    let power = if next.power.is_finite() { percent(next.power) } else { UNKNOWN.to_owned() };
+    let power = if next.power.is_finite() { share(next.power) } else { UNKNOWN.to_owned() };
     let file = if next.motion.is_some() { format!(" The motion is in {NEXT_FILE}.") } else { String::new() };
     Some(wrap(WIDTH, &format!("{} It would decide with probability {power}.{file}", next.what), "Next: ", "  "))
 }

@@ -4,9 +4,8 @@ use super::GapReport;
 use super::rows::{is_side, number_row};
 use crate::gap::{Answer, Detectable, Diagnosis, MapCell, Number, Phase, Variable, Verdict, Where};
 use crate::joint::EffectId;
-use crate::report::number::{percent, significant};
+use crate::report::number::{between, quantity, share, shares, significant, spoken, stands_out};
 use crate::report::rows::ParameterCells;
-use crate::report::{WithUncertainty, format_with_uncertainty};
 
 /// What stands beside intervals that cannot be believed.
 pub(in crate::report) const UNTRUSTED: &str = "Something is left in these logs that the model does not explain: the intervals allow \
@@ -83,6 +82,11 @@ pub(super) fn files_and_phases(cells: &[MapCell]) -> (Vec<&str>, Vec<Phase>) {
     (files, phases)
 }
 
+/// The shares of a map's cells; together they are the gap.
+pub(super) fn shares_of_cells(cells: &[MapCell]) -> Vec<String> {
+    shares(&cells.iter().map(|cell| cell.share).collect::<Vec<f64>>())
+}
+
 /// Names of files without their folders, where these are not needed to tell them apart.
 pub(super) fn names_without_folder(files: &[&str]) -> Vec<String> {
     let bare = |file: &&str| file.rsplit(['/', '\\']).next().unwrap_or_default().to_owned();
@@ -103,7 +107,7 @@ pub(super) fn location(location: &Where) -> String {
     }
     if location.stage.is_some() {
         let when = location.phase.map(|p| format!(", most of it {}", phase(p))).unwrap_or_default();
-        sentences.push(format!("{} of the gap is there{when}.", percent(location.share)));
+        sentences.push(there(location.share, &when));
         if !location.logs.is_empty() {
             let (named, others) = location.logs.split_at(MOST_NAMED.min(location.logs.len()));
             let more = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
@@ -113,27 +117,30 @@ pub(super) fn location(location: &Where) -> String {
     sentences.join(" ")
 }
 
-/// `between 0 and 0.40 rad/s`; a direction in words.
+/// `between 0 and 0.40 rad/s`, `at 0.34 N m`; a direction in words.
 pub(in crate::report) fn range(variable: Variable, [low, high]: [f64; 2]) -> String {
     match (variable, low, high) {
         (Variable::Direction, _, high) if high <= 0.0 => "in the negative direction".to_owned(),
         (Variable::Direction, low, _) if low >= 0.0 => "in the positive direction".to_owned(),
         (Variable::Direction, ..) => "in both directions".to_owned(),
-        _ => format!("between {} and {} {}", significant(low, 2), significant(high, 2), variable.unit()),
+        _ => between([low, high], variable.unit()),
     }
 }
 
-/// A unit beside a number; a dash or a one stands for none.
-fn spoken(unit: &str) -> &str {
-    if matches!(unit, "-" | "1") { "" } else { unit }
+/// How much of the gap is where it was placed; `when` ends the sentence.
+pub(in crate::report) fn there(part: f64, when: &str) -> String {
+    if stands_out(part) {
+        format!("{} of the gap is there{when}.", share(part))
+    } else {
+        "No share of the gap stands out there: it is spread over all that the logs show.".to_owned()
+    }
 }
 
 /// `mu_st 0.0120 [0.0110, 0.0130] N m`
 pub(in crate::report) fn parameter(number: &Number) -> String {
     match number.interval {
         Some(interval) if number.value.is_finite() => {
-            let WithUncertainty { value, low, high } = format_with_uncertainty(number.value, interval);
-            format!("{} {value} [{low}, {high}] {}", number.name, spoken(&number.unit)).trim_end().to_owned()
+            format!("{} {}", number.name, quantity(number.value, Some(interval), &number.unit))
         }
         None if is_side(number) => format!("{} {:+}", number.name, number.value),
         _ => format!("{} {}", number.name, ParameterCells::from(&number_row(number)).estimate),
@@ -157,9 +164,9 @@ pub(in crate::report) fn size(name: &str, value: Option<f64>, unit: &str) -> Str
 pub(in crate::report) fn closed(closed: Option<f64>, interval: Option<[f64; 2]>) -> String {
     match (closed, interval) {
         (Some(closed), Some([low, high])) if low.is_finite() && high.is_finite() => {
-            format!("{} [{}, {}]", percent(closed), percent(low), percent(high))
+            format!("{} [{}, {}]", share(closed), share(low), share(high))
         }
-        (Some(closed), _) => percent(closed),
+        (Some(closed), _) => share(closed),
         (None, _) => "no gap above the noise".to_owned(),
     }
 }
@@ -197,7 +204,7 @@ mod tests {
         let mut place = sample::set_of_two().diagnosis.location;
         assert_eq!(
             location(&place),
-            "The gap lies in the stage `link`. The torque that is missing depends most on the speed, between 0.0 and 0.42 \
+            "The gap lies in the stage `link`. The torque that is missing depends most on the speed, between 0 and 0.42 \
              rad/s. 71 % of the gap is there, most of it around reversals. Logs with more than their share: \
              swing-03-220g.csv, swing-02-220g.csv."
         );
@@ -205,6 +212,16 @@ mod tests {
         assert!(location(&place).ends_with("0.csv, 1.csv, 2.csv, 3.csv and 2 more."));
         assert_eq!(location(&sample::nothing_missing().diagnosis.location), "There is no gap to place.");
         assert_eq!(range(Variable::Direction, [0.0, 1.0]), "in the positive direction");
+        assert_eq!(range(Variable::Load, [0.3401, 0.3404]), "at 0.340 N m");
+        place.share = 0.004;
+        let said = location(&place);
+        assert!(said.contains(" No share of the gap stands out there") && !said.contains("0 %"), "{said}");
+        assert!(!said.contains("around reversals"), "{said}");
+    }
+
+    #[test]
+    fn no_more_than_all_of_a_gap_closes() {
+        assert_eq!(closed(Some(1.02), Some([0.97, 1.05])), "100 % [97 %, 100 %]");
     }
 
     #[test]

@@ -9,7 +9,7 @@ use crate::gap::robot::{Displacement, JointGap, RobotCandidate, RobotDetectable,
 use crate::report::ReportError;
 use crate::report::gap::{gap_view, with_code, words as joint_words};
 use crate::report::html::{figure_views, open_and_folded, render};
-use crate::report::number::{percent, significant};
+use crate::report::number::{share, significant};
 use crate::report::rows::typeset_unit;
 
 /// Puts a robot's diagnosis into one HTML page: verdict, where, which, how far, joints, what could have been seen, next
@@ -31,7 +31,7 @@ pub fn robot_gap_html(report: &RobotGapReport) -> Result<String, ReportError> {
         scenario => diagnosis.scenario.word(),
         sentence => with_code(&answer.sentence),
         verdict => answer.verdict.name(),
-        probability => percent(answer.probability),
+        probability => share(answer.probability),
         source => with_code(answer.probability_source.trim_end_matches('.')),
         answer => words::answer(answer),
         has_second => answer.second.is_some(),
@@ -53,7 +53,7 @@ pub fn robot_gap_html(report: &RobotGapReport) -> Result<String, ReportError> {
         detectable => diagnosis.detectable.iter().map(detectable_view).collect::<Vec<_>>(),
         detectable_words => words::DETECTABLE,
         next => diagnosis.next.as_ref().map(|next| {
-            context! { what => with_code(&next.what), power => percent(next.power) }
+            context! { what => with_code(&next.what), power => share(next.power) }
         }),
         notes => words::notes(report).iter().map(|note| with_code(note)).collect::<Vec<_>>(),
         logs => report.logs.iter().map(log_view).collect::<Vec<_>>(),
@@ -92,9 +92,9 @@ fn candidate_view(diagnosis: &RobotDiagnosis, candidate: &RobotCandidate) -> Val
         stage => found.cause.stage().name(),
         named => words::is_named(&diagnosis.answer, candidate),
         after => significant(1e3 * candidate.after, 3),
-        closed => candidate.closed.map_or_else(|| "–".to_owned(), percent),
+        closed => candidate.closed.map_or_else(|| "–".to_owned(), share),
         behind => significant(candidate.behind, 2),
-        probability => percent(candidate.probability),
+        probability => share(candidate.probability),
         parameters => found.parameters.iter().map(|p| typeset_unit(&joint_words::parameter(p))).collect::<Vec<_>>(),
     }
 }

@@ -26,7 +26,7 @@ const GAINS: &str = "printed";
 /// `[[attached]]`, the floor's changes in `[floor]`, everything else as `[[effect]]`. `sentence` opens the file.
 ///
 /// # Errors
-/// [`LogError`] where the study's robot file has gone since it was read.
+/// [`LogError`] where the study's robot file has gone, or has been spoilt, since it was read.
 pub fn repaired_robot(case: &RobotCase, changes: &[Change], sentence: &str) -> Result<String, LogError> {
     let text = match &case.study.model_path {
         Some(path) => std::fs::read_to_string(path)
@@ -35,8 +35,9 @@ pub fn repaired_robot(case: &RobotCase, changes: &[Change], sentence: &str) -> R
             .to_owned(),
         None => ERS7_TOML.to_owned(),
     };
-    // The text has been read as a robot before.
-    let mut robot: Table = toml::from_str(&text).unwrap_or_default();
+    let file = case.study.model_path.clone().unwrap_or_else(|| "ers7.toml".into());
+    let unread = |source| LogError::Toml { file, source: Box::new(source), hint: None };
+    let mut robot: Table = toml::from_str(&text).map_err(unread)?;
     let model = &case.nominal.model;
     robot.insert("name".into(), format!("{}-repaired", model.name()).into());
     let friction = friction(case, changes);
@@ -70,7 +71,7 @@ pub fn repaired_robot(case: &RobotCase, changes: &[Change], sentence: &str) -> R
         robot.insert("floor".into(), floor.into());
         robot.insert("floor_slope_rad".into(), slope_rad.to_vec().into());
     }
-    let body = toml::to_string(&robot).unwrap_or_default();
+    let body = toml::to_string(&robot).expect("a table of TOML values is TOML");
     Ok(header(case, changes, sentence) + &body)
 }
 
@@ -87,14 +88,15 @@ fn header(case: &RobotCase, changes: &[Change], sentence: &str) -> String {
     let control = &case.study.control;
     let period = control.sample_period_s.map_or_else(String::new, |period_s| format!(" --control-period {period_s}"));
     let air = if case.study.scenario == RobotScenario::Air { " --air" } else { "" };
-    let plain: String = sentence.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    let plain = |text: &str| -> String { text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect() };
     let mut text =
-        format!("# The robot of a study as repaired by `aibo-fit gap`, in the format of data/ers7.toml.\n# {plain}\n");
+        "# The robot of a study as repaired by `aibo-fit gap`, in the format of data/ers7.toml.\n".to_owned();
+    let _ = writeln!(text, "# {}", plain(sentence));
     for change in changes {
         let named = change.cause.named().into_iter().zip(&change.values);
         let values: Vec<String> = named.map(|((name, unit), value)| format!("{name} = {value} {unit}")).collect();
         let joints = change.place.names(&case.names).join(", ");
-        let joints = if joints.is_empty() { String::new() } else { format!(" of {joints}") };
+        let joints = if joints.is_empty() { String::new() } else { format!(" of {}", plain(&joints)) };
         let _ = writeln!(text, "# Changed: {}{joints}: {}", change.cause, values.join(", ").trim_end());
     }
     if changes.is_empty() {

@@ -7,7 +7,7 @@ use super::words;
 use crate::gap::robot::{GaitCell, GaitPhase, RobotCandidate, RobotDiagnosis, RobotGap};
 use crate::report::gap::text::{WIDTH, file, mrad, opening, paragraph, rms_row, rms_table};
 use crate::report::gap::words as joint_words;
-use crate::report::number::{UNKNOWN, percent, significant};
+use crate::report::number::{UNKNOWN, share, significant};
 use crate::report::text::{finish, number, one_line, table, wrap};
 
 /// Writes a robot's diagnosis as plain text, as a rule at most 100 columns wide, ending in a newline.
@@ -75,9 +75,9 @@ fn ranking(diagnosis: &RobotDiagnosis) -> String {
             Cell::new(format!("{}{mark}", words::found(found).replacen(' ', "\n  ", 1))),
             Cell::new(found.parameters.iter().map(joint_words::parameter).collect::<Vec<_>>().join("\n")),
             mrad(*after),
-            number(closed.map_or_else(|| "-".to_owned(), percent)),
+            number(closed.map_or_else(|| "-".to_owned(), share)),
             number(significant(*behind, 2)),
-            number(percent(*probability)),
+            number(share(*probability)),
         ]);
     }
     plain(&mut table, "(sensor noise)", gap.floor);
@@ -128,7 +128,7 @@ fn detectable(diagnosis: &RobotDiagnosis) -> Option<String> {
 
 fn next(diagnosis: &RobotDiagnosis) -> Option<String> {
     let next = diagnosis.next.as_ref()?;
-    let power = if next.power.is_finite() { percent(next.power) } else { UNKNOWN.to_owned() };
+    let power = if next.power.is_finite() { share(next.power) } else { UNKNOWN.to_owned() };
     Some(wrap(WIDTH, &format!("{}; it would decide with probability {power}.", next.what), "Next: ", "  "))
 }
 

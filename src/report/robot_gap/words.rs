@@ -5,8 +5,8 @@ use crate::gap::Verdict;
 use crate::gap::robot::{
     Found, GaitCell, GaitPhase, RobotAnswer, RobotCandidate, RobotDetectable, RobotDiagnosis, RobotWhere,
 };
-use crate::report::gap::words::{range, size, variable};
-use crate::report::number::{mrad, percent};
+use crate::report::gap::words::{range, size, there, variable};
+use crate::report::number::mrad;
 
 /// What stands above the sizes that would have been seen.
 pub(super) const DETECTABLE: &str =
@@ -88,13 +88,12 @@ pub(super) fn location(location: &RobotWhere) -> String {
         (Some(stage), true) => vec![format!("The gap comes from the {}.", stage.name())],
         (Some(stage), false) => vec![
             format!("The gap lies in the stage `{}` of {}.", stage.name(), place(&location.joints)),
-            format!("{} of the gap is there{when}.", percent(location.share)),
+            there(location.share, &when),
         ],
         (None, true) => vec!["There is no gap to place.".to_owned()],
-        (None, false) => vec![
-            format!("Most of the gap is seen in {}.", place(&location.joints)),
-            format!("{} of the gap is there{when}.", percent(location.share)),
-        ],
+        (None, false) => {
+            vec![format!("Most of the gap is seen in {}.", place(&location.joints)), there(location.share, &when)]
+        }
     };
     if let Some(of) = location.variable {
         let ends = location.range.map(|ends| format!(", {}", range(of, ends))).unwrap_or_default();

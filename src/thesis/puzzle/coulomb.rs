@@ -2,7 +2,7 @@
 
 use super::bench::{Bench, Setting};
 use crate::fit::{Budget, Method, solve};
-use crate::identify::{Experiment, ExtensiveModel, JointModel, Problem, Scale};
+use crate::identify::{Experiment, ExtensiveModel, JointModel, Named, Problem, Scale};
 use crate::thesis::swings::JointSwings;
 
 /// Coulomb friction by the extensive model with Coulomb and viscous friction (3.14), masses as they are.
@@ -43,7 +43,7 @@ fn coulomb_nm(swings: &JointSwings, e: &Experiment, made: [f64; 2]) -> Option<f6
     let masses = swings.leg().ok()?.masses().ok()?;
     let mut model = ExtensiveModel::bodies(&Scale::of(one, nominal, None), one, &masses, true, nominal, false);
     for p in model.parameters_mut() {
-        if p.name.starts_with("mass_") || p.name == "zero" {
+        if matches!(p.named(), Some(Named::Mass(_) | Named::Zero)) {
             (p.fixed, p.start) = (true, p.nominal.unwrap_or(p.start));
         }
     }

@@ -8,7 +8,7 @@ use super::ruled::{ROW, RULER, Ruled};
 use crate::gap::{Diagnosis, Gap};
 use crate::report::ReportError;
 use crate::report::gap::words;
-use crate::report::number::{percent, significant};
+use crate::report::number::{self, significant};
 use crate::report::plot::axis::{Axis, drawable};
 use crate::report::plot::canvas::{
     AFTER, Area, BAND, BEFORE, CALIBRATED, Drawn, LegendEntry, Look, RIGHT, SHADE, Sign, WIDTH, filled, legend,
@@ -114,10 +114,10 @@ pub(super) fn ranking(diagnosis: &Diagnosis) -> Result<String, ReportError> {
     }
     for candidate in diagnosis.ranking.iter().filter(|candidate| candidate.refitted) {
         let named = words::is_named(answer, candidate.effect);
-        let chance = percent(candidate.probability);
+        let chance = number::share(candidate.probability);
         let colour = if named { AFTER } else { SHADE };
         let mut bar = Bar { bold: named, ..bar(candidate.effect.id(), candidate.after, colour) };
-        bar.words[1] = candidate.closed.map_or_else(|| "–".to_owned(), percent);
+        bar.words[1] = candidate.closed.map_or_else(|| "–".to_owned(), number::share);
         bar.words[2] = chance;
         bars.push(bar);
     }
@@ -145,7 +145,7 @@ pub(super) fn ranking(diagnosis: &Diagnosis) -> Result<String, ReportError> {
 /// Share of the gap that an RMS closes.
 fn closed(gap: &Gap, rms_rad: f64) -> String {
     let closed = 1.0 - (rms_rad - gap.floor) / (gap.before - gap.floor);
-    if gap.before > gap.floor && closed.is_finite() { percent(closed) } else { "–".to_owned() }
+    if gap.before > gap.floor && closed.is_finite() { number::share(closed) } else { "–".to_owned() }
 }
 
 /// Draws which variables explain most of the residual torque's variance.
@@ -155,7 +155,7 @@ pub(super) fn variables(diagnosis: &Diagnosis) -> Result<String, ReportError> {
         value: 100.0 * share,
         colour: if i == 0 { AFTER } else { SHADE },
         bold: i == 0,
-        words: vec![percent(*share)],
+        words: vec![number::share(*share)],
     });
     draw(&Bars {
         title: &format!("{}: what the missing torque depends on", diagnosis.joint),

@@ -4,8 +4,8 @@ use plotters::style::RGBColor;
 
 use crate::gap::{Confusion, Diagnosis, Phase};
 use crate::report::ReportError;
-use crate::report::gap::words::{files_and_phases, names_without_folder};
-use crate::report::number::percent;
+use crate::report::gap::words::{files_and_phases, names_without_folder, shares_of_cells};
+use crate::report::number;
 use crate::report::plot::canvas::{AFTER, POSITIVE, SHADE};
 use crate::report::plot::heat::{Heat, HeatCell, NO_VALUE, heat, tint};
 
@@ -28,7 +28,7 @@ pub(super) fn map(diagnosis: &Diagnosis) -> Result<String, ReportError> {
         names_above: true,
         axes: ["", ""],
         colour: |share| tint(POSITIVE, share),
-        scale: &[(1.0, &percent(most)), (0.0, "0 %")],
+        scale: &[(1.0, &number::share(most)), (0.0, "0 %")],
         nothing: "no log moves",
     };
     let sum = |file: Option<&&str>, phase: Option<&Phase>| -> f64 {
@@ -37,16 +37,17 @@ pub(super) fn map(diagnosis: &Diagnosis) -> Result<String, ReportError> {
         };
         cells.iter().filter(counts).map(|cell| cell.share).filter(|share| share.is_finite()).sum()
     };
+    let shown = shares_of_cells(cells);
     let of_most = |share: f64| if most > 0.0 && share.is_finite() { share / most } else { 0.0 };
     heat(&map, |row, column| {
         let (file, phase) = (files.get(row), phases.get(column));
         let (Some(file), Some(phase)) = (file, phase) else {
-            return HeatCell { ground: NO_VALUE, words: percent(sum(file, phase)), framed: false };
+            return HeatCell { ground: NO_VALUE, words: number::share(sum(file, phase)), framed: false };
         };
-        match cells.iter().find(|cell| cell.file == *file && cell.phase == *phase) {
-            Some(cell) => HeatCell {
+        match cells.iter().zip(&shown).find(|(cell, _)| cell.file == *file && cell.phase == *phase) {
+            Some((cell, shown)) => HeatCell {
                 ground: tint(if cell.significant { POSITIVE } else { SHADE }, of_most(cell.share)),
-                words: percent(cell.share),
+                words: shown.clone(),
                 framed: cell.significant,
             },
             None => HeatCell { ground: tint(SHADE, 0.0), words: String::new(), framed: false },

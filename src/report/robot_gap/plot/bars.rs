@@ -5,7 +5,7 @@ use plotters::style::Color;
 use crate::gap::robot::RobotDiagnosis;
 use crate::report::ReportError;
 use crate::report::gap::plot::bars::{Bar, Bars, draw};
-use crate::report::number::{percent, significant};
+use crate::report::number::{share, significant};
 use crate::report::plot::axis::drawable;
 use crate::report::plot::canvas::{AFTER, BAND, BEFORE, CALIBRATED, LegendEntry, MEASURED, SHADE, Sign};
 use crate::report::robot_gap::words;
@@ -19,7 +19,7 @@ pub(super) fn ranking(diagnosis: &RobotDiagnosis) -> Result<String, ReportError>
         value: 1e3 * rms_rad,
         colour,
         bold: false,
-        words: vec![significant(1e3 * rms_rad, 3), closed.map_or_else(dash, percent), String::new()],
+        words: vec![significant(1e3 * rms_rad, 3), closed.map_or_else(dash, share), String::new()],
     };
     let mut bars = vec![
         bar("as given".to_owned(), gap.before, BEFORE, None),
@@ -33,7 +33,7 @@ pub(super) fn ranking(diagnosis: &RobotDiagnosis) -> Result<String, ReportError>
         let colour = if named { AFTER } else { SHADE };
         let mut bar =
             Bar { bold: named, ..bar(words::found(&candidate.found), candidate.after, colour, candidate.closed) };
-        bar.words[2] = percent(candidate.probability);
+        bar.words[2] = share(candidate.probability);
         bars.push(bar);
     }
     bars.push(bar("sensor's noise".to_owned(), gap.floor, BAND, None));

@@ -1,7 +1,11 @@
 //! Numbers for people: as many digits as the uncertainty allows, never more.
 
+mod said;
+
+pub(crate) use said::{between, quantity, share, shares, spoken, stands_out};
+
 /// Shown where there is no number to show.
-pub(super) const UNKNOWN: &str = "unknown";
+pub(crate) const UNKNOWN: &str = "unknown";
 
 /// Most digits that any number is shown with, however narrow its interval.
 const MOST_DIGITS: i32 = 12;
@@ -41,18 +45,18 @@ pub fn format_with_uncertainty(value: f64, interval: [f64; 2]) -> WithUncertaint
 }
 
 /// Writes a number with the given count of significant digits, in plain decimals from 1e-4 to 1e5.
-pub(super) fn significant(value: f64, digits: i32) -> String {
+pub(crate) fn significant(value: f64, digits: i32) -> String {
     let magnitude = value.abs();
     Digits::new(magnitude, exponent(magnitude, digits) - digits + 1).write(value)
 }
 
 /// An angle in milliradians.
-pub(super) fn mrad(rad: f64) -> String {
+pub(crate) fn mrad(rad: f64) -> String {
     format!("{} mrad", significant(1e3 * rad, 3))
 }
 
 /// A share as a whole percentage; from 99 to 100 % with a decimal, because the rest is what matters there.
-pub(super) fn percent(share: f64) -> String {
+pub(crate) fn percent(share: f64) -> String {
     if !share.is_finite() {
         return UNKNOWN.to_owned();
     }
@@ -62,7 +66,7 @@ pub(super) fn percent(share: f64) -> String {
 }
 
 /// Like [`significant`], without zeros at the end: for numbers that somebody typed.
-pub(super) fn as_given(value: f64) -> String {
+pub(crate) fn as_given(value: f64) -> String {
     let text = significant(value, 6);
     let (mantissa, tail) = match text.find('e') {
         Some(at) => text.split_at(at),
