@@ -61,12 +61,12 @@ impl Implant {
                 if let Some(motor) = changed.get_mut("motor") {
                     scale(motor.as_table_mut().unwrap(), "kp", factor);
                 } else {
-                    change_columns(&mut changed, folder, &|_, _, name, column| {
+                    change_columns(&mut changed, folder, |_, name, column| {
                         column.iter_mut().filter(|_| name == "tau").for_each(|torque_nm| *torque_nm *= factor);
                     });
                 }
             }
-            Late(by_s) => change_columns(&mut changed, folder, &|_, t_s, name, column| {
+            Late(by_s) => change_columns(&mut changed, folder, |t_s, name, column| {
                 if name == "q_ref" {
                     let was = column.to_vec();
                     for (value, t_s_now) in column.iter_mut().zip(t_s) {
@@ -74,11 +74,11 @@ impl Implant {
                     }
                 }
             }),
-            Zero(by_rad) => change_columns(&mut changed, folder, &|_, _, name, column| {
+            Zero(by_rad) => change_columns(&mut changed, folder, |_, name, column| {
                 column.iter_mut().filter(|_| matches!(name, "q" | "q_ref")).for_each(|angle| *angle += by_rad);
             }),
             Reading(factor) => {
-                change_columns(&mut changed, folder, &|_, _, name, column| {
+                change_columns(&mut changed, folder, |_, name, column| {
                     column
                         .iter_mut()
                         .filter(|_| matches!(name, "q" | "dq" | "q_ref"))

@@ -27,8 +27,8 @@ pub fn scale(table: &mut Table, key: &str, by: f64) {
     }
 }
 
-/// Rewrites all logs into a folder; `change` gets how a log is driven, its stamps \[s\] and one column by name.
-pub fn change_columns(study: &mut Table, folder: &Path, change: &dyn Fn(&str, &[f64], &str, &mut [f64])) {
+/// Rewrites all logs into a folder; `change` gets the stamps \[s\] of a log, the name of a column and the column.
+pub fn change_columns(study: &mut Table, folder: &Path, change: impl Fn(&[f64], &str, &mut [f64])) {
     for (k, log) in logs(study).enumerate() {
         let text = fs::read_to_string(log["file"].as_str().unwrap()).unwrap();
         let mut rows = text.lines().map(|row| row.split(',').collect::<Vec<_>>());
@@ -37,7 +37,7 @@ pub fn change_columns(study: &mut Table, folder: &Path, change: &dyn Fn(&str, &[
         let mut columns: Vec<Vec<f64>> = (0..header.len()).map(|i| rows.iter().map(|row| row[i]).collect()).collect();
         let stamps = columns[header.iter().position(|name| *name == "t").unwrap()].clone();
         for (name, column) in header.iter().zip(&mut columns) {
-            change(log["drive"].as_str().unwrap(), &stamps, name, column);
+            change(&stamps, name, column);
         }
         let row = |i: usize| columns.iter().map(|column| format!("{:.6}", column[i])).collect::<Vec<_>>().join(",");
         let lines: Vec<String> = std::iter::once(header.join(",")).chain((0..rows.len()).map(row)).collect();
