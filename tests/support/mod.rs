@@ -1,6 +1,8 @@
 //! What the tests of the program share: running it in a folder of its own, and looking at what it left.
 #![allow(dead_code, reason = "every test file uses a part")]
 
+pub mod real;
+
 use aibo_fit::blind::{Cause, Truth, make_with};
 use std::fs;
 use std::path::{Path, PathBuf};
