@@ -3,7 +3,7 @@
 use super::chance;
 use super::compare::difference;
 use super::evidence::{Evidence, counts};
-use super::explore::one_of_each;
+use super::explore::{explore, one_of_each};
 use super::floor::noise_rad;
 use super::folds::Folds;
 use super::grow::Growth;
@@ -49,8 +49,10 @@ const SERIOUS: f64 = 4.0;
 const MOST: usize = 6;
 /// Evaluations of a fit that begins near its end.
 const AGAIN: Budget = Budget { evaluations: 24 };
-/// A share above the noise from which on the search may have ended in a wrong place.
+/// A share above the noise from which on the search may have ended in a wrong place, and one from which on whole logs are
+/// too long for it to begin with.
 const FAR: f64 = 0.5;
+const VERY_FAR: f64 = 4.0;
 /// Held-out logs show more where they exceed the noise by this many times as much as the fitted ones.
 const SHOWS_MORE: f64 = 6.0;
 /// A hypothesis whose squared residuals exceed the noise by this share leaves something to explain.
@@ -59,8 +61,6 @@ pub(super) const LEFT_OVER: f64 = 0.02;
 const NEAR: f64 = 60.0;
 /// Standard deviations by which a cause has to predict logs better that were not fitted.
 const PREDICTS: f64 = 0.5;
-/// Score by which the set from short parts has to be better.
-const BETTER: f64 = 1.0;
 
 impl Attribution {
     /// Fits all hypotheses about a study; `effects` is the catalogue that is considered.
@@ -86,20 +86,35 @@ impl Attribution {
         let as_given = given.found.values.clone();
         let rough = noise_rad(&coarse, &[&given, &calibrated]);
         let growth = Growth { evidence: &coarse, effects, as_given: &as_given, enough: enough(rough) };
-        let (mut best, mut firsts) = growth.from(&calibrated);
-        let noise = noise_rad(&coarse, &[&given, &calibrated, &best]);
-        let growth = Growth { enough: enough(noise), ..growth };
-        let far = |t: &Trial| t.fit_loss(&coarse) > samples * noise.powi(2) * (1.0 + FAR);
-        if far(&best) {
+        let beyond =
+            |t: &Trial, share: f64, noise_rad: f64| t.fit_loss(&coarse) > samples * noise_rad.powi(2) * (1.0 + share);
+        let (mut best, mut firsts) = (calibrated.clone(), Vec::new());
+        if beyond(&calibrated, VERY_FAR, rough) {
             progress("looking at short parts of the logs");
             let carried = in_short_parts(&coarse, &growth, &calibrated);
-            for other in carried.into_iter().take(1).map(|t| growth.from(&t).0) {
-                let measure = Measure::by(&coarse, if other.fit_loss(&coarse) < best.fit_loss(&coarse) { &other } else { &best });
-                if measure.score(&coarse, &other) < measure.score(&coarse, &best) - BETTER {
-                    best = other;
+            if let Some(t) = carried.first() {
+                best = growth.from(t).0;
+                if std::env::var_os("GAP_DEBUG").is_some() {
+                    eprintln!(
+                        "  carried {:?} {:.2} -> {:?} {:.2}",
+                        t.effects(),
+                        1e3 * (t.fit_loss(&coarse) / samples).sqrt(),
+                        best.effects(),
+                        1e3 * (best.fit_loss(&coarse) / samples).sqrt()
+                    );
                 }
             }
         }
+        let noise = noise_rad(&coarse, &[&given, &calibrated, &best]);
+        let growth = Growth { enough: enough(noise), ..growth };
+        if best.effects().is_empty() || beyond(&best, FAR, noise) {
+            progress("looking at whole logs");
+            let (other, singles) = growth.from(&calibrated);
+            firsts = singles;
+            best = better(&coarse, best, other);
+        }
+        let noise = noise_rad(&coarse, &[&given, &calibrated, &best]);
+        let growth = Growth { enough: enough(noise), ..growth };
         // A baseline that has been in the wrong place shows when the effects that found the right one are dropped.
         if !best.effects().is_empty() {
             let bare = best.keeping(&coarse, &[], AGAIN);
@@ -111,6 +126,9 @@ impl Attribution {
         let best = growth.pruned(best);
         let sights = growth.sights(&calibrated, effects);
         let chance = chance::threshold(&coarse, &sights, &best);
+        if firsts.is_empty() {
+            firsts = explore(&coarse, &calibrated, &sights);
+        }
         let (best, without, rivals) = growth.exchanged(best);
         let best = proven(&coarse, best, without, chance);
         let (best, without, rivals) = if best.effects().len() == rivals.len() {
@@ -251,6 +269,12 @@ impl Attribution {
     }
 }
 
+/// The hypothesis with the better score.
+fn better(evidence: &Evidence, a: Trial, b: Trial) -> Trial {
+    let measure = Measure::by(evidence, if a.fit_loss(evidence) < b.fit_loss(evidence) { &a } else { &b });
+    if measure.score(evidence, &b) < measure.score(evidence, &a) { b } else { a }
+}
+
 /// Sets of effects found on short parts of the logs, on which no hypothesis runs far from its log, carried over.
 fn in_short_parts(coarse: &Evidence, growth: &Growth<'_>, calibrated: &Trial) -> Vec<Trial> {
     let short = coarse.in_parts();
@@ -281,12 +305,35 @@ fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance:
             if predicts { gained - chance } else { f64::NEG_INFINITY }
         };
         let worths: Vec<f64> = without.par_iter().map(worth).collect();
+        if std::env::var_os("GAP_DEBUG").is_some() {
+            let n = folds.experiments.iter().map(|e| e.compared()).sum::<usize>() as f64;
+            let rms = |r: &[Vec<f64>]| 1e3 * (r.iter().flatten().map(|r| r * r).sum::<f64>() / n).sqrt();
+            eprintln!(
+                "  proving {:?} held {:.2} eff {:.0} chance {chance:.1}",
+                best.effects(),
+                rms(&held),
+                measure.effective
+            );
+            for (k, t) in without.iter().enumerate() {
+                let r = folds.residuals(evidence, t);
+                let lost = folds.difference(&r, &held);
+                eprintln!(
+                    "    {:?} gained {:.1} held without {:.2} z {:.2} strain {:.1}",
+                    best.effects()[k],
+                    deviance(t) - deviance(&best),
+                    rms(&r),
+                    lost.z(),
+                    t.strain()
+                );
+            }
+        }
         let worst = (0..worths.len()).min_by(|a, b| worths[*a].total_cmp(&worths[*b]));
         match worst {
             Some(k) if worths[k] < 0.0 => {
                 // Of several that do not predict, the one whose absence costs least goes first.
                 let failing: Vec<usize> = (0..worths.len()).filter(|k| worths[*k] < 0.0).collect();
-                let least = failing.into_iter().min_by(|a, b| deviance(&without[*a]).total_cmp(&deviance(&without[*b])));
+                let least =
+                    failing.into_iter().min_by(|a, b| deviance(&without[*a]).total_cmp(&deviance(&without[*b])));
                 best = without.swap_remove(least.unwrap_or(k));
                 without = (0..best.effects().len()).map(|k| best.without(evidence, k, AGAIN)).collect();
             }

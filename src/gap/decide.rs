@@ -31,8 +31,6 @@ const CLOSES: f64 = 0.75;
 /// Deviance within which hypotheses count as equally good, and standard deviations of their difference.
 const EQUAL_DEVIANCE: f64 = 9.0;
 const EQUAL_Z: f64 = 1.7;
-/// A number that had to move by so many of its standard deviations is a finding.
-pub(super) const FINDING_SD: f64 = 3.0;
 
 /// The verdict with the hypotheses it rests on.
 pub(super) struct Decision<'a> {
@@ -116,7 +114,7 @@ impl<'a> Judge<'a, '_> {
         let closes = self.closed(&a.calibrated, answer).unwrap_or(0.0);
         let explained = excess < EXPLAINED || closes > CLOSES;
         let mut effects = answer.effects().to_vec();
-        let (mut equivalent, margin) = self.equivalent();
+        let (mut equivalent, margin) = equivalent_of(self.evidence, a, 0);
         let mut chosen = answer;
         // Of single effects that stand equally well the one with the fewest parameters is named.
         let simplest = equivalent.iter().copied().min_by_key(|e| e.searched_count());
@@ -173,30 +171,30 @@ impl<'a> Judge<'a, '_> {
         let rms = |t: &Trial| (1.0 + self.a.excess(self.evidence, t)).max(0.0).sqrt();
         closed(rms(simple), rms(rich).max(1.0), 1.0)
     }
+}
 
-    /// Effects that stand as well as the answer's first, which is included, best first; and how far the next one is
-    /// behind.
-    fn equivalent(&self) -> (Vec<EffectId>, f64) {
-        let (a, answer) = (self.a, &self.a.best);
-        let mut set = vec![answer.effects()[0]];
-        let best = self.score(answer);
-        let mut margin = f64::INFINITY;
-        for rival in &a.rivals[0] {
-            let Some(&other) = rival.effects().iter().find(|e| !answer.effects().contains(e)) else { continue };
-            let behind = self.score(rival) - best;
-            let z = a.behind(self.evidence, rival, answer);
-            let near = a.excess(self.evidence, rival) - a.excess(self.evidence, answer);
-            let share = near / a.excess(self.evidence, &a.calibrated).max(1e-9);
-            if behind < EQUAL_DEVIANCE || (z < EQUAL_Z && share < 0.02) {
-                if !set.contains(&other) {
-                    set.push(other);
-                }
-            } else {
-                margin = margin.min(behind);
+/// Effects that stand as well as cause number `k` of the best hypothesis in the presence of the others, that cause
+/// included, best first; and how far the next one is behind.
+pub(super) fn equivalent_of(evidence: &Evidence, a: &Attribution, k: usize) -> (Vec<EffectId>, f64) {
+    let answer = &a.best;
+    let mut set = vec![answer.effects()[k]];
+    let best = a.score(evidence, answer);
+    let mut margin = f64::INFINITY;
+    for rival in a.rivals.get(k).into_iter().flatten() {
+        let Some(&other) = rival.effects().iter().find(|e| !answer.effects().contains(e)) else { continue };
+        let behind = a.score(evidence, rival) - best;
+        let z = a.behind(evidence, rival, answer);
+        let near = a.excess(evidence, rival) - a.excess(evidence, answer);
+        let share = near / a.excess(evidence, &a.calibrated).max(1e-9);
+        if behind < EQUAL_DEVIANCE || (z < EQUAL_Z && share < 0.02) {
+            if !set.contains(&other) {
+                set.push(other);
             }
+        } else {
+            margin = margin.min(behind);
         }
-        (set, margin)
     }
+    (set, margin)
 }
 
 /// The number that was moved by most of its standard deviations, if that is a finding, or the one that moved most.

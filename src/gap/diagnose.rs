@@ -13,6 +13,8 @@ use super::rates::{Rates, probability, share_out, standing};
 use super::sentence::sentence;
 use super::trial::{Trial, loss};
 use super::twins::measure;
+use super::undetermined::undetermined;
+use super::waterfall::{beliefs, causes};
 use crate::identify::{Case, Experiment, JointModel, Signal};
 use crate::joint::EffectId;
 use crate::log::Role;
@@ -98,6 +100,9 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &(dyn Fn(&str) + Sy
         ranking,
         detectable,
         parameters,
+        causes: causes(&evidence, &held, &attribution, &decision, &effect_parameters),
+        beliefs: beliefs(around),
+        undetermined: undetermined(&evidence, around),
         effect_parameters,
         next,
         confusion: twins.map(|t| t.confusion),
@@ -135,6 +140,7 @@ fn gap(evidence: &Evidence, held: &HeldOut, a: &Attribution, decision: &Decision
         floor,
         closed: closed(before, after, floor),
         closed_interval: closed(before, after, floor).and_then(|_| held.closed_interval(&given, &answer, floor)),
+        outer: held.is_outer(),
         held_out: held.how.to_owned(),
         per_log: per_log(held, [&given, &calibrated, &answer], floor),
     }

@@ -170,6 +170,43 @@ pub struct Answer {
     pub intervals_trusted: bool,
 }
 
+/// One cause of the answer, in the order of the waterfall.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CauseShare {
+    /// Which family of effects.
+    pub effect: EffectId,
+    /// The form in which it was found; empty where the family has only one.
+    pub form: &'static str,
+    /// Effects that these logs cannot tell apart from it in the presence of the others, itself included, best first.
+    pub equivalent: Vec<EffectId>,
+    /// Its parameters.
+    pub parameters: Vec<Number>,
+    /// Share of what recalibration leaves that it closes alone, on the held-out logs.
+    pub alone: Option<f64>,
+    /// The same of it with all other causes in place.
+    pub last: Option<f64>,
+    /// RMS over the held-out logs when it is added to those before it \[rad\].
+    pub after: f64,
+}
+
+/// What was believed of a number, and what the logs made of it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BeliefFound {
+    /// Which number.
+    #[serde(skip)]
+    pub name: String,
+    /// As the study states it.
+    pub believed: f64,
+    /// Standard deviation of that, in its unit.
+    pub sd: f64,
+    /// As found, with the causes of the answer in place.
+    pub found: f64,
+    /// By how many of its standard deviations it was moved.
+    pub moved_sd: f64,
+    /// Its unit.
+    pub unit: String,
+}
+
 /// Where the gap lies.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Where {
@@ -242,6 +279,8 @@ pub struct Gap {
     pub closed: Option<f64>,
     /// 95 % interval of `closed`.
     pub closed_interval: Option<[f64; 2]>,
+    /// Whether the figures come from logs on which no choice was made.
+    pub outer: bool,
     /// How the logs were held out, in words.
     pub held_out: String,
     /// One for each held-out log.
@@ -378,6 +417,12 @@ pub struct Diagnosis {
     pub parameters: Vec<Estimate>,
     /// The same of the effects of the answer.
     pub effect_parameters: Vec<(EffectId, Vec<Number>)>,
+    /// Every cause that was found, in the order of the waterfall, whatever the verdict.
+    pub causes: Vec<CauseShare>,
+    /// The numbers that are not exact.
+    pub beliefs: Vec<BeliefFound>,
+    /// What these logs cannot determine and what would, in sentences.
+    pub undetermined: Vec<String>,
     /// What to do next where effects cannot be told apart.
     pub next: Option<Next>,
     /// Table of the twins, where there were any.

@@ -1,10 +1,10 @@
 //! The logs of a study as evidence: what is fitted, what is held out, and how much each sample counts.
 
+use super::model::GapModel;
 use super::reach::reach_of;
 use crate::identify::{Case, Experiment};
 use crate::joint::Reach;
 use crate::log::{Nominal, Role, Uncertain};
-use super::model::GapModel;
 
 /// A study's logs, made ready to be argued from.
 pub(super) struct Evidence {

@@ -18,17 +18,30 @@ pub(super) struct Folds {
     cut: bool,
 }
 
-/// Parts into which a single log is cut.
-const PARTS: f64 = 4.0;
+/// Folds at the least: fewer logs are cut into parts.
+const FEWEST: usize = 6;
+/// Parts are no shorter than this \[s\].
+const SHORTEST_S: f64 = 0.8;
 
 impl Folds {
-    /// Each fitted log in turn; the quarters of a single one.
+    /// Each fitted log in turn; parts of them where they are few.
     pub fn of(evidence: &Evidence) -> Self {
+        let all = &evidence.fit;
+        if all.len() >= FEWEST {
+            return Self { experiments: all.clone(), cut: false };
+        }
+        let parts = FEWEST.div_ceil(all.len().max(1)) as f64;
+        let cut = |e: &Experiment| {
+            let duration_s = e.t_s[e.t_s.len() - 1] - e.t_s[0];
+            e.parts((duration_s / parts).max(SHORTEST_S))
+        };
+        Self { experiments: all.iter().flat_map(cut).collect(), cut: true }
+    }
+
+    /// Each log in turn, whole; the parts of a single one.
+    pub fn of_logs(evidence: &Evidence) -> Self {
         match &evidence.fit[..] {
-            [only] => {
-                let duration_s = only.t_s[only.t_s.len() - 1] - only.t_s[0];
-                Self { experiments: only.parts(duration_s / PARTS), cut: true }
-            }
+            [_] => Self::of(evidence),
             all => Self { experiments: all.to_vec(), cut: false },
         }
     }

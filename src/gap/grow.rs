@@ -77,11 +77,8 @@ impl Growth<'_> {
         let loss = |t: &Trial| t.fit_loss(self.evidence);
         let before = loss(from);
         let feeble = singles.first().is_none_or(|best| loss(best) > FEEBLE * before && loss(best) > self.enough);
-        let together = if feeble && from.effects().len() + 2 <= MOST {
-            pairs(self.evidence, from, &sights)
-        } else {
-            Vec::new()
-        };
+        let together =
+            if feeble && from.effects().len() + 2 <= MOST { pairs(self.evidence, from, &sights) } else { Vec::new() };
         // Two have to do more than one: their share of the step is weighed as that of two steps.
         let worth = |t: &Trial| {
             let added = (t.effects().len() - from.effects().len()).max(1) as f64;

@@ -37,13 +37,18 @@ impl HeldOut {
             let how = "not at all; these logs were fitted with the others, which do not show what these show";
             return Self { experiments: all[from..].to_vec(), how, from: From::Pooled(from) };
         }
-        let folds = Folds::of(evidence);
+        let folds = Folds::of_logs(evidence);
         let how = if folds.are_parts() {
             "each part of the only log predicted by a fit to its other parts; every part has a free start"
         } else {
             "each log predicted by a fit to all others"
         };
         Self { experiments: folds.experiments, how, from: From::InTurn }
+    }
+
+    /// Whether no choice was made on these logs.
+    pub fn is_outer(&self) -> bool {
+        matches!(self.from, From::Study)
     }
 
     /// Model less reading on every held-out log.
@@ -53,7 +58,7 @@ impl HeldOut {
             From::Pooled(from) => return trial.fit[from..].to_vec(),
             From::InTurn => {}
         }
-        Folds::of(evidence).residuals(evidence, trial)
+        Folds::of_logs(evidence).residuals(evidence, trial)
     }
 
     /// Root of the mean squared residual over all held-out samples \[rad\].

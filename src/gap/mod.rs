@@ -47,12 +47,14 @@ mod stage;
 mod strength;
 mod trial;
 mod twins;
+mod undetermined;
 mod variables;
+mod waterfall;
 
 pub use diagnose::{GapError, diagnose};
 pub use diagnosis::{
-    Answer, Candidate, Confusion, Detectable, Diagnosis, Gap, GapOptions, LogGap, LogTraces, MapCell, Next, Number,
-    Phase, ProfileBin, ResidualTorque, Variable, Verdict, Where,
+    Answer, BeliefFound, Candidate, CauseShare, Confusion, Detectable, Diagnosis, Gap, GapOptions, LogGap, LogTraces,
+    MapCell, Next, Number, Phase, ProfileBin, ResidualTorque, Variable, Verdict, Where,
 };
 pub use localise::{LogPart, localise};
 pub(crate) use model::GapModel;

@@ -142,6 +142,11 @@ impl GapModel {
         &self.effects
     }
 
+    /// The forms in which they are there.
+    pub(super) fn forms(&self) -> &[EffectForm] {
+        &self.forms
+    }
+
     /// Where the values of the `k`-th effect stand.
     pub(super) fn place(&self, k: usize) -> std::ops::Range<usize> {
         let from = BASELINE + self.forms[..k].iter().map(|e| e.searched_count()).sum::<usize>();

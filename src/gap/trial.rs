@@ -1,7 +1,7 @@
 //! One hypothesis about the joint, fitted: its values, what it leaves of the fitted logs and of the held-out ones.
 
-use super::evidence::{Evidence, counts};
 use super::compare::correlation_length;
+use super::evidence::{Evidence, counts};
 use super::model::GapModel;
 use crate::fit::{Budget, Solution, approach};
 use crate::identify::{Experiment, Found, JointModel, Problem};

@@ -158,7 +158,11 @@ impl ExtensiveModel {
     pub fn stribeck_of<T: Real>(&self, values: &[T]) -> Option<Stribeck<T>> {
         let [c, v] = self.friction_at();
         // Held above the Coulomb friction: mu_st = mu_c + an excess.
-        self.stribeck.then(|| Stribeck { static_nm: values[c] + values[v + 1], speed_rad_s: values[v + 2], curve: Default::default() })
+        self.stribeck.then(|| Stribeck {
+            static_nm: values[c] + values[v + 1],
+            speed_rad_s: values[v + 2],
+            curve: Default::default(),
+        })
     }
 
     /// Friction parameters among the values: Coulomb, viscous.

@@ -197,6 +197,7 @@ mod tests {
         let nominal = Nominal { inertia_kg_m2: 1e-3, moment_kg_m: 5e-3, coulomb_nm: 0.0, viscous_nm_s_rad: 0.0 };
         let believed = Believed { nominal, gravity_m_s2: 9.81, rest_rad: 0.0, kind: r#"q"2\"#.into() };
         let study = RobotStudy {
+            uncertain: crate::log::Uncertain::default(),
             file: "study.toml".into(),
             model: "ers7".into(),
             model_path: None,

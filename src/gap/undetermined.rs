@@ -1,0 +1,99 @@
+//! What the logs of a study cannot determine, in words, and what would.
+//!
+//! Where the logs say less about a combination of numbers than the beliefs do, it is the beliefs that decide. In units of
+//! the beliefs' standard deviations the information of the logs has eigenvectors; those with an eigenvalue below one are
+//! such combinations.
+
+use super::evidence::Evidence;
+use super::model::BASELINE;
+use super::trial::Trial;
+use crate::fit::{Normal, Residuals};
+use crate::identify::{JointModel, Problem, Signal};
+use nalgebra::{DMatrix, DVector};
+
+/// Information below which beliefs decide.
+const LITTLE: f64 = 1.0;
+/// A number has a part in a combination from this share of it on.
+const PART: f64 = 0.25;
+
+/// One sentence for each combination of numbers that the logs leave to the beliefs.
+pub(super) fn undetermined(evidence: &Evidence, trial: &Trial) -> Vec<String> {
+    let problem = Problem::new(&trial.model, &evidence.fit);
+    let x = problem.coordinates_from(&trial.found);
+    let Ok(blocks) = problem.linearise(&x) else { return Vec::new() };
+    let normal = Normal::of(&blocks[..evidence.fit.len()], x.len());
+    let parameters = trial.model.parameters();
+    let free: Vec<usize> = (0..parameters.len()).filter(|&i| !parameters[i].fixed).collect();
+    let believed: Vec<(usize, f64)> = free
+        .iter()
+        .enumerate()
+        .filter(|(_, i)| **i < BASELINE)
+        .filter_map(|(k, &i)| Some((k, parameters[i].belief?.sd)))
+        .collect();
+    let unit = trial.unit_rad2_s(evidence);
+    if believed.is_empty() || !(unit > 0.0) {
+        return Vec::new();
+    }
+    // What the starts and the causes can take up says nothing about the numbers.
+    let others: Vec<usize> = (0..x.len()).filter(|c| !believed.iter().any(|(k, _)| k == c)).collect();
+    let Some(information) = reduced(&normal.jtj, &believed, &others, unit) else { return Vec::new() };
+    let eigen = information.symmetric_eigen();
+    let name = |row: usize| parameters[free[believed[row].0]].name.as_str();
+    (0..believed.len())
+        .filter(|&v| eigen.eigenvalues[v] < LITTLE)
+        .map(|v| {
+            let direction: DVector<f64> = eigen.eigenvectors.column(v).into_owned();
+            let parts: Vec<&str> = (0..believed.len()).filter(|&r| direction[r].abs() > PART).map(name).collect();
+            sentence(evidence, &parts)
+        })
+        .collect()
+}
+
+/// Information about the believed numbers in units of their beliefs, with everything else free.
+fn reduced(jtj: &DMatrix<f64>, believed: &[(usize, f64)], others: &[usize], unit: f64) -> Option<DMatrix<f64>> {
+    let n = believed.len();
+    let own = DMatrix::from_fn(n, n, |i, k| jtj[(believed[i].0, believed[k].0)]);
+    let cross = DMatrix::from_fn(others.len(), n, |i, k| jtj[(others[i], believed[k].0)]);
+    let mut rest = DMatrix::from_fn(others.len(), others.len(), |i, k| jtj[(others[i], others[k])]);
+    for i in 0..others.len() {
+        rest[(i, i)] += 1e-9 * rest[(i, i)] + 1e-300;
+    }
+    let taken = cross.transpose() * rest.cholesky()?.solve(&cross);
+    let left = own - taken;
+    Some(DMatrix::from_fn(n, n, |i, k| left[(i, k)] * believed[i].1 * believed[k].1 / unit))
+}
+
+fn sentence(evidence: &Evidence, parts: &[&str]) -> String {
+    let by_setpoint = evidence.fit.iter().any(|e| matches!(e.signal, Signal::Position { .. }));
+    let driven = evidence.fit.iter().any(|e| e.is_driven());
+    let listed = match parts {
+        [] => return "These logs leave a combination of the numbers to what is believed of them.".into(),
+        [only] => {
+            return format!("These logs do not tell the {only} better than it is believed to be: {}.", alone(only));
+        }
+        [first, last] => format!("{first} and {last}"),
+        [most @ .., last] => format!("{} and {last}", most.join(", ")),
+    };
+    let remedy = match (by_setpoint, driven) {
+        (true, _) => {
+            "no torque of these position-driven logs is known; weigh the link, hang on a known mass, or log the current"
+        }
+        (false, true) => "the torque's scale is only believed; weigh the link or hang on a known mass",
+        (false, false) => "free swings show ratios of torques; weigh the link, or hang on a known mass",
+    };
+    format!(
+        "These logs cannot tell {listed} apart: they can be changed together. {}{}.",
+        remedy[..1].to_uppercase(),
+        &remedy[1..]
+    )
+}
+
+fn alone(name: &str) -> &'static str {
+    match name {
+        "coulomb" => "swings that come to rest, or slow motions with reversals, would",
+        "viscous" => "fast motions would",
+        "inertia" => "motions with more acceleration would",
+        "moment" => "a hung-on known mass, or wider swings, would",
+        _ => "a known load, or a logged torque, would",
+    }
+}

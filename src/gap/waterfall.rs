@@ -1,0 +1,70 @@
+//! From as given to the floor: what recalibration closes, and then each cause.
+
+use super::attribute::Attribution;
+use super::decide::{Decision, equivalent_of};
+use super::diagnosis::{BeliefFound, CauseShare, Number};
+use super::evidence::Evidence;
+use super::held_out::HeldOut;
+use super::model::BASELINE;
+use super::trial::Trial;
+use crate::identify::{JointModel, Search};
+use crate::joint::EffectId;
+
+/// The causes of an answer with their shares, from the RMS with the numbers recalibrated down to the floor \[rad\].
+pub(super) fn causes(
+    evidence: &Evidence,
+    held: &HeldOut,
+    a: &Attribution,
+    decision: &Decision<'_>,
+    parameters: &[(EffectId, Vec<Number>)],
+) -> Vec<CauseShare> {
+    let answer = decision.answer;
+    let rms = |t: &Trial| held.rms_rad(&held.residuals(evidence, t));
+    let calibrated = rms(&a.calibrated);
+    let left = calibrated - a.noise_rad;
+    let share = |from: f64, to: f64| (left > 0.0).then(|| ((from - to) / left).min(1.0));
+    let after_all = rms(answer);
+    // Where another effect stands for a single one, the hypotheses about the set are not about it.
+    let as_found = answer.effects() == a.best.effects();
+    (0..answer.effects().len())
+        .map(|k| {
+            let effect = answer.effects()[k];
+            let alone = if as_found { a.alone.get(k).map(rms) } else { Some(after_all) };
+            let without = if as_found { a.without.get(k).map(rms) } else { Some(calibrated) };
+            let after =
+                if k + 1 == answer.effects().len() { after_all } else { a.ladder.get(k).map_or(after_all, rms) };
+            let equivalent = if k == 0 { decision.equivalent.clone() } else { equivalent_of(evidence, a, k).0 };
+            CauseShare {
+                effect,
+                form: answer.model.forms()[k].name(),
+                equivalent,
+                parameters: parameters.iter().find(|(e, _)| *e == effect).map(|(_, p)| p.clone()).unwrap_or_default(),
+                alone: alone.and_then(|alone| share(calibrated, alone)),
+                last: without.and_then(|without| share(without, after_all)),
+                after,
+            }
+        })
+        .collect()
+}
+
+/// What was believed of each number that is not exact, and where the answer has it.
+pub(super) fn beliefs(answer: &Trial) -> Vec<BeliefFound> {
+    let parameters = &answer.model.parameters()[..BASELINE];
+    let found = parameters.iter().zip(&answer.found.values).filter(|(p, _)| !p.fixed);
+    found
+        .filter_map(|(p, &found)| {
+            let (belief, believed) = (p.belief?, p.nominal?);
+            Some(BeliefFound {
+                name: p.name.clone(),
+                believed,
+                sd: match p.search {
+                    Search::Logarithm => belief.sd * believed,
+                    Search::Linear { .. } => belief.sd,
+                },
+                found,
+                moved_sd: p.moved_sd(found)?,
+                unit: p.unit.clone(),
+            })
+        })
+        .collect()
+}
