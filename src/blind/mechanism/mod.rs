@@ -7,6 +7,7 @@ mod link;
 mod motor;
 mod outside;
 mod outside_drive;
+pub(super) mod servo;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
@@ -27,12 +28,19 @@ type Install = Box<dyn Fn(f64, &mut Machine) -> Vec<TrueNumber>>;
 pub(super) struct Mechanism {
     /// Smallest and largest plausible size; growing sizes have growing consequences.
     pub range: [f64; 2],
+    /// Between which values of what it depends on it acts; `None`: everywhere.
+    pub place: Option<[f64; 2]>,
     install: Install,
 }
 
 impl Mechanism {
     fn new(range: [f64; 2], install: impl Fn(f64, &mut Machine) -> Vec<TrueNumber> + 'static) -> Self {
-        Self { range, install: Box::new(install) }
+        Self { range, place: None, install: Box::new(install) }
+    }
+
+    /// Acts only between these values of what it depends on.
+    fn between(self, place: [f64; 2]) -> Self {
+        Self { place: Some(place), ..self }
     }
 
     /// Puts it in.
@@ -152,6 +160,10 @@ pub(super) fn outside(id: OutsideId, scene: &Scene<'_>, dice: &mut Dice) -> Mech
         Knocks => outside::knocks(scene, dice),
         SupplySag => outside_drive::sag(),
         DeadZone => outside_drive::dead_zone(),
-        SetpointSlew => outside_drive::slew(scene),
+        SetpointSlew => outside_drive::slew(scene, dice),
+        EncoderDrift => outside::drift(dice),
+        TorqueRipple => outside_drive::ripple(dice),
+        ProgressiveGain => outside_drive::progressive(scene),
+        HiddenIntegral => outside_drive::integral(),
     }
 }

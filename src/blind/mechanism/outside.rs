@@ -109,6 +109,7 @@ pub(super) fn detent(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
         machine.link.detent = Some([torque_nm, place, width]);
         vec![TrueNumber::new("torque", "N m", torque_nm), TrueNumber::new("place", "rad", place)]
     })
+    .between([place - 2.0 * width, place + 2.0 * width])
 }
 
 /// Size: the torque at which it slips.
@@ -137,5 +138,14 @@ pub(super) fn knocks(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
         machine.link.knock_nm = torque_nm;
         machine.link.knocks.clone_from(&knocks);
         vec![TrueNumber::new("torque", "N m", torque_nm)]
+    })
+}
+
+/// Size: how far the encoder's zero has wandered when a log ends.
+pub(super) fn drift(dice: &mut Dice) -> Mechanism {
+    let sign = dice.sign();
+    Mechanism::new([0.001, 0.2], move |size_rad, machine| {
+        machine.reading.drift_rad = sign * size_rad;
+        vec![TrueNumber::new("drift", "rad", sign * size_rad)]
     })
 }

@@ -1,13 +1,13 @@
 //! Every mechanism on a joint: it does nothing at no size, and something at its largest.
 
 use super::*;
-use crate::blind::plan::{one_sided, plan};
+use crate::blind::plan::{Driven, one_sided, plan};
 use crate::blind::sim::{Drive, simulate};
 
 pub(super) fn drawn(trial: u64, textbook: bool, mut check: impl FnMut(&Scene<'_>, &Machine, &mut Dice)) {
     let mut dice = Dice::new(99, trial);
     let joint = Joint::draw(&mut dice);
-    let mut plans = plan(&joint, true, &mut dice);
+    let mut plans = plan(&joint, Driven::Some, &mut dice);
     one_sided(&mut plans, 1.0);
     let mut machine =
         Machine::plain(joint.inertia_kg_m2, joint.peak_gravity_nm(), joint.coulomb_nm, joint.viscous_nm_s_rad);
