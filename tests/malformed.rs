@@ -310,6 +310,38 @@ fn malformed_studies_are_refused_with_key_and_fix() {
             "kd = 0.05\nderivative = \"error\"",
             &["`[motor] derivative`", "hold = \"linear\""],
         ),
+        (
+            "negative belief",
+            "[motor]",
+            "[uncertain]\ngain = -0.1\n[motor]",
+            &["line 11, key `[uncertain] gain`", "-0.1"],
+        ),
+        (
+            "belief in percent",
+            "[motor]",
+            "[uncertain]\ngain = 15\n[motor]",
+            &["`[uncertain] gain`", "0.1 is ten percent"],
+        ),
+        ("unknown belief", "[motor]", "[uncertain]\ngains = 0.1\n[motor]", &["line 11", "gains"]),
+        ("a winding alone", "kd = 0.05", "kd = 0.05\nresistance = 2", &["`[motor] resistance`", "model = \"voltage\""]),
+        (
+            "no supply",
+            "kd = 0.05",
+            "kd = 0.05\nmodel = \"voltage\"\nkt = 1\nresistance = 2",
+            &["`[motor] supply` is missing"],
+        ),
+        (
+            "empty session",
+            "drive = \"position\"",
+            "drive = \"position\"\nsession = \"\"",
+            &["`[[log]] 2 session`", "\"feb\""],
+        ),
+        (
+            "current without kt",
+            "drive = \"position\"",
+            "drive = \"position\"\ntau_is = \"current\"",
+            &["`[[log]] 2 kt` is missing"],
+        ),
         ("single brackets", "[[log]]\nfile = \"b.csv\"", "[log]\nfile = \"b.csv\"", &["line 18", "log"]),
         ("log without file", "file = \"a.csv\"\n", "", &["`[[log]] 1 file` is missing"]),
         (

@@ -25,6 +25,13 @@ pub(crate) struct Range64 {
     expected: &'static str,
 }
 
+impl Range64 {
+    /// What is said of it where a value is no number at all.
+    pub(super) fn expected(&self) -> &'static str {
+        self.expected
+    }
+}
+
 /// Zero or above; the key's unit is in the format.
 pub(crate) const NOT_NEGATIVE: Range64 = range(|x| x >= 0.0, "a number not below 0");
 pub(crate) const POSITIVE: Range64 = range(|x| x > 0.0, "a number above 0");

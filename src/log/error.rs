@@ -81,6 +81,9 @@ pub enum LogError {
         found: Vec<String>,
         hint: Option<String>,
     },
+    /// A torque or current without its sign, where the study says what it is.
+    #[error("{}: column `tau`: no negative value although the joint moves both ways: this is a magnitude (some drives report only that), expected torque or current with its sign; log the signed value, or leave tau_is out", file.display())]
+    UnsignedTorque { file: PathBuf },
     /// Not TOML, an unknown key, or a value of the wrong type; the parser's own message shows the line.
     #[error("{}: {}{}", file.display(), source.to_string().trim_end(), hint.map_or_else(String::new, |hint| format!("; {hint}")))]
     Toml { file: PathBuf, source: Box<toml::de::Error>, hint: Option<&'static str> },

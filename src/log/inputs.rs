@@ -14,7 +14,8 @@ use super::types::{DriveMode, Log, Study, StudyLog};
 ///
 /// # Errors
 /// The error of the first log, in the study's order, that cannot be read, whose period is about 1000 times off
-/// `[sensor] period`, or that lacks the column its `drive` needs (`q_ref` for "position", `tau` for "torque").
+/// `[sensor] period`, that lacks the column its `drive` needs (`q_ref` for "position", `tau` for "torque"), or whose `tau`
+/// has lost its sign although the study says what it is.
 pub fn read_study_logs(study: &Study) -> Result<Vec<Log>, LogError> {
     let logs: Vec<Result<Log, LogError>> =
         study.logs.par_iter().enumerate().map(|(i, entry)| read_one(study, i, entry)).collect();
@@ -32,7 +33,7 @@ fn read_one(study: &Study, i: usize, entry: &StudyLog) -> Result<Log, LogError> 
     let (needed, word) = match entry.drive {
         DriveMode::Position if log.q_ref_rad.is_none() => (Column::Setpoint, "position"),
         DriveMode::Torque if log.tau_nm.is_none() => (Column::Torque, "torque"),
-        _ => return Ok(log),
+        _ => return check_torque_sign(&log, entry).map(|()| log),
     };
     Err(LogError::MissingInput {
         file: entry.path.clone().into_boxed_path(),
@@ -43,6 +44,32 @@ fn read_one(study: &Study, i: usize, entry: &StudyLog) -> Result<Log, LogError> 
         hint: hint(&entry.path, needed, &log.ignored_columns),
         found: columns(log),
     })
+}
+
+/// Share of the larger pull of the setpoint that the smaller one has to reach in a joint that is pulled both ways.
+const BOTH_WAYS: f64 = 0.2;
+/// Share of the samples at either end that do not count in that.
+const TAILS: usize = 20;
+
+/// Refuses a `tau` that is said to be a torque or a current of a position-driven log and has no sign: no negative value,
+/// although the joint moves both ways and its setpoint pulls it both ways. A joint that only ever has to be held up may
+/// well see one sign, its setpoint is then always on one side.
+pub(crate) fn check_torque_sign(log: &Log, entry: &StudyLog) -> Result<(), LogError> {
+    let (Some(_), Some(tau), Some(q_ref)) = (entry.tau_is, &log.tau_nm, &log.q_ref_rad) else { return Ok(()) };
+    let has_sign = tau.iter().any(|tau| *tau < 0.0) || tau.iter().all(|tau| *tau == 0.0);
+    let pull = q_ref.iter().zip(&log.q_rad).map(|(q_ref, q)| q_ref - q).collect();
+    let moves = log.q_rad.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    if has_sign || !both_ways(pull) || !both_ways(moves) {
+        return Ok(());
+    }
+    Err(LogError::UnsignedTorque { file: log.file.clone() })
+}
+
+fn both_ways(mut values: Vec<f64>) -> bool {
+    values.sort_unstable_by(f64::total_cmp);
+    let tail = values.len() / TAILS;
+    let (Some(low), Some(high)) = (values.get(tail), values.iter().rev().nth(tail)) else { return false };
+    *low < 0.0 && *high > 0.0 && low.abs().min(*high) >= BOTH_WAYS * low.abs().max(*high)
 }
 
 fn columns(log: Log) -> Vec<String> {

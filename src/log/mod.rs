@@ -3,6 +3,7 @@
 //! [`read_log`] and [`read_study`] accept the formats of the specification and nothing else: a file that they accept
 //! has finite numbers, rising time, and very likely seconds and radians. [`health`] then says what a log is like.
 
+mod beliefs;
 mod csv;
 mod document;
 mod error;
@@ -11,6 +12,7 @@ mod health;
 mod health_noise;
 mod health_stamps;
 mod inputs;
+mod motor;
 mod place;
 mod plausible;
 mod pose;
@@ -23,6 +25,7 @@ mod study;
 mod thin;
 mod types;
 mod write;
+mod write_study;
 
 pub(crate) use document::{Document, NOT_NEGATIVE, POSITIVE, Range64, finite_within, range};
 pub(crate) use robot_study::{
@@ -50,3 +53,4 @@ pub use types::{
     SensorSpec, Spread, Study, StudyLog, TauIs, Uncertain, VoltageMotor,
 };
 pub use write::{Outputs, write_atomically, write_log};
+pub use write_study::study_text;

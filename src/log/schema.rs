@@ -15,6 +15,8 @@ pub(super) struct RawStudy {
     pub sensor: RawSensor,
     pub motor: Option<RawMotor>,
     #[serde(default)]
+    pub uncertain: RawUncertain,
+    #[serde(default)]
     pub log: Vec<RawLog>,
     pub release: Option<Spanned<RawRelease>>,
 }
@@ -49,11 +51,27 @@ pub(super) struct RawMotor {
     pub sample_period: Number,
     pub torque_limit: Number,
     pub speed_limit: Number,
+    pub model: Text,
+    pub kt: Number,
+    pub resistance: Number,
+    pub supply: Number,
+    pub duty_limit: Number,
+    pub encoder: Text,
+    pub armature: Number,
+    pub tau_is: Text,
+    pub gear: Number,
 }
 
 impl RawMotor {
-    /// This motor with another's keys where it has none itself.
-    pub(super) fn over(self, base: Self) -> Self {
+    /// This motor with another's keys where it has none itself; one that is of the plain kind takes nothing over that only
+    /// a motor fed by voltage has.
+    pub(super) fn over(self, mut base: Self) -> Self {
+        let says = |text: &Text, word: &str| text.as_ref().is_some_and(|text| text.get_ref() == word);
+        if says(&self.model, "torque") {
+            let is_current = says(self.tau_is.as_ref().map_or(&base.tau_is, |_| &self.tau_is), "current");
+            let kt = base.kt.take().filter(|_| is_current);
+            base = Self { kt, resistance: None, supply: None, duty_limit: None, ..base };
+        }
         Self {
             kp: self.kp.or(base.kp),
             ki: self.ki.or(base.ki),
@@ -63,18 +81,46 @@ impl RawMotor {
             sample_period: self.sample_period.or(base.sample_period),
             torque_limit: self.torque_limit.or(base.torque_limit),
             speed_limit: self.speed_limit.or(base.speed_limit),
+            model: self.model.or(base.model),
+            kt: self.kt.or(base.kt),
+            resistance: self.resistance.or(base.resistance),
+            supply: self.supply.or(base.supply),
+            duty_limit: self.duty_limit.or(base.duty_limit),
+            encoder: self.encoder.or(base.encoder),
+            armature: self.armature.or(base.armature),
+            tau_is: self.tau_is.or(base.tau_is),
+            gear: self.gear.or(base.gear),
         }
     }
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawLog {
     pub file: Text,
     pub role: Text,
     pub drive: Text,
+    pub session: Text,
+    pub tau_is: Text,
+    pub kt: Number,
+    pub gear: Number,
     pub motor: Option<RawMotor>,
     pub extra: Option<RawExtra>,
+}
+
+/// A number, or a table of numbers by name; which of them it is, is checked when it is read.
+pub(super) type RawSpread = Option<Spanned<toml::Value>>;
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawUncertain {
+    pub inertia: RawSpread,
+    pub moment: RawSpread,
+    pub mass: RawSpread,
+    pub friction: RawSpread,
+    pub gain: RawSpread,
+    pub torque: RawSpread,
+    pub floor: RawSpread,
 }
 
 #[derive(Deserialize)]

@@ -7,13 +7,12 @@ use std::path::{Path, PathBuf};
 
 use toml::Spanned;
 
-use super::document::{ANGLE, Document, FINITE, NOT_NEGATIVE, PERIOD, POSITIVE, Range64, range};
+use super::beliefs::{JOINT_NAMES, uncertain};
+use super::document::{ANGLE, Document, FINITE, NOT_NEGATIVE, PERIOD, Range64, range};
 use super::error::LogError;
+use super::motor::{motor, tau_is};
 use super::schema::{RawExtra, RawJoint, RawLog, RawMotor, RawRelease, RawSensor, RawStudy, Text};
-use super::types::{
-    Derivative, DriveMode, ExtraMass, Hold, JointSpec, MotorSpec, Nominal, Release, Role, SensorSpec, Study, StudyLog,
-    Uncertain,
-};
+use super::types::{DriveMode, ExtraMass, JointSpec, Nominal, Release, Role, SensorSpec, Study, StudyLog};
 
 const INERTIA: Range64 = range(|x| x > 0.0 && x < 1e4, "a number above 0 and below 1e4 (kg m^2)");
 const GRAVITY: Range64 = range(|x| x > 0.0 && x <= 30.0, "a number above 0 and at most 30 (m/s^2), without sign");
@@ -27,11 +26,8 @@ const SIZE: Range64 =
     range(|x| (0.0..=10.0).contains(&x), "a length from 0 to 10 m; a larger one looks like millimetres");
 
 pub(super) const ROLES: [(&str, Role); 2] = [("fit", Role::Fit), ("validate", Role::Validate)];
-const DRIVES: [(&str, DriveMode); 3] =
+pub(super) const DRIVES: [(&str, DriveMode); 3] =
     [("off", DriveMode::Off), ("position", DriveMode::Position), ("torque", DriveMode::Torque)];
-pub(super) const HOLDS: [(&str, Hold); 2] = [("step", Hold::Step), ("linear", Hold::Linear)];
-pub(super) const DERIVATIVES: [(&str, Derivative); 2] =
-    [("measurement", Derivative::Measurement), ("error", Derivative::Error)];
 
 /// Reads a joint study: nominal model, sensor, motor, and the logs, which have to exist but are not read yet.
 ///
@@ -47,7 +43,8 @@ pub fn read_study(path: &Path) -> Result<Study, LogError> {
         raw.joint.as_ref().ok_or_else(|| document.missing("[joint]", "the nominal model of the joint"))?;
     let joint = joint(&document, joint_table, true)?;
     let sensor = sensor(&document, &raw.sensor)?;
-    let motor = raw.motor.as_ref().map(|motor| self::motor(&document, "[motor] ", motor)).transpose()?;
+    let motor = raw.motor.as_ref().map(|raw| motor(&document, "[motor] ", raw)).transpose()?;
+    let uncertain = uncertain(&document, &raw.uncertain, JOINT_NAMES)?;
     if let Some(release) = &raw.release {
         let expected = "it only in the sidecar NAME.toml of a single log NAME.csv";
         return Err(document.wrong("[release]", release.span(), "a release in a study", expected));
@@ -67,7 +64,7 @@ pub fn read_study(path: &Path) -> Result<Study, LogError> {
     if !logs.iter().any(|log| log.role == Role::Fit) {
         return Err(document.missing("[[log]] role", "at least one log with role = \"fit\""));
     }
-    Ok(Study { file: path.to_path_buf(), joint, sensor, motor, uncertain: Uncertain::default(), logs, release: None })
+    Ok(Study { file: path.to_path_buf(), joint, sensor, motor, uncertain, logs, release: None })
 }
 
 /// Reads the sidecar `NAME.toml` beside a log `NAME.csv`; `None` if there is none.
@@ -91,14 +88,15 @@ pub fn read_sidecar_for(log_path: &Path) -> Result<Option<Study>, LogError> {
         joint.name = log_path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     }
     let sensor = sensor(&document, &raw.sensor)?;
-    let motor = raw.motor.as_ref().map(|motor| self::motor(&document, "[motor] ", motor)).transpose()?;
+    let motor = raw.motor.as_ref().map(|raw| motor(&document, "[motor] ", raw)).transpose()?;
+    let uncertain = uncertain(&document, &raw.uncertain, JOINT_NAMES)?;
     if raw.log.len() > 1 {
         let spans = raw.log[1].file.as_ref().map_or(0..0, Spanned::span);
         let expected =
             format!("only `{own_name}` in the sidecar of that log; give a study of several logs another name");
         return Err(document.wrong("[[log]] 2 file", spans, "a second log", &expected));
     }
-    let entry = raw.log.pop().unwrap_or(RawLog { file: None, role: None, drive: None, motor: None, extra: None });
+    let entry = raw.log.pop().unwrap_or_default();
     if let Some(file) = entry.file.as_ref().filter(|file| Path::new(file.get_ref()).file_name() != log_path.file_name())
     {
         let found = format!("\"{}\"", file.get_ref());
@@ -114,15 +112,7 @@ pub fn read_sidecar_for(log_path: &Path) -> Result<Option<Study>, LogError> {
     let drive = document.word(&format!("{table} drive"), &entry.drive, &DRIVES)?.unwrap_or(DriveMode::Off);
     let log = study_log(&document, table, entry, &raw.motor, (own_name, log_path.to_path_buf(), role, drive))?;
     let release = raw.release.as_ref().map(|release| self::release(&document, release.get_ref())).transpose()?;
-    Ok(Some(Study {
-        file: path.clone(),
-        joint,
-        sensor,
-        motor,
-        uncertain: Uncertain::default(),
-        logs: vec![log],
-        release,
-    }))
+    Ok(Some(Study { file: path.clone(), joint, sensor, motor, uncertain, logs: vec![log], release }))
 }
 
 /// The log that `[[log]]` number `i`, from 0, names: it stands there once, and is there.
@@ -194,53 +184,36 @@ fn sensor(document: &Document<'_>, raw: &RawSensor) -> Result<SensorSpec, LogErr
     })
 }
 
-fn motor(document: &Document<'_>, table: &str, raw: &RawMotor) -> Result<MotorSpec, LogError> {
-    let key = |name: &str| format!("{table}{name}");
-    let motor = MotorSpec {
-        kp_nm_rad: document.needed(&key("kp"), &raw.kp, NOT_NEGATIVE)?,
-        ki_nm_rad_s: document.number(&key("ki"), &raw.ki, NOT_NEGATIVE)?.unwrap_or(0.0),
-        kd_nm_s_rad: document.needed(&key("kd"), &raw.kd, NOT_NEGATIVE)?,
-        hold: document.word(&key("hold"), &raw.hold, &HOLDS)?.unwrap_or_default(),
-        derivative: document.word(&key("derivative"), &raw.derivative, &DERIVATIVES)?.unwrap_or_default(),
-        sample_period_s: document.number(&key("sample_period"), &raw.sample_period, PERIOD)?,
-        torque_limit_nm: document.number(&key("torque_limit"), &raw.torque_limit, POSITIVE)?,
-        speed_limit_rad_s: document.number(&key("speed_limit"), &raw.speed_limit, POSITIVE)?,
-        ..MotorSpec::pd(0.0, 0.0)
-    };
-    if motor.derivative == Derivative::Error && motor.hold == Hold::Step {
-        let span = raw.derivative.as_ref().map_or(0..0, Spanned::span);
-        let expected = "hold = \"linear\" beside it: a setpoint held in steps has no derivative";
-        return Err(document.wrong(&key("derivative"), span, "\"error\" with hold = \"step\"", expected));
-    }
-    if motor.speed_limit_rad_s.is_some() && motor.torque_limit_nm.is_none() {
-        let span = raw.speed_limit.as_ref().map_or(0..0, Spanned::span);
-        let expected = "torque_limit beside it, the stall torque of the torque-speed line";
-        return Err(document.wrong(&key("speed_limit"), span, "speed_limit alone", expected));
-    }
-    Ok(motor)
-}
-
 fn study_log(
     document: &Document<'_>,
     table: &str,
-    raw: RawLog,
+    mut raw: RawLog,
     base: &Option<RawMotor>,
     (file, path, role, drive): (String, PathBuf, Role, DriveMode),
 ) -> Result<StudyLog, LogError> {
-    let motor = match (raw.motor, base) {
-        (Some(own), base) => {
-            let merged = own.over(base.clone().unwrap_or_default());
-            Some(motor(document, &format!("{table} motor."), &merged)?)
-        }
-        (None, Some(base)) => Some(motor(document, "[motor] ", base)?),
-        (None, None) => None,
+    let (prefix, merged) = match (raw.motor.take(), base) {
+        (Some(own), base) => (format!("{table} motor."), Some(own.over(base.clone().unwrap_or_default()))),
+        (None, base) => ("[motor] ".to_owned(), base.clone()),
     };
+    let motor = merged.as_ref().map(|merged| motor(document, &prefix, merged)).transpose()?;
     if drive == DriveMode::Position && motor.is_none() {
         let expected = format!("kp and kd of the controller, which {table} (drive = \"position\") needs");
         return Err(document.missing("[motor]", expected));
     }
+    let session = session(document, table, &raw.session)?;
+    let tau_is = tau_is(document, table, &raw, merged.as_ref().map(|merged| (&*prefix, merged)), drive)?;
     let extra = raw.extra.as_ref().map(|extra| self::extra(document, table, extra)).transpose()?;
-    Ok(StudyLog { file, path, role, drive, motor, extra, session: None, tau_is: None })
+    Ok(StudyLog { file, path, role, drive, motor, extra, session, tau_is })
+}
+
+fn session(document: &Document<'_>, table: &str, raw: &Text) -> Result<Option<String>, LogError> {
+    match raw {
+        Some(name) if name.get_ref().trim().is_empty() => {
+            let expected = "a name such as \"feb\", the same for all logs that were taken in one go";
+            Err(document.wrong(&format!("{table} session"), name.span(), "an empty name", expected))
+        }
+        name => Ok(name.as_ref().map(|name| name.get_ref().clone())),
+    }
 }
 
 pub(super) fn extra(document: &Document<'_>, table: &str, raw: &RawExtra) -> Result<ExtraMass, LogError> {
@@ -260,3 +233,7 @@ fn release(document: &Document<'_>, raw: &RawRelease) -> Result<Release, LogErro
         angle_rad: document.number("[release] angle", &raw.angle, ANGLE)?,
     })
 }
+
+#[cfg(test)]
+#[path = "study_tests.rs"]
+mod tests;

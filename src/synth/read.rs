@@ -3,7 +3,7 @@
 use super::spec::{Believed, EffectSpec, JointBench, LogSpec, Spec, TruthSpec};
 use crate::log::{
     Document, LogError, RawControl, RawFloor, RawFriction, RawRobot, RawRobotSensor, RobotScenario, RobotStudy,
-    Sections, check_schema, robot_sections,
+    Sections, Uncertain, check_schema, robot_sections,
 };
 use serde::Deserialize;
 use std::path::Path;
@@ -86,6 +86,7 @@ fn study(document: &Document<'_>, sections: Sections) -> RobotStudy {
         control,
         floor,
         sensor,
+        uncertain: Uncertain::default(),
         logs: Vec::new(),
     }
 }

@@ -1,7 +1,7 @@
 //! What a made study looks like before anything is the matter: scenario, sensors, logs.
 
 use crate::blind::dice::{Dice, significant};
-use crate::log::{ControlSpec, FloorSpec, LegFrictionSpec, RobotScenario, RobotSensorSpec, RobotStudy};
+use crate::log::{ControlSpec, FloorSpec, LegFrictionSpec, RobotScenario, RobotSensorSpec, RobotStudy, Uncertain};
 use crate::synth::{Believed, LogSpec, Spec, TruthSpec};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -59,6 +59,7 @@ impl Scene {
                 period_s: Some(PERIOD_S),
                 noise_rad: Some(NOISE_RAD),
             },
+            uncertain: Uncertain::default(),
             logs: Vec::new(),
         };
         let truth = TruthSpec { scatter: SCATTER, ..TruthSpec::default() };

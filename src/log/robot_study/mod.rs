@@ -10,7 +10,7 @@ mod tests;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use super::types::{Derivative, ExtraMass, Hold, Role};
+use super::types::{Derivative, ExtraMass, Hold, Role, Uncertain};
 
 pub(crate) use raw::{RawControl, RawFloor, RawFriction, RawRobot, RawRobotSensor};
 pub(crate) use read::{Sections, floor, robot_sections};
@@ -37,6 +37,8 @@ pub struct RobotStudy {
     pub floor: FloorSpec,
     /// The encoders.
     pub sensor: RobotSensorSpec,
+    /// How sure the engineer is of what the study states; names are those of the robot's description.
+    pub uncertain: Uncertain,
     /// At least one.
     pub logs: Vec<RobotStudyLog>,
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use toml::Spanned;
 
-use crate::log::schema::{Number, RawExtra, Text};
+use crate::log::schema::{Number, RawExtra, RawUncertain, Text};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -16,6 +16,8 @@ pub(super) struct RawRobotStudy {
     pub control: Option<RawControl>,
     pub floor: Option<Spanned<RawFloor>>,
     pub sensor: Option<RawRobotSensor>,
+    #[serde(default)]
+    pub uncertain: RawUncertain,
     #[serde(default)]
     pub log: Vec<RawRobotLog>,
 }

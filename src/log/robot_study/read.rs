@@ -11,12 +11,14 @@ use super::{
     ControlSpec, FloorSpec, Forward, LegFrictionSpec, RobotRelease, RobotScenario, RobotSensorSpec, RobotStudy,
     RobotStudyLog,
 };
+use crate::log::beliefs::{ANY_NAME, uncertain};
 use crate::log::document::{Document, FINITE, NOT_NEGATIVE, PERIOD, POSITIVE, Range64, range};
 use crate::log::error::LogError;
+use crate::log::motor::{DERIVATIVES, HOLDS};
 use crate::log::plausible::check_stamps;
 use crate::log::robot_log::{RobotLog, read_robot_log};
 use crate::log::schema::{Number, Text};
-use crate::log::study::{DERIVATIVES, HOLDS, RESOLUTION, ROLES, check_schema, extra, named_log};
+use crate::log::study::{RESOLUTION, ROLES, check_schema, extra, named_log};
 use crate::log::types::{Derivative, Hold, Role};
 
 /// The robot that is compiled in.
@@ -77,6 +79,7 @@ pub fn read_robot_study(path: &Path) -> Result<RobotStudy, LogError> {
         &raw.robot,
         (raw.friction.as_ref(), raw.control.as_ref(), raw.floor.as_ref(), raw.sensor.as_ref()),
     )?;
+    let uncertain = uncertain(&document, &raw.uncertain, ANY_NAME)?;
     if raw.log.is_empty() {
         return Err(document.missing("[[log]]", "at least one log"));
     }
@@ -87,7 +90,19 @@ pub fn read_robot_study(path: &Path) -> Result<RobotStudy, LogError> {
         return Err(document.missing("[[log]] role", "at least one log with role = \"fit\""));
     }
     let file = path.to_path_buf();
-    Ok(RobotStudy { file, model, model_path, scenario, drop_height_m, friction, control, floor, sensor, logs })
+    Ok(RobotStudy {
+        file,
+        model,
+        model_path,
+        scenario,
+        drop_height_m,
+        friction,
+        control,
+        floor,
+        sensor,
+        uncertain,
+        logs,
+    })
 }
 
 /// Reads the logs of a robot study, in the study's order.

@@ -18,6 +18,7 @@ fn study(scenario: RobotScenario) -> RobotStudy {
         },
         floor: FloorSpec { static_friction: Some(0.9), ..FloorSpec::default() },
         sensor: RobotSensorSpec::default(),
+        uncertain: crate::log::Uncertain::default(),
         logs: Vec::new(),
     }
 }
