@@ -70,7 +70,7 @@ fn made_whole_catalogue(bencher: Bencher<'_, '_>, cause: &str) {
 #[divan::bench(args = [2, 4, 8], sample_count = 3, sample_size = 1)]
 fn by_logs(bencher: Bencher<'_, '_>, logs: usize) {
     let mut case = made(Cause::One(EffectId::Stribeck));
-    case.items.retain(|item| item.entry.role == Role::Fit && item.experiment.is_some());
+    case.items.retain(|item| item.entry.role == Role::Fit && !item.experiments.is_empty());
     let free = case.items.iter().position(|item| item.entry.drive == DriveMode::Off);
     let driven = case.items.iter().position(|item| item.entry.drive != DriveMode::Off);
     let both: Vec<Item> = free.into_iter().chain(driven).map(|at| case.items[at].clone()).collect();

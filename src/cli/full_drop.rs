@@ -105,7 +105,7 @@ impl<'a> Bench<'a> {
             None => (rigid.reading_rad.clone(), controlled.reading_rad.clone()),
         };
         let row = FullRow {
-            file: e.file.clone(),
+            file: e.label(),
             pendulum_rms: self.prediction.rms_rad,
             rigid: held_row(e, &rigid.reading_rad),
             controlled: held_row(e, &controlled.reading_rad),
@@ -114,7 +114,7 @@ impl<'a> Bench<'a> {
             controlled_refitted: held_row(e, &controlled_rad),
         };
         let curves = FullCurves {
-            file: e.file.clone(),
+            file: e.label(),
             t_s: e.t_s.clone(),
             measured_rad: e.measured_rad.clone(),
             first: e.uncompared,

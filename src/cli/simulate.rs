@@ -75,17 +75,20 @@ pub(super) fn run(args: &SimulateArgs) -> Result<u8, CliError> {
             Role::Fit => "fit",
             Role::Validate => "validate",
         };
-        let Some((experiment, prediction)) = prediction else {
+        if prediction.is_empty() {
             let _ = writeln!(text, "{:<40} {role:<9} {:>8} {:>12}", item.entry.file, item.log.len(), "never moves");
             rows.push(json!({ "file": item.entry.file, "role": role, "rms": null, "moved": false }));
             continue;
-        };
+        }
         let csv = free_name(&outputs, &folder, &log_name(&item.entry.path));
-        outputs.add(&csv, predicted_csv(item, experiment, prediction));
-        let samples = experiment.compared();
-        let _ = writeln!(text, "{:<40} {role:<9} {samples:>8} {:>12.3}", item.entry.file, 1e3 * prediction.rms_rad);
-        rows.push(json!({ "file": item.entry.file, "role": role, "rms": prediction.rms_rad, "samples": samples,
-            "criterion": prediction.criterion_rad2_s, "predicted": csv.display().to_string() }));
+        outputs.add(&csv, predicted_csv(item, prediction));
+        let samples: usize = prediction.iter().map(|(e, _)| e.compared()).sum();
+        let squares: f64 = prediction.iter().map(|(e, p)| p.rms_rad.powi(2) * e.compared() as f64).sum();
+        let rms_rad = if let [(_, only)] = &prediction[..] { only.rms_rad } else { (squares / samples as f64).sqrt() };
+        let criterion: f64 = prediction.iter().map(|(_, p)| p.criterion_rad2_s).sum();
+        let _ = writeln!(text, "{:<40} {role:<9} {samples:>8} {:>12.3}", item.entry.file, 1e3 * rms_rad);
+        rows.push(json!({ "file": item.entry.file, "role": role, "rms": rms_rad, "samples": samples,
+            "criterion": criterion, "predicted": csv.display().to_string() }));
     }
     let found = json!({
         "schema": SCHEMA, "joint": case.joint.name, "parameters": in_force.source, "logs": rows,
@@ -217,11 +220,12 @@ fn read_fit(path: &Path) -> Result<FitFile, CliError> {
     serde_json::from_str(text).map_err(|error| wrong(format!("{error}; {EXPECTED}")))
 }
 
-type Predicted<'a> = (&'a Item, Option<(Experiment, Prediction)>);
+/// A log, and its parts with what is predicted of each.
+type Predicted<'a> = (&'a Item, Vec<(&'a Experiment, Prediction)>);
 
 /// Predicts every log of a case; a log in which nothing moves has no prediction.
 fn predictions<'a>(case: &'a Case, in_force: &InForce) -> Result<Vec<Predicted<'a>>, CliError> {
-    let moving: Vec<Experiment> = case.items.iter().filter_map(|i| i.experiment.clone()).collect();
+    let moving: Vec<Experiment> = case.items.iter().flat_map(|i| i.experiments.iter().cloned()).collect();
     let scale = Scale::of(&moving, Some(&in_force.nominal), in_force.rest_rad);
     let reach = reach_of(&moving, &in_force.nominal);
     let baseline = GapModel::baseline(&in_force.nominal, scale.rest_rad, &reach);
@@ -240,19 +244,19 @@ fn predictions<'a>(case: &'a Case, in_force: &InForce) -> Result<Vec<Predicted<'
     case.items
         .iter()
         .map(|item| {
-            let Some(experiment) = &item.experiment else { return Ok((item, None)) };
-            let prediction = predict(&model, std::slice::from_ref(experiment), &values)
+            let predicted = predict(&model, &item.experiments, &values)
                 .map_err(|source| CliError::Diverged { file: item.entry.file.clone(), source })?;
-            Ok((item, prediction.into_iter().next().map(|p| (experiment.clone(), p))))
+            Ok((item, item.experiments.iter().zip(predicted).collect()))
         })
         .collect()
 }
 
-/// Times of the log, prediction and reading.
-fn predicted_csv(item: &Item, e: &Experiment, prediction: &Prediction) -> String {
+/// Times of the log, prediction and reading; what lies in its holes is not predicted.
+fn predicted_csv(item: &Item, parts: &[(&Experiment, Prediction)]) -> String {
     let t0 = item.log.t_s[0];
     let mut text = String::from("t,q,dq,q_measured\n");
-    for k in e.uncompared..e.t_s.len() {
+    let samples = parts.iter().flat_map(|(e, prediction)| (e.uncompared..e.t_s.len()).map(move |k| (e, prediction, k)));
+    for (e, prediction, k) in samples {
         let (t, q, dq) = (t0 + e.t_s[k], prediction.angle_rad[k], prediction.rate_rad_s[k]);
         let _ = writeln!(text, "{t:.6},{q:.7},{dq:.6},{:.7}", e.measured_rad[k]);
     }

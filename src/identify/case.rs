@@ -1,5 +1,6 @@
 //! What a user hands over, made ready: a study, or logs with their sidecars, as one joint and its experiments.
 
+use super::holes::{FEWEST_SAMPLES, cut, ends_of_holes};
 use super::{Experiment, LegCase};
 use crate::geometry::{GeometryError, LegJoint};
 use crate::log::{
@@ -37,8 +38,10 @@ pub struct Item {
     pub sensor: SensorSpec,
     /// What it is like.
     pub health: Health,
-    /// The log made ready; `None` where the joint never moved, or was never let go.
-    pub experiment: Option<Experiment>,
+    /// The log made ready, one for each part between two holes; none where the joint never moved, or was never let go.
+    pub experiments: Vec<Experiment>,
+    /// What was left out of it and why, in words.
+    pub remarks: Vec<String>,
 }
 
 /// Why logs do not make a case.
@@ -93,10 +96,6 @@ pub enum CaseError {
         needed: usize,
     },
 }
-
-/// A baseline fit of one log has six unknowns: inertia, two frictions, rest angle, and the start's two. Two samples more
-/// show how well it does.
-const FEWEST_SAMPLES: usize = 8;
 
 /// Samples of a free log that are fitted at the most. A swing holds no more news than that, and a search looks at every
 /// sample hundreds of times. Driven logs are fitted whole: what drives them between two samples counts.
@@ -207,7 +206,8 @@ impl Case {
         joint.gravity_m_s2 = gravity_m_s2;
         let items = items
             .into_iter()
-            .map(|(log, entry, sensor)| item(log, entry, sensor, gravity_m_s2, leg.as_ref()))
+            .enumerate()
+            .map(|(i, (log, entry, sensor))| item(i, log, entry, sensor, gravity_m_s2, leg.as_ref()))
             .collect::<Result<_, _>>()?;
         let by_bodies = by_bodies && leg.is_some();
         Ok(Self { joint, leg, by_bodies, uncertain, items, documents })
@@ -218,13 +218,14 @@ impl Case {
         self.items.iter().map(|item| item.entry.path.clone()).chain(self.documents.iter().cloned()).collect()
     }
 
-    /// Experiments of the logs with a role, in order; logs in which nothing moved are left out.
+    /// Experiments of the logs with a role, in order, parts of a log one after the other; logs in which nothing moved are left out.
     pub fn experiments(&self, role: Role) -> Vec<Experiment> {
-        self.items.iter().filter(|i| i.entry.role == role).filter_map(|i| i.experiment.clone()).collect()
+        self.items.iter().filter(|i| i.entry.role == role).flat_map(|i| i.experiments.iter().cloned()).collect()
     }
 }
 
 fn item(
+    log_index: usize,
     log: Log,
     entry: StudyLog,
     sensor: SensorSpec,
@@ -232,6 +233,7 @@ fn item(
     leg: Option<&LegCase>,
 ) -> Result<Item, CaseError> {
     let whole = health(&log, &sensor, entry.drive);
+    let holes = ends_of_holes(&log.t_s);
     let short = if entry.drive == DriveMode::Off { thinned(&log, &whole, MOST_SAMPLES) } else { None };
     let (log, health) = short.unwrap_or((log, whole));
     let free = health.start.held().map_or(log.len(), |held| log.len() - held.first_free);
@@ -239,9 +241,11 @@ fn item(
         return Err(CaseError::TooFewSamples { file: entry.path.clone(), samples: free, needed: FEWEST_SAMPLES });
     }
     let resolution_rad = sensor.resolution_rad.or(health.step_rad).unwrap_or(0.0);
-    let mut experiment =
+    let experiment =
         health.moved.then(|| Experiment::new(&log, &entry, &health, resolution_rad, gravity_m_s2)).flatten();
-    if let Some(e) = &mut experiment {
+    let (mut experiments, mut remarks) = (Vec::new(), Vec::new());
+    if let Some(mut e) = experiment {
+        e.log_index = log_index;
         if e.compared() < FEWEST_SAMPLES {
             let (file, samples) = (entry.path.clone(), e.compared());
             return Err(CaseError::TooFewSamples { file, samples, needed: FEWEST_SAMPLES });
@@ -251,8 +255,9 @@ fn item(
             e.bodies = leg.bodies().map_err(impossible)?;
             e.load = entry.extra.as_ref().map(|extra| leg.load(extra)).transpose().map_err(impossible)?;
         }
+        (experiments, remarks) = cut(e, &log, &holes, health.noise_rad);
     }
-    Ok(Item { log, entry, sensor, health, experiment })
+    Ok(Item { log, entry, sensor, health, experiments, remarks })
 }
 
 fn same_joint(path: &Path, spec: &JointSpec, first: &Path, expected: &JointSpec) -> Result<(), CaseError> {
@@ -318,7 +323,7 @@ mod tests {
         let case = Case::of_logs(&[PathBuf::from("data/q1.csv")], None).expect("readable");
         let leg = case.leg.expect("q1 is a joint of the leg");
         assert!(leg.pose_known);
-        let e = case.items[0].experiment.as_ref().expect("it swings");
+        let e = case.items[0].experiments.first().expect("it swings");
         assert_eq!((e.bodies.len(), e.uncompared), (3, 1));
         assert_eq!(case.documents.len(), 2);
     }

@@ -73,6 +73,12 @@ pub enum Signal {
 pub struct Experiment {
     /// As the user named it.
     pub file: String,
+    /// Which item of its [`Case`](super::Case) the log is; 0 outside a case.
+    pub log_index: usize,
+    /// Which part of a log that has holes this is, from 1; 0: the log has none.
+    pub part: usize,
+    /// Logs of one session were taken in one go; `None`: this log stands alone.
+    pub session: Option<String>,
     /// What the log is used for.
     pub role: Role,
     /// Where in the log the experiment begins.
@@ -153,6 +159,9 @@ impl Experiment {
         let runs = super::weights::repeated_roundings(&measured_rad[uncompared..], resolution_rad, LONG_RUN);
         Some(Self {
             file: entry.file.clone(),
+            log_index: 0,
+            part: 0,
+            session: entry.session.clone(),
             role: entry.role,
             first_sample: first,
             uncompared,
@@ -191,6 +200,19 @@ impl Experiment {
         parts
     }
 
+    /// A part of the log between two holes, `number` from 1.
+    pub(super) fn part_of_log(&self, range: Range<usize>, number: usize) -> Self {
+        let part = self.part(range);
+        let compared = &part.measured_rad[part.uncompared..];
+        let runs = super::weights::repeated_roundings(compared, self.resolution_rad, LONG_RUN);
+        Self { runs, part: number, ..part }
+    }
+
+    /// The file, with the part's number where the log has several.
+    pub fn label(&self) -> String {
+        if self.part == 0 { self.file.clone() } else { format!("{} (part {})", self.file, self.part) }
+    }
+
     fn part(&self, range: Range<usize>) -> Self {
         let begins = range.start == 0;
         let uncompared = if begins { self.uncompared } else { 0 };
@@ -222,6 +244,7 @@ impl Experiment {
             runs: Vec::new(),
             bodies: self.bodies.clone(),
             file: self.file.clone(),
+            session: self.session.clone(),
             t_s,
             measured_rad,
             ..*self

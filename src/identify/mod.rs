@@ -6,6 +6,7 @@ mod directives;
 mod drop;
 mod equation_error;
 mod experiment;
+mod holes;
 mod leg;
 mod model;
 mod parameter;

@@ -157,12 +157,13 @@ fn health_row(item: &Item) -> LogHealthRow {
         _ if !h.moved => remarks.push("never moves".to_owned()),
         _ => {}
     }
-    if let Some(e) = &item.experiment {
+    if let Some(e) = item.experiments.last() {
         let last = e.first_sample + e.t_s.len();
-        if last < item.log.len() {
+        if last < item.log.len() && item.log.drive.as_ref().is_some_and(|held| held[last]) {
             remarks.push(format!("caught again at {:.3} s; what follows is not fitted", item.log.t_s[last]));
         }
     }
+    remarks.extend(item.remarks.iter().cloned());
     if item.log.len() < h.samples {
         remarks.push(format!("long log: {} of its samples are fitted", item.log.len()));
     }
@@ -209,11 +210,11 @@ fn role(role: Role) -> String {
     }
 }
 
-/// Curves of every log that moves, in the case's order.
+/// Curves of every log that moves, in the case's order; one for each part of a log with holes.
 fn logs(case: &Case, fit: &DropFit) -> Vec<LogCurves> {
     let (mut fitted, mut validated) = (0, 0);
     let mut curves = Vec::new();
-    for item in case.items.iter().filter(|i| i.experiment.is_some()) {
+    for item in case.items.iter().flat_map(|item| item.experiments.iter().map(move |_| item)) {
         match item.entry.role {
             Role::Fit => {
                 let group = fit.simple.iter().find_map(|g| {
@@ -234,24 +235,31 @@ fn logs(case: &Case, fit: &DropFit) -> Vec<LogCurves> {
 }
 
 fn log_curves(item: &Item, e: &Experiment, simple: Option<&Prediction>, extensive: &Prediction) -> LogCurves {
-    let n = item.log.len();
-    let first = e.first_sample + e.uncompared;
+    // Of a log with holes each part is drawn by itself, the first with what was held before it.
+    let shown = match e.part {
+        0 => 0..item.log.len(),
+        1 => 0..e.first_sample + e.t_s.len(),
+        _ => e.first_sample..e.first_sample + e.t_s.len(),
+    };
+    let n = shown.len();
+    let begins = e.first_sample - shown.start;
+    let first = begins + e.uncompared;
     let spread = |values: &[f64]| {
         let mut all = vec![f64::NAN; n];
-        all[first..e.first_sample + values.len()].copy_from_slice(&values[e.uncompared..]);
+        all[first..begins + values.len()].copy_from_slice(&values[e.uncompared..]);
         all
     };
     let t0 = item.log.t_s[0];
     LogCurves {
-        file: item.entry.file.clone(),
+        file: e.label(),
         role: role(item.entry.role),
-        t_s: item.log.t_s.iter().map(|t| t - t0).collect(),
-        measured_rad: item.log.q_rad.clone(),
+        t_s: item.log.t_s[shown.clone()].iter().map(|t| t - t0).collect(),
+        measured_rad: item.log.q_rad[shown.clone()].to_vec(),
         first_fitted: first,
         simple_rad: simple.map_or_else(|| vec![f64::NAN; n], |p| spread(&p.angle_rad)),
         extensive_rad: spread(&extensive.angle_rad),
         extensive_rate_rad_s: spread(&extensive.rate_rad_s),
-        setpoint_rad: if e.is_driven() { item.log.q_ref_rad.clone() } else { None },
+        setpoint_rad: item.log.q_ref_rad.as_ref().filter(|_| e.is_driven()).map(|q_ref| q_ref[shown].to_vec()),
         half_step_rad: 0.5 * e.resolution_rad,
         simple_rms_rad: simple.map_or(f64::NAN, |p| p.rms_rad),
         extensive_rms_rad: extensive.rms_rad,

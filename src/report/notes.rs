@@ -124,7 +124,7 @@ pub(super) fn notes(case: &Case, fit: &DropFit) -> Vec<String> {
             i.health.samples
         )
     }));
-    notes.extend(case.items.iter().filter(|i| i.experiment.is_none()).map(|i| still(case, i)));
+    notes.extend(case.items.iter().filter(|i| i.experiments.is_empty()).map(|i| still(case, i)));
     notes
 }
 

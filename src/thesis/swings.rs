@@ -68,9 +68,9 @@ fn of_joint(folder: &Path, joint: LegJoint, logs: &[PathBuf]) -> Result<JointSwi
             loads.push(Load { name, extra_mass_kg, moving: Vec::new(), still: Vec::new() });
             loads.len() - 1
         });
-        match &item.experiment {
-            Some(experiment) => loads[at].moving.push(experiment.clone()),
-            None => loads[at].still.push(item.entry.file.clone()),
+        loads[at].moving.extend(item.experiments.iter().cloned());
+        if item.experiments.is_empty() {
+            loads[at].still.push(item.entry.file.clone());
         }
     }
     loads.sort_by(|a, b| a.extra_mass_kg.total_cmp(&b.extra_mass_kg));

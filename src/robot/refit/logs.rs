@@ -44,8 +44,10 @@ impl<'a> BenchLogs<'a> {
     pub fn of(case: &'a Case, of_each_load: usize) -> Result<Option<Self>, SimulateError> {
         let Some(leg) = case.leg.as_ref().filter(|leg| leg.pose_known) else { return Ok(None) };
         let mut logs: Vec<BenchLog<'a>> = Vec::new();
-        for item in &case.items {
-            let Some(e) = item.experiment.as_ref().filter(|e| !e.is_driven()) else { continue };
+        for (item, e) in case.items.iter().flat_map(|item| item.experiments.iter().map(move |e| (item, e))) {
+            if e.is_driven() {
+                continue;
+            }
             let Some([_, release_s]) = e.release_window_s else { continue };
             let mass = |extra: &Option<ExtraMass>| extra.map_or(0.0, |extra| extra.mass_kg);
             let same = |log: &&BenchLog<'_>| mass(&log.extra) == mass(&item.entry.extra);
