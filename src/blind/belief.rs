@@ -16,6 +16,8 @@ pub(super) struct Belief {
 const DEFAULTS: Believed = Believed { inertia: 0.10, moment: 0.05, friction: 0.5, gain: 0.10, written: false };
 /// Standard deviations that engineers write, from and to.
 const WRITTEN: [[f64; 2]; 4] = [[0.02, 0.2], [0.01, 0.1], [0.1, 0.5], [0.02, 0.15]];
+/// A true number is not further than this below the stated one, as a share of that.
+const LEAST_SHARE: f64 = -0.6;
 /// From so many standard deviations on a number is wrong.
 pub(super) const WRONG_SD: f64 = 3.0;
 
@@ -51,7 +53,8 @@ impl Belief {
         let mut far_gain = false;
         for (k, share) in shares.iter_mut().enumerate().take(count) {
             let sd = scatter.of(k);
-            let within = sd * dice.normal().clamp(-2.0, 2.0);
+            // a number cannot be less than nothing
+            let within = (sd * dice.normal().clamp(-2.0, 2.0)).max(LEAST_SHARE);
             let far = dice.sign() * dice.uniform(0.03, 0.4);
             *share = match dice.uniform(0.0, 1.0) {
                 _ if exact => 0.0,
@@ -72,8 +75,7 @@ impl Belief {
                 }
                 let least = 1.15 * WRONG_SD * believed.of(k);
                 let share = dice.uniform(least.max(0.08), (1.5 * least).max(0.4));
-                // a number cannot be less than nothing
-                shares[k] = if share < 0.7 { dice.sign() * share } else { share };
+                shares[k] = if share < -LEAST_SHARE { dice.sign() * share } else { share };
             }
         }
         let mut stated = [0.0; 6];
@@ -126,6 +128,7 @@ mod tests {
             written += usize::from(sure.believed.written);
             // twice their scatter, of which the study states no less than half
             assert!(off.iter().all(|(_, sd)| *sd < 4.6), "{off:?}");
+            assert!(sure.nominal.list().iter().all(|value| value.is_finite() && *value > 0.0), "{sure:?}");
             let mixed = Belief::draw(&numbers, gains, false, Errors::Mixed, &mut dice);
             assert_eq!(mixed.gains, gains, "no gain is stated where nothing drives");
             far += usize::from((mixed.nominal.inertia / numbers.inertia - 1.0).abs() > 0.2);
