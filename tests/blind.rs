@@ -70,7 +70,9 @@ fn answers_are_sealed_before_and_opened_after_the_diagnosis() {
             assert!(trial["answer"].get(key).is_some(), "answer has no `{key}`: {trial}");
         }
         assert_eq!(trial["truth"]["verdict"], "none");
-        assert_eq!(trial["judgement"]["verdict"], trial["answer"]["verdict"] == "none");
+        // where numbers are off within what the study says, to refit them is no mistake
+        let refitted = trial["truth"]["within"] == true && trial["answer"]["verdict"] == "calibration";
+        assert_eq!(trial["judgement"]["verdict"], trial["answer"]["verdict"] == "none" || refitted);
     }
     assert_eq!(run["score"]["false_alarms"]["of"], 2);
     let page = fs::read_to_string(folder.join("report.html")).unwrap();

@@ -52,8 +52,6 @@ macro_rules! outside {
 outside! {
     /// A torque that swings several times per turn.
     Cogging, "cogging", Gearing, [Angle];
-    /// A spring between motor and link.
-    FlexibleJoint, "flexible_joint", Gearing, [Torque, Load, Angle];
     /// Friction that gives way over a large angle before it slips.
     SoftPresliding, "soft_presliding", Link, [Direction, Amplitude, Speed];
     /// A reading that deviates several times per turn.
@@ -66,10 +64,6 @@ outside! {
     BaseSway, "base_sway", Link, [Time];
     /// The motor gets weaker along a log.
     SupplySag, "supply_sag", Motor, [Time, Torque];
-    /// The controller ignores small errors.
-    DeadZone, "dead_zone", Controller, [Torque];
-    /// The controller's setpoint follows at a limited rate.
-    SetpointSlew, "setpoint_slew", Setpoint, [SetpointRate];
     /// Viscous friction that varies over a turn.
     AngleViscous, "angle_viscous", Link, [Angle, Speed];
     /// A magnet beside the link.
@@ -102,8 +96,7 @@ impl Serialize for OutsideId {
 
 /// Effects that only a driven log can show.
 pub(super) fn needs_motor(effect: EffectId) -> bool {
-    use EffectId::*;
-    matches!(effect, GearFriction | Delay | SetpointHold | TorqueLimit | SpeedLimit | MotorGain)
+    effect.is_driven_only()
 }
 
 impl Cause {
@@ -115,12 +108,7 @@ impl Cause {
             Cause::Servo => true,
             Cause::Outside(id) => matches!(
                 id,
-                OutsideId::SupplySag
-                    | OutsideId::DeadZone
-                    | OutsideId::SetpointSlew
-                    | OutsideId::TorqueRipple
-                    | OutsideId::ProgressiveGain
-                    | OutsideId::HiddenIntegral
+                OutsideId::SupplySag | OutsideId::TorqueRipple | OutsideId::ProgressiveGain | OutsideId::HiddenIntegral
             ),
         }
     }

@@ -63,6 +63,8 @@ enum Kind {
     Transmission,
     Reading,
     Setpoint,
+    Profile,
+    Command,
     Motor,
 }
 
@@ -71,9 +73,11 @@ fn kind(effect: EffectId) -> Kind {
     match effect {
         Stribeck | LoadFriction | GearFriction | QuadraticDrag | AsymmetricFriction | PositionFriction
         | FrictionDrift => Kind::Friction,
-        Backlash | EndStop => Kind::Transmission,
+        Backlash | EndStop | Compliance => Kind::Transmission,
         JointSpring | AngleOffset | SensorGain => Kind::Reading,
-        Delay | SetpointHold => Kind::Setpoint,
+        Delay | SensorDelay | SetpointHold => Kind::Setpoint,
+        SetpointProfile => Kind::Profile,
+        DeadBand => Kind::Command,
         TorqueLimit | SpeedLimit | MotorGain => Kind::Motor,
     }
 }

@@ -63,9 +63,11 @@ impl<'a> Bench<'a> {
             ("mass_lower_leg", LinkBody::LowerLeg),
         ];
         let coulomb_nm = value("coulomb").unwrap_or(0.0);
-        let stribeck = value("static_excess")
-            .zip(value("v_st"))
-            .map(|(excess, speed_rad_s)| Stribeck { static_nm: coulomb_nm + excess, speed_rad_s });
+        let stribeck = value("static_excess").zip(value("v_st")).map(|(excess, speed_rad_s)| Stribeck {
+            static_nm: coulomb_nm + excess,
+            speed_rad_s,
+            curve: Default::default(),
+        });
         let begins = e.t_s.first().copied().unwrap_or(0.0);
         let (release_s, rate_rad_s) = match e.release_window_s {
             Some(_) => (prediction.start[1], 0.0),

@@ -7,7 +7,7 @@ use super::provenance::provenance;
 use crate::fit::{Budget, Method};
 use crate::gap::{GapModel, reach_of};
 use crate::identify::{Case, Experiment, Item, JointModel, Prediction, Scale, conclude, predict};
-use crate::joint::{EffectId, UnknownEffect};
+use crate::joint::{EffectForm, EffectId, UnknownEffect};
 use crate::log::{LogError, Nominal, Outputs, Role};
 use crate::report::{EffectFit, FitFile, Quantity, SCHEMA};
 use clap::Args;
@@ -42,7 +42,7 @@ struct InForce {
     nominal: Nominal,
     rest_rad: Option<f64>,
     /// Effects with their values as they are searched.
-    effects: Vec<(EffectId, Vec<f64>)>,
+    effects: Vec<(EffectForm, Vec<f64>)>,
     source: String,
 }
 
@@ -155,17 +155,18 @@ fn in_force(args: &SimulateArgs, case: &Case) -> Result<InForce, CliError> {
 }
 
 /// The effects of a fit file with their values as they are searched, or what is wrong with them.
-fn effects(fits: &[EffectFit], coulomb_nm: f64) -> Result<Vec<(EffectId, Vec<f64>)>, String> {
-    let mut effects: Vec<(EffectId, Vec<f64>)> = Vec::new();
+fn effects(fits: &[EffectFit], coulomb_nm: f64) -> Result<Vec<(EffectForm, Vec<f64>)>, String> {
+    let mut effects: Vec<(EffectForm, Vec<f64>)> = Vec::new();
     for fit in fits {
-        let effect: EffectId = fit.id.parse().map_err(|unknown: UnknownEffect| unknown.to_string())?;
-        if effects.iter().any(|(other, _)| *other == effect) {
-            return Err(format!("{effect} stands there twice"));
+        let family: EffectId = fit.id.parse().map_err(|unknown: UnknownEffect| unknown.to_string())?;
+        let effect = EffectForm::named_so(family, fit.form.as_deref()).map_err(|unknown| unknown.to_string())?;
+        if effects.iter().any(|(other, _)| other.id == family) {
+            return Err(format!("{family} stands there twice"));
         }
         let named = named_values(effect, &fit.parameters)?;
-        if effect == EffectId::Stribeck && named[0] < coulomb_nm * (1.0 - ROUNDING) {
+        if family == EffectId::Stribeck && named[0] < coulomb_nm * (1.0 - ROUNDING) {
             let below = format!("below the Coulomb friction {coulomb_nm:?}");
-            return Err(format!("{effect} mu_st.value is {:?}, {below}; static friction is not less", named[0]));
+            return Err(format!("{family} mu_st.value is {:?}, {below}; static friction is not less", named[0]));
         }
         effects.push((effect, effect.searched(&named, coulomb_nm)));
     }
@@ -173,8 +174,8 @@ fn effects(fits: &[EffectFit], coulomb_nm: f64) -> Result<Vec<(EffectId, Vec<f64
 }
 
 /// An effect's values in the catalogue's order, or what is wrong with them.
-fn named_values(effect: EffectId, parameters: &BTreeMap<String, Quantity>) -> Result<Vec<f64>, String> {
-    let known = effect.named_parameters();
+fn named_values(form: EffectForm, parameters: &BTreeMap<String, Quantity>) -> Result<Vec<f64>, String> {
+    let (known, effect) = (form.named_parameters(), form.id);
     if let Some(other) = parameters.keys().find(|name| known.iter().all(|p| p.name != name.as_str())) {
         let names: Vec<&str> = known.iter().map(|p| p.name).collect();
         return Err(format!("{effect} has no parameter `{other}`; it has {}", names.join(", ")));

@@ -3,10 +3,11 @@
 use super::diagnosis::ResidualTorque;
 use super::smoother::State;
 use crate::integrate::rk4;
-use crate::joint::{Chain, Setpoint};
+use crate::joint::{Chain, Driven};
 use crate::pendulum::{Command, Input, Schedule};
 
-/// A chain with what acts on it along a log. Its play is not followed: motor side and link move as one.
+/// A chain with what acts on it along a log. Its play or spring is not followed: motor side and link move as one; and its
+/// controller sees a late reading to first order in the delay.
 pub(super) struct Along<'a> {
     chain: &'a Chain<f64>,
     t_s: &'a [f64],
@@ -24,7 +25,8 @@ pub(super) struct Along<'a> {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Memory {
     integral_rad_s: f64,
-    held_nm: f64,
+    /// The answer of a sampled law.
+    held: f64,
     ticks: u64,
 }
 
@@ -66,14 +68,14 @@ impl<'a> Along<'a> {
             }
             first.push(commands.len());
         }
-        let fastest_rad_s = [chain.fastest_rad_s(false), chain.fastest_rad_s(true)];
+        let fastest_rad_s = [chain.fastest_rad_s(Driven::Off), chain.fastest_rad_s(Driven::ByLaw)];
         Self { chain, t_s, commands, first, sample_period_s, fastest_rad_s }
     }
 
     /// What acts between sample `k` and the next, at first.
     fn command(&self, k: usize) -> Command<f64> {
         let interval = k.min(self.first.len().saturating_sub(2));
-        self.commands.get(self.first[interval]).map_or(Command::Torque(0.0), |c| c.1)
+        self.commands.get(self.first[interval]).map_or(Command::Off, |c| c.1)
     }
 
     /// Torque of the motor on a joint that rests at an angle, at sample `k`, its controller's memory empty \[N m\].
@@ -117,16 +119,16 @@ impl<'a> Along<'a> {
     /// commands until then. `None` where there is no such law.
     fn tick(&self, command: Command<f64>, t_s: f64, y: &[f64; 2], memory: &mut Memory) -> Option<(f64, Command<f64>)> {
         let period_s = self.sample_period_s?;
-        let Command::Pid { setpoint_rad, slope_rad_s, from_s } = command else { return None };
+        let setpoint = command.setpoint(t_s)?;
         let at = |ticks: u64| self.t_s[0] + ticks as f64 * period_s;
         if at(memory.ticks) <= t_s + SAME_INSTANT_S {
-            let setpoint = Setpoint { angle_rad: setpoint_rad + (t_s - from_s) * slope_rad_s, rate_rad_s: slope_rad_s };
-            let gain = self.chain.sensor_gain;
+            let late_rad = self.chain.sensor_delay_s.map_or(0.0, |delay_s| delay_s * y[1]);
+            let [angle_rad, rate_rad_s] = self.chain.reading(y[0] - late_rad, y[1]);
             let motor = self.chain.motor.as_ref()?;
-            memory.held_nm = motor.command_nm(setpoint, y[0] * gain, y[1] * gain, memory.integral_rad_s);
+            memory.held = motor.command(setpoint, angle_rad, rate_rad_s, memory.integral_rad_s);
             memory.ticks = ((t_s + SAME_INSTANT_S - self.t_s[0]) / period_s).floor() as u64 + 1;
         }
-        Some((at(memory.ticks), Command::Torque(memory.held_nm)))
+        Some((at(memory.ticks), Command::Torque(memory.held)))
     }
 
     /// A joint that rests from sample `k` to the next: only the controller's memory moves.
@@ -152,8 +154,8 @@ impl<'a> Along<'a> {
     ) -> Passage {
         let mut moving = Moving {
             along: self,
-            law: Command::Torque(0.0),
-            command: Command::Torque(0.0),
+            law: Command::Off,
+            command: Command::Off,
             t_s: from_s,
             from_s,
             y: [state[0], state[1]],
@@ -219,9 +221,9 @@ impl Moving<'_, '_> {
     }
 
     fn advance(&mut self, until_s: f64) {
-        let motor_on = matches!(self.law, Command::Pid { .. });
-        let fastest_rad_s = self.along.fastest_rad_s[usize::from(motor_on)];
-        let longest_s = STRETCH * self.along.chain.longest_step_s(fastest_rad_s, self.y[0], self.y[1], motor_on);
+        let driven = self.law.driven();
+        let fastest_rad_s = self.along.fastest_rad_s[usize::from(driven == Driven::ByLaw)];
+        let longest_s = STRETCH * self.along.chain.longest_step_s(fastest_rad_s, self.y[0], self.y[1], driven);
         let from_s = self.t_s;
         let steps = ((until_s - from_s) / longest_s).ceil().clamp(1.0, MOST_STEPS);
         let step_s = (until_s - from_s) / steps;

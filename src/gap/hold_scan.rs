@@ -8,6 +8,7 @@ use super::evidence::Evidence;
 use super::model::GapModel;
 use super::projector::Projector;
 use crate::identify::{Experiment, JointModel, Signal};
+use crate::joint::{Driven, Motor};
 use crate::log::{Derivative, Hold, MotorSpec};
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -88,6 +89,7 @@ impl<'a> Response<'a> {
         let law = e.motor?;
         let chain = model.chain(values, e);
         let mean_rad = e.measured_rad.iter().sum::<f64>() / e.measured_rad.len() as f64;
+        let (kp_nm_rad, kd_nm_s_rad) = Motor::<f64>::new(law).stiffness_and_damping(Driven::ByLaw);
         let aside_rad = 1e-3;
         let passive = |q: f64| chain.passive_nm(q, 0.0);
         let gravity_nm_rad = (passive(mean_rad - aside_rad) - passive(mean_rad + aside_rad)) / (2.0 * aside_rad);
@@ -96,9 +98,9 @@ impl<'a> Response<'a> {
             setpoint_rad,
             hold: *hold,
             law,
-            inertia_kg_m2: chain.link.inertia_kg_m2,
-            stiffness_nm_rad: law.kp_nm_rad + gravity_nm_rad,
-            damping_nm_s_rad: law.kd_nm_s_rad + chain.friction.viscous_nm_s_rad,
+            inertia_kg_m2: chain.inertia_kg_m2(),
+            stiffness_nm_rad: kp_nm_rad + gravity_nm_rad,
+            damping_nm_s_rad: kd_nm_s_rad + chain.friction.viscous_nm_s_rad,
         })
     }
 
@@ -145,10 +147,12 @@ impl<'a> Response<'a> {
                 since_s = read_s;
             }
             mean_rad = (mean_rad + held_rad * (to_s - since_s)) / step_s;
-            let mut torque_nm = self.law.kp_nm_rad * (mean_rad - self.setpoint_rad(k, 0.5 * (from_s + to_s)));
+            let per_answer = self.law.nm_per_answer();
+            let mut torque_nm =
+                per_answer * self.law.kp_nm_rad * (mean_rad - self.setpoint_rad(k, 0.5 * (from_s + to_s)));
             if self.law.derivative == Derivative::Error && self.hold == Hold::Linear {
                 let change_rad = self.setpoint_rad(k, to_s) - self.setpoint_rad(k, from_s);
-                torque_nm -= self.law.kd_nm_s_rad * change_rad / step_s;
+                torque_nm -= per_answer * self.law.kd_nm_s_rad * change_rad / step_s;
             }
             // Implicit in stiffness and damping.
             let inertia =

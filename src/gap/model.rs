@@ -1,7 +1,7 @@
 //! The joint with effects, as a model to be fitted: baseline and rest angle first, then each effect's parameters.
 
 use crate::identify::{Experiment, JointModel, Parameter, Search, Signal};
-use crate::joint::{Chain, EffectId, Friction, Link, Motor, Reach, Real, Scan};
+use crate::joint::{Chain, EffectForm, EffectId, Friction, Link, Motor, Reach, Real, Scan};
 use crate::log::Nominal;
 
 /// Where the baseline's numbers stand among the values.
@@ -18,6 +18,8 @@ pub(super) const BASELINE: usize = 5;
 pub(crate) struct GapModel {
     parameters: Vec<Parameter>,
     effects: Vec<EffectId>,
+    /// The same in the forms that they have here.
+    forms: Vec<EffectForm>,
 }
 
 impl GapModel {
@@ -37,14 +39,15 @@ impl GapModel {
             Parameter::friction("viscous", "mu_v", "N m s/rad", Some(n.viscous_nm_s_rad), n.viscous_nm_s_rad, damping),
             Parameter::angle("rest", "q_rest", Some(rest_rad), rest_rad).fixed(),
         ];
-        Self { parameters, effects: Vec::new() }
+        Self { parameters, effects: Vec::new(), forms: Vec::new() }
     }
 
     /// The same joint with one effect more.
-    pub(crate) fn with(&self, effect: EffectId, reach: &Reach) -> Self {
-        let mut more = self.clone();
-        more.effects.push(effect);
-        more.parameters.extend(effect.parameters(reach).into_iter().map(|p| {
+    pub(crate) fn with(&self, effect: impl Into<EffectForm>, reach: &Reach) -> Self {
+        let (mut more, form) = (self.clone(), effect.into());
+        more.effects.push(form.id);
+        more.forms.push(form);
+        more.parameters.extend(form.parameters(reach).into_iter().map(|p| {
             let search = match p.scan {
                 Scan::Logarithm => Search::Logarithm,
                 Scan::Linear(scale) => Search::Linear { scale },
@@ -88,8 +91,8 @@ impl GapModel {
 
     /// Where the values of the `k`-th effect stand.
     pub(super) fn place(&self, k: usize) -> std::ops::Range<usize> {
-        let from = BASELINE + self.effects[..k].iter().map(|e| e.searched_count()).sum::<usize>();
-        from..from + self.effects[k].searched_count()
+        let from = BASELINE + self.forms[..k].iter().map(|e| e.searched_count()).sum::<usize>();
+        from..from + self.forms[k].searched_count()
     }
 
     /// Free parameters.
@@ -119,9 +122,10 @@ impl JointModel for GapModel {
             Signal::Torque { .. } => Some(Motor::direct()),
             Signal::Position { .. } => experiment.motor.map(Motor::new),
         };
-        let mut chain = Chain::new(link, Friction::coulomb_viscous(values[COULOMB], values[VISCOUS]), motor);
+        let friction = Friction::coulomb_viscous(values[COULOMB], values[VISCOUS]);
+        let mut chain = Chain::new(link, friction, motor).geared(experiment.motor.as_ref());
         let mut rest_of = &values[BASELINE.min(values.len())..];
-        for &effect in &self.effects {
+        for &effect in &self.forms {
             let (own, later) = rest_of.split_at(effect.searched_count());
             effect.apply(own, values[INERTIA], &mut chain);
             rest_of = later;

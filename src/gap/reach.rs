@@ -2,7 +2,7 @@
 
 use crate::identify::{Experiment, Signal};
 use crate::joint::{DrivenReach, Reach};
-use crate::log::Nominal;
+use crate::log::{MotorModel, Nominal};
 
 /// The reach of all experiments together.
 pub(crate) fn reach_of(experiments: &[Experiment], nominal: &Nominal) -> Reach {
@@ -53,7 +53,11 @@ fn largest_command(e: &Experiment) -> f64 {
         (Signal::Torque { torque_nm, .. }, _) => torque_nm.iter().map(|t| t.abs()).fold(0.0, f64::max),
         (Signal::Position { setpoint_rad, .. }, Some(motor)) => {
             let errors = setpoint_rad.iter().zip(&e.measured_rad).map(|(r, q)| (r - q).abs());
-            motor.kp_nm_rad * errors.fold(0.0, f64::max)
+            let most = match motor.model {
+                MotorModel::Torque => f64::INFINITY,
+                MotorModel::Voltage(motor) => motor.duty_limit,
+            };
+            motor.nm_per_answer() * (motor.kp_nm_rad * errors.fold(0.0, f64::max)).min(most)
         }
         _ => 0.0,
     }

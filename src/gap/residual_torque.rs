@@ -16,8 +16,17 @@ use super::rest::{Rest, rests, together};
 use super::smoother::{Begin, Change, Prior, Reading, Smoothed, State, Step, likelihood, smooth};
 use super::strength::roughest_that_readings_allow;
 use crate::identify::Experiment;
-use crate::joint::Chain;
+use crate::joint::{Chain, Driven};
 use crate::pendulum::Start;
+
+/// What the encoder shows of the joint at an instant, which a late one shows later \[rad\].
+fn reading_at(chain: &Chain<f64>, e: &Experiment, t_s: f64) -> f64 {
+    let shown_s = t_s + chain.sensor_delay_s.unwrap_or(0.0);
+    let last = e.t_s.len() - 1;
+    let k = e.t_s.partition_point(|t| *t <= shown_s).clamp(1, last);
+    let share = ((shown_s - e.t_s[k - 1]) / (e.t_s[k] - e.t_s[k - 1])).clamp(0.0, 1.0);
+    e.measured_rad[k - 1] + share * (e.measured_rad[k] - e.measured_rad[k - 1])
+}
 
 /// Reconstructs the torque that `chain` lacks along `e`, from its start on.
 ///
@@ -31,10 +40,10 @@ use crate::pendulum::Start;
 pub fn residual_torque(chain: &Chain<f64>, e: &Experiment, start: Start<f64>, noise_rad: f64) -> ResidualTorque {
     let gain = chain.sensor_gain;
     let true_angles;
-    let (e, noise_rad) = if gain == 1.0 {
+    let (e, noise_rad) = if chain.reads_true() {
         (e, noise_rad)
     } else {
-        let measured_rad = e.measured_rad.iter().map(|q| q / gain).collect();
+        let measured_rad = e.t_s.iter().map(|t_s| chain.read_back(reading_at(chain, e, *t_s), 0.0)[0]).collect();
         true_angles = Experiment { measured_rad, resolution_rad: e.resolution_rad / gain, ..e.clone() };
         (&true_angles, noise_rad / gain)
     };
@@ -104,7 +113,7 @@ impl<'a> Record<'a> {
         let along = Along::new(chain, e.input(), &e.t_s);
         let rests = rests(chain, &along, e, first + 1, noise_rad);
         let variance = noise_rad * noise_rad;
-        let frequency_rad_s = chain.fastest_rad_s(false).max(SLOWEST_RAD_S);
+        let frequency_rad_s = chain.fastest_rad_s(Driven::Off).max(SLOWEST_RAD_S);
         let span_s = std::f64::consts::PI / frequency_rad_s;
         let counts = together(e, &rests, RESOLVED * span_s);
         let readings = (first..e.t_s.len())
@@ -158,7 +167,7 @@ impl<'a> Record<'a> {
         let release_s = self.start.release_s.filter(|r| k == 0 && *r > from_s);
         let p = self.along.pass(from, release_s.unwrap_or(from_s), x, direction, may_turn && !rested, memory);
         let offset = std::array::from_fn(|i| p.end[i] - (0..4).map(|j| p.upper[i][j] * x[j]).sum::<f64>());
-        let jolted_rad_s2 = self.along.jolt_nm(from, x[0]).abs() / self.chain.link.inertia_kg_m2;
+        let jolted_rad_s2 = self.along.jolt_nm(from, x[0]).abs() / self.chain.inertia_kg_m2();
         let jumps = p.turned || jolted_rad_s2 > JOLT * self.scale_rad_s2;
         // A joint that was at rest has left at some instant in between.
         let leaves = rested || (k == 0 && self.start.release_s.is_some());
@@ -185,7 +194,7 @@ impl<'a> Record<'a> {
     /// Torque on a joint that is about to move \[N m\].
     fn pull_nm(&self, k: usize, x: &State) -> f64 {
         let motor_nm = self.along.resting_nm(self.first + k, x[0]);
-        self.chain.drive_nm(x[0], motor_nm) + x[2] * self.chain.link.inertia_kg_m2
+        self.chain.drive_nm(x[0], motor_nm) + x[2] * self.chain.inertia_kg_m2()
     }
 
     /// The steps about a path that moves in these directions.
@@ -262,7 +271,7 @@ impl<'a> Record<'a> {
 
     fn answer(&self, path: &[Smoothed], scale: f64) -> ResidualTorque {
         let (e, chain) = (self.e, self.chain);
-        let inertia = chain.link.inertia_kg_m2;
+        let inertia = chain.inertia_kg_m2();
         let n = e.t_s.len();
         let mut out = ResidualTorque { t_s: e.t_s[e.uncompared..].to_vec(), ..ResidualTorque::default() };
         let released = |k: usize| k > self.first || self.start.release_s.is_none();
@@ -308,7 +317,7 @@ impl<'a> Record<'a> {
         if rest.beyond_nm == 0.0 {
             return (f64::NAN, f64::NAN);
         }
-        let (kp, _) = self.chain.motor.as_ref().map_or((0.0, 0.0), |m| m.stiffness_and_damping());
+        let (kp, _) = self.chain.motor.as_ref().map_or((0.0, 0.0), |m| m.stiffness_and_damping(Driven::ByLaw));
         (-rest.beyond_nm, (self.chain.link.peak_gravity_nm() + kp) * self.noise_rad)
     }
 
@@ -328,7 +337,7 @@ fn scale_rad_s2(chain: &Chain<f64>, along: &Along<'_>, e: &Experiment, frequency
     let acting_nm = chain.link.peak_gravity_nm().max((squares / n).sqrt()) + breakaway_nm;
     let mean = e.measured_rad.iter().sum::<f64>() / n;
     let spread_rad = (e.measured_rad.iter().map(|q| (q - mean).powi(2)).sum::<f64>() / n).sqrt();
-    (acting_nm / chain.link.inertia_kg_m2).max(frequency_rad_s.powi(2) * spread_rad)
+    (acting_nm / chain.inertia_kg_m2()).max(frequency_rad_s.powi(2) * spread_rad)
 }
 
 #[cfg(test)]

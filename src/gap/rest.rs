@@ -130,7 +130,7 @@ impl Calm<'_, '_> {
 
     /// How long a joint let go near a reading takes to leave it \[s\].
     fn leaving_s(&self, pull_nm: f64) -> f64 {
-        (4.0 * self.reach_rad * self.chain.link.inertia_kg_m2 / pull_nm).sqrt()
+        (4.0 * self.reach_rad * self.chain.inertia_kg_m2() / pull_nm).sqrt()
     }
 
     /// The least by which the torque on the resting joint is beyond breakaway, anywhere near `angle_rad`.

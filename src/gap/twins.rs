@@ -160,6 +160,8 @@ fn resize(effect: EffectId, values: &mut [f64], size: f64) {
         EffectId::MotorGain => values[0] = values[0].powf(size),
         EffectId::TorqueLimit => values[0] /= size.sqrt(),
         EffectId::SpeedLimit => values[1] /= size.sqrt(),
+        EffectId::Compliance => values[0] /= size,
+        EffectId::SetpointProfile => values.iter_mut().for_each(|v| *v /= size.sqrt()),
         EffectId::EndStop => values[2] *= size,
         EffectId::PositionFriction => values.iter_mut().for_each(|v| *v *= size),
         _ => values[0] *= size,

@@ -179,9 +179,11 @@ impl JointModel for ExtensiveModel {
             // Held above the Coulomb friction: mu_st = mu_c + an excess.
             static_nm: values[c] + values[v + 1],
             speed_rad_s: values[v + 2],
+            curve: Default::default(),
         });
         ExtensivePendulum { link, coulomb_nm: values[c], viscous_nm_s_rad: values[v], stribeck }
             .chain(experiment.motor.map(Motor::new))
+            .geared(experiment.motor.as_ref())
     }
 }
 

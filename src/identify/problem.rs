@@ -4,7 +4,7 @@ use super::parameter::{free_of, starts_of, values_in};
 use super::{Experiment, Found, JointModel, Parameter};
 use crate::fit::{Block, Coordinate, Rejected, Residuals, Rounding};
 use crate::joint::{Chain, Real, gradient, variable};
-use crate::pendulum::{Diverged, Start, State, rollout};
+use crate::pendulum::{Diverged, Start, State};
 use num_dual::DualSVec64;
 use rayon::prelude::*;
 
@@ -196,13 +196,9 @@ pub(crate) fn readings<T: Real>(
     chain: &Chain<T>,
     e: &Experiment,
     start: Start<T>,
-    mut visit: impl FnMut(usize, &State<T>),
+    visit: impl FnMut(usize, &State<T>),
 ) -> Result<(), Diverged> {
-    let gain = chain.sensor_gain;
-    let start = Start { angle_rad: start.angle_rad / gain, rate_rad_s: start.rate_rad_s / gain, ..start };
-    rollout(chain, e.input(), &e.t_s, start, |k, s| {
-        visit(k, &State { angle_rad: s.angle_rad * gain, rate_rad_s: s.rate_rad_s * gain });
-    })
+    crate::pendulum::readings(chain, e.input(), &e.t_s, start, 1.0, visit)
 }
 
 impl<M: JointModel> Residuals for Problem<'_, M> {

@@ -1,6 +1,11 @@
 //! One joint put together from its stages.
 
-use super::{Contact, EndStop, Friction, Link, Motor, Play, Real, Setpoint, SetpointPath, Spring};
+use super::motor::Driven;
+use super::{
+    Compliance, Contact, Eccentric, EndStop, Friction, Link, Motor, Play, Real, Setpoint, SetpointPath, Spring,
+    SpringCurve,
+};
+use crate::log::{EncoderSide, MotorSpec};
 
 /// The joint of one log: what the setpoint passes through, motor, link, friction, and what the encoder makes of it.
 ///
@@ -12,6 +17,11 @@ pub struct Chain<T: Real> {
     pub motor: Option<Motor<T>>,
     /// Free play between motor side and link.
     pub play: Option<Play<T>>,
+    /// A spring between motor side and link.
+    pub compliance: Option<Compliance<T>>,
+    /// Inertia of rotor and gears as the joint feels it, whether the motor is on or off \[kg m^2\]; on the motor side of
+    /// a play.
+    pub armature_kg_m2: f64,
     /// Inertia and gravity.
     pub link: Link<T>,
     /// What resists.
@@ -20,8 +30,29 @@ pub struct Chain<T: Real> {
     pub spring: Option<Spring<T>>,
     /// A stop at one end of the range.
     pub stop: Option<EndStop<T>>,
+    /// The side of the gearing that encoder and controller see; one as good as the other where nothing gives.
+    pub encoder: EncoderSide,
     /// Reading per true angle; 1 for a perfect encoder. The controller sees the reading.
     pub sensor_gain: T,
+    /// What the encoder adds once per turn, after the gain.
+    pub eccentric: Option<Eccentric<T>>,
+    /// The reading is this old \[s\]; the controller sees it so.
+    pub sensor_delay_s: Option<T>,
+}
+
+/// A spring between motor side and link is rigid where the two would swing faster than this against each other
+/// \[rad/s\]: no log shows it.
+const RIGID_RAD_S: f64 = 3e3;
+
+/// Motor side and link apart.
+#[derive(Clone, Copy)]
+pub(crate) struct TwoSides<T> {
+    /// Free play between them \[rad\].
+    pub width_rad: Option<T>,
+    /// A spring between them.
+    pub compliance: Option<Compliance<T>>,
+    /// Inertia of the motor side \[kg m^2\].
+    pub motor_side_kg_m2: T,
 }
 
 impl<T: Real> Chain<T> {
@@ -31,12 +62,44 @@ impl<T: Real> Chain<T> {
             setpoint: SetpointPath::default(),
             motor,
             play: None,
+            compliance: None,
+            armature_kg_m2: 0.0,
             link,
             friction,
             spring: None,
             stop: None,
+            encoder: EncoderSide::default(),
             sensor_gain: T::constant(1.0),
+            eccentric: None,
+            sensor_delay_s: None,
         }
+    }
+
+    /// The same joint with the gears of a motor: their inertia, and the side on which the encoder sits.
+    pub fn geared(self, spec: Option<&MotorSpec>) -> Self {
+        match spec {
+            Some(spec) => Self { armature_kg_m2: spec.armature_kg_m2, encoder: spec.encoder, ..self },
+            None => self,
+        }
+    }
+
+    /// Inertia of all that turns with the joint \[kg m^2\].
+    #[inline]
+    pub fn inertia_kg_m2(&self) -> T {
+        self.link.inertia_kg_m2 + self.armature_kg_m2
+    }
+
+    /// Motor side and link, where something gives between them.
+    pub(crate) fn two_sides(&self) -> Option<TwoSides<T>> {
+        let of_play = self.play.as_ref().map(|play| play.motor_side_kg_m2);
+        let of_spring = self.compliance.as_ref().map(|spring| spring.motor_side_kg_m2);
+        let motor_side_kg_m2 = of_play.or(of_spring)? + self.armature_kg_m2;
+        let whole = self.inertia_kg_m2().re();
+        let least = motor_side_kg_m2.re() * (whole - motor_side_kg_m2.re()) / whole;
+        let gives = |spring: &Compliance<T>| !(spring.stiffness_nm_rad.re() > RIGID_RAD_S.powi(2) * least);
+        let compliance = self.compliance.filter(gives);
+        let width_rad = self.play.as_ref().map(|play| play.width_rad);
+        (width_rad.is_some() || compliance.is_some()).then_some(TwoSides { width_rad, compliance, motor_side_kg_m2 })
     }
 
     /// Torque of spring and stop \[N m\].
@@ -78,21 +141,68 @@ impl<T: Real> Chain<T> {
         let speed_rad_s = rate_rad_s * direction;
         let at = Contact { t_s, angle_rad, speed_rad_s, direction, gravity_nm, motor_nm };
         let passive_nm = gravity_nm + self.elastic_nm(angle_rad, rate_rad_s);
-        (motor_nm + passive_nm - self.friction.resistance_nm(&at) * direction) / self.link.inertia_kg_m2
+        (motor_nm + passive_nm - self.friction.resistance_nm(&at) * direction) / self.inertia_kg_m2()
+    }
+
+    /// What the encoder makes of a true angle and rate on its side of the gearing.
+    #[inline]
+    pub fn reading(&self, angle_rad: T, rate_rad_s: T) -> [T; 2] {
+        let [angle_rad, rate_rad_s] = [angle_rad * self.sensor_gain, rate_rad_s * self.sensor_gain];
+        match &self.eccentric {
+            None => [angle_rad, rate_rad_s],
+            Some(eccentric) => {
+                let [reading_rad, slope] = eccentric.read(angle_rad);
+                [reading_rad, rate_rad_s * slope]
+            }
+        }
+    }
+
+    /// What the encoder makes of a true angle.
+    #[inline]
+    pub fn reading_rad(&self, angle_rad: T) -> T {
+        match &self.eccentric {
+            None => angle_rad * self.sensor_gain,
+            Some(eccentric) => eccentric.read(angle_rad * self.sensor_gain)[0],
+        }
+    }
+
+    /// The true angle and rate at which the encoder reads these, its delay aside.
+    pub fn read_back(&self, reading_rad: T, reading_rad_s: T) -> [T; 2] {
+        let [angle_rad, rate_rad_s] = match &self.eccentric {
+            None => [reading_rad, reading_rad_s],
+            Some(eccentric) => {
+                let angle_rad = eccentric.read_back(reading_rad);
+                [angle_rad, reading_rad_s / eccentric.read(angle_rad)[1]]
+            }
+        };
+        [angle_rad / self.sensor_gain, rate_rad_s / self.sensor_gain]
+    }
+
+    /// Whether encoder and controller see the true angle at once.
+    pub fn reads_true(&self) -> bool {
+        self.sensor_gain.re() == 1.0 && self.eccentric.is_none() && self.sensor_delay_s.is_none()
     }
 
     /// The torque that the motor's law asks of it and that arrives \[N m\], at a true angle and rate.
     #[inline]
     pub fn motor_nm(&self, setpoint: Setpoint<T>, angle_rad: T, rate_rad_s: T, integral_rad_s: T) -> T {
-        let Some(motor) = &self.motor else { return T::nought() };
-        let (reading_rad, reading_rad_s) = (angle_rad * self.sensor_gain, rate_rad_s * self.sensor_gain);
-        motor.delivered_nm(motor.command_nm(setpoint, reading_rad, reading_rad_s, integral_rad_s), rate_rad_s)
+        self.turning_motor_nm(setpoint, [angle_rad, rate_rad_s, integral_rad_s], rate_rad_s)
     }
 
-    /// The torque that arrives of one that a log commands \[N m\].
+    /// The same, where the motor turns at another rate than the side of the gearing that the controller sees; `seen` is
+    /// true angle and rate there, and the integral of the angle error.
     #[inline]
-    pub fn delivered_nm(&self, command_nm: T, rate_rad_s: T) -> T {
-        self.motor.as_ref().map_or(command_nm, |motor| motor.delivered_nm(command_nm, rate_rad_s))
+    pub(crate) fn turning_motor_nm(&self, setpoint: Setpoint<T>, seen: [T; 3], motor_rad_s: T) -> T {
+        let Some(motor) = &self.motor else { return T::nought() };
+        let [angle_rad, rate_rad_s, integral_rad_s] = seen;
+        let [reading_rad, reading_rad_s] = self.reading(angle_rad, rate_rad_s);
+        motor.delivered_nm(motor.command(setpoint, reading_rad, reading_rad_s, integral_rad_s), motor_rad_s)
+    }
+
+    /// The torque that arrives of one that a log commands, or of an answer of the law that is held \[N m\].
+    #[inline]
+    pub fn delivered_nm(&self, command: T, rate_rad_s: T) -> T {
+        self.motor.as_ref().map_or(command, |motor| motor.delivered_nm(command, rate_rad_s))
     }
 
     /// Torque that it takes to move a joint at rest in `direction` \[N m\].
@@ -100,22 +210,27 @@ impl<T: Real> Chain<T> {
         self.resistance_nm(t_s, angle_rad, T::nought(), direction, motor_nm)
     }
 
-    /// Frequency \[rad/s\] of the fastest oscillation: gravity's, with the controller's stiffness where the motor is on.
-    pub(crate) fn fastest_rad_s(&self, motor_on: bool) -> f64 {
-        let (kp, _) = self.stiffness_and_damping(motor_on);
+    /// Frequency \[rad/s\] of the fastest oscillation: gravity's, with the controller's stiffness where its law acts.
+    pub(crate) fn fastest_rad_s(&self, driven: Driven) -> f64 {
+        let (kp, _) = self.stiffness_and_damping(driven);
         let spring = self.spring.as_ref().map_or(0.0, |spring| spring.stiffness_nm_rad.re().abs());
-        ((self.link.peak_gravity_nm() + kp + spring) / self.link.inertia_kg_m2.re()).sqrt()
+        ((self.link.peak_gravity_nm() + kp + spring) / self.inertia_kg_m2().re()).sqrt()
     }
 
     /// The step \[s\] that keeps the fourth-order Runge-Kutta error far below a sensor step.
     ///
     /// A tenth of a radian of the fastest oscillation ([`Chain::fastest_rad_s`], which is the same all along a motion),
     /// or a quarter of the fastest decay: the phase error is then 1e-7 rad per step. Near a stop its stiffness counts.
-    pub(crate) fn longest_step_s(&self, fastest_rad_s: f64, angle_rad: f64, rate_rad_s: f64, motor_on: bool) -> f64 {
-        let (_, kd) = self.stiffness_and_damping(motor_on);
+    pub(crate) fn longest_step_s(&self, fastest_rad_s: f64, angle_rad: f64, rate_rad_s: f64, driven: Driven) -> f64 {
+        let (kp, kd) = self.stiffness_and_damping(driven);
         let speed_rad_s = rate_rad_s.abs();
-        let inertia = self.link.inertia_kg_m2.re();
+        let inertia = self.inertia_kg_m2().re();
         let decay_1_s = (self.friction.slope_nm_s_rad(speed_rad_s) + kd) / inertia;
+        let mut fastest_rad_s = fastest_rad_s;
+        if let Some(spring @ Spring { curve: SpringCurve::Stiffening(_), .. }) = &self.spring {
+            let stiffness = self.link.peak_gravity_nm() + kp + spring.slope_nm_rad(angle_rad);
+            fastest_rad_s = fastest_rad_s.max((stiffness / inertia).sqrt());
+        }
         let step_s = 1.0 / (10.0 * fastest_rad_s).max(4.0 * decay_1_s).max(2.0 * speed_rad_s).max(1.0);
         match &self.stop {
             Some(stop) => {
@@ -128,10 +243,7 @@ impl<T: Real> Chain<T> {
         }
     }
 
-    fn stiffness_and_damping(&self, motor_on: bool) -> (f64, f64) {
-        match &self.motor {
-            Some(motor) if motor_on => motor.stiffness_and_damping(),
-            _ => (0.0, 0.0),
-        }
+    fn stiffness_and_damping(&self, driven: Driven) -> (f64, f64) {
+        self.motor.as_ref().map_or((0.0, 0.0), |motor| motor.stiffness_and_damping(driven))
     }
 }

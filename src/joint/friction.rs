@@ -63,6 +63,54 @@ pub struct Stribeck<T> {
     pub static_nm: T,
     /// Stribeck speed `v_st` \[rad/s\], above zero.
     pub speed_rad_s: T,
+    /// How it falls.
+    pub curve: StribeckCurve,
+}
+
+/// The share of static friction's excess that is left at `u = |w|/v_st`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StribeckCurve {
+    /// `exp(-u^2)`, Armstrong-Helouvry's form.
+    #[default]
+    Gaussian,
+    /// `exp(-u)`, Bo and Pavelescu's form.
+    Exponential,
+    /// `1/(1 + u^2)`, Hess and Soom's form.
+    Rational,
+}
+
+impl StribeckCurve {
+    #[inline]
+    fn share<T: Real>(self, ratio: T) -> T {
+        match self {
+            StribeckCurve::Gaussian => (-(ratio * ratio)).exp(),
+            StribeckCurve::Exponential => (-ratio).exp(),
+            StribeckCurve::Rational => (ratio * ratio + 1.0).recip(),
+        }
+    }
+
+    /// A bound on its slope from `ratio` on.
+    fn slope(self, ratio: f64) -> f64 {
+        match self {
+            // The steepest slope of exp(-u^2) is sqrt(2/e), at u = 1/sqrt(2); beyond u = 4 it is nothing.
+            StribeckCurve::Gaussian => {
+                if ratio < 4.0 {
+                    0.858
+                } else {
+                    0.0
+                }
+            }
+            StribeckCurve::Exponential => (-ratio).exp(),
+            // 3 sqrt(3)/8 at u = 1/sqrt(3).
+            StribeckCurve::Rational => {
+                if ratio < 1.0 {
+                    0.65
+                } else {
+                    2.0 * ratio / (ratio * ratio + 1.0).powi(2)
+                }
+            }
+        }
+    }
 }
 
 impl<T: Real> Friction<T> {
@@ -77,7 +125,7 @@ impl<T: Real> Friction<T> {
         let mut sum = self.coulomb_nm + self.viscous_nm_s_rad * at.speed_rad_s;
         if let Some(s) = &self.stribeck {
             let ratio = at.speed_rad_s / s.speed_rad_s;
-            sum += (s.static_nm - self.coulomb_nm) * (-(ratio * ratio)).exp();
+            sum += (s.static_nm - self.coulomb_nm) * s.curve.share(ratio);
         }
         for term in &self.terms {
             sum += term.resistance_nm(at);
@@ -101,10 +149,8 @@ impl<T: Real> Friction<T> {
         let mut slope = self.viscous_nm_s_rad.re();
         if let Some(s) = &self.stribeck {
             let v_st = s.speed_rad_s.re();
-            if speed_rad_s < 4.0 * v_st {
-                // The steepest slope of exp(-u^2) is sqrt(2/e), at u = 1/sqrt(2).
-                slope += 0.858 * (s.static_nm.re() - self.coulomb_nm.re()).abs() / v_st;
-            }
+            let excess_nm = (s.static_nm.re() - self.coulomb_nm.re()).abs();
+            slope += s.curve.slope(speed_rad_s / v_st) * excess_nm / v_st;
         }
         slope + self.terms.iter().map(|term| term.slope_nm_s_rad(speed_rad_s)).sum::<f64>()
     }
@@ -129,7 +175,7 @@ mod tests {
     #[test]
     fn stribeck_falls_from_static_to_coulomb() {
         let f = Friction {
-            stribeck: Some(Stribeck { static_nm: 0.03, speed_rad_s: 0.5 }),
+            stribeck: Some(Stribeck { static_nm: 0.03, speed_rad_s: 0.5, curve: StribeckCurve::Gaussian }),
             ..Friction::coulomb_viscous(0.02, 0.0)
         };
         assert_eq!(f.breakaway_nm(&at(0.0)), 0.03);

@@ -55,6 +55,22 @@ impl<T: Real> Link<T> {
         self.sine_nm.re().hypot(self.cosine_nm.re())
     }
 
+    /// The part of the weight that pulls along the link, times its lever \[N m\]: `g M* cos(q - rest)`.
+    #[inline]
+    pub fn along_nm(&self, angle_rad: T) -> T {
+        let (sin, cos) = angle_rad.sin_cos();
+        self.sine_nm * cos + self.cosine_nm * sin
+    }
+
+    /// Largest gravity torque `g M*` over a turn, with its derivatives \[N m\].
+    pub fn peak_nm(&self) -> T {
+        if self.peak_gravity_nm() > 0.0 {
+            (self.sine_nm * self.sine_nm + self.cosine_nm * self.cosine_nm).sqrt()
+        } else {
+            T::nought()
+        }
+    }
+
     /// Joint angle at which the link hangs \[rad\].
     pub fn hanging_rad(&self) -> T {
         self.cosine_nm.atan2(self.sine_nm)

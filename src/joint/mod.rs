@@ -11,6 +11,7 @@ mod chain;
 mod effect;
 mod friction;
 mod gain;
+mod gearing;
 mod link;
 mod motor;
 mod passive;
@@ -19,13 +20,18 @@ mod sensor;
 mod setpoint;
 
 pub use chain::Chain;
-pub use effect::{Bounds, DrivenReach, EffectId, EffectParameter, Named, Reach, Scan, Stage, UnknownEffect};
-pub use friction::{Contact, Friction, FrictionTerm, Stribeck};
+pub(crate) use chain::TwoSides;
+pub use effect::{
+    Bounds, DrivenReach, EffectForm, EffectId, EffectParameter, Named, Reach, Scan, Stage, UnknownEffect,
+};
+pub use friction::{Contact, Friction, FrictionTerm, Stribeck, StribeckCurve};
 pub use gain::{Unrepresentable, gain, gain_word};
+pub use gearing::{Compliance, Play};
 pub use link::Link;
-pub use motor::{Motor, Setpoint, SpeedLine};
-pub use passive::{EndStop, Spring};
+pub(crate) use motor::Driven;
+pub use motor::{Knee, Motor, Setpoint, SpeedLine, TorqueLimit};
+pub use passive::{EndStop, Push, Spring, SpringCurve};
 pub use real::Real;
 pub(crate) use real::{gradient, variable};
-pub use sensor::Encoder;
-pub use setpoint::{Play, SetpointPath};
+pub use sensor::{Eccentric, Encoder};
+pub use setpoint::{ProfileLimits, SetpointPath};

@@ -1,7 +1,7 @@
 //! Controller and motor: from a setpoint to the torque on the joint.
 
 use super::Real;
-use crate::log::{Derivative, MotorSpec};
+use crate::log::{Derivative, MotorModel, MotorSpec, VoltageMotor};
 
 /// A setpoint at one instant.
 #[derive(Clone, Copy, Debug)]
@@ -21,15 +21,62 @@ pub struct SpeedLine<T> {
     pub no_load_rad_s: T,
 }
 
-/// The controller with its motor: `tau = kp (q_ref - q) + ki integral - kd dq`, then gain and limits.
+/// What moves the joint at an instant, as far as the choice of the step is concerned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Driven {
+    /// The motor is off, and its circuit open.
+    Off,
+    /// It holds a torque or a duty that it was told.
+    Held,
+    /// By a law that acts continuously.
+    ByLaw,
+}
+
+/// A motor's largest torque.
+#[derive(Clone, Copy, Debug)]
+pub struct TorqueLimit<T> {
+    /// \[N m\]
+    pub most_nm: T,
+    /// How it is reached.
+    pub knee: Knee,
+}
+
+/// How a torque comes to its limit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Knee {
+    /// It is cut off there.
+    #[default]
+    Hard,
+    /// By a hyperbolic tangent, as iron saturates.
+    Soft,
+}
+
+impl<T: Real> TorqueLimit<T> {
+    #[inline]
+    fn of(&self, torque_nm: T) -> T {
+        let ratio = torque_nm / self.most_nm;
+        match self.knee {
+            // Further out the tangent is 1, and its derivative would overflow.
+            Knee::Soft if ratio.re().abs() < 18.0 => self.most_nm * ratio.tanh(),
+            _ => saturated(torque_nm, self.most_nm),
+        }
+    }
+}
+
+/// The controller with its motor: `a = kp (q_ref - q) + ki integral - kd dq`, then what the motor makes of it.
+///
+/// The answer `a` of the law is a torque, or the duty of a motor fed by voltage: `kt (a supply - kt q') / resistance` with
+/// `a` within the duty limit, which brakes by its back-EMF whenever it is on. Gain and limits act on that.
 #[derive(Clone, Copy, Debug)]
 pub struct Motor<T> {
     /// The control law; `None` where the log gives the commanded torque itself.
     law: Option<MotorSpec>,
     /// Delivered torque per commanded torque, before any limit; 1 for a perfect motor.
     pub gain: T,
-    /// A limit beyond those of the control law \[N m\].
-    pub torque_limit_nm: Option<T>,
+    /// Torques below this do not arrive, and larger ones arrive less this \[N m\].
+    pub dead_band_nm: Option<T>,
+    /// A limit beyond those of the control law.
+    pub torque_limit: Option<TorqueLimit<T>>,
     /// A torque-speed curve beyond that of the control law; it limits a motor that drives, not one that brakes.
     pub speed_line: Option<SpeedLine<T>>,
 }
@@ -37,12 +84,12 @@ pub struct Motor<T> {
 impl<T: Real> Motor<T> {
     /// The motor of a log that is driven by position, perfect but for the limits that the engineer models.
     pub fn new(spec: MotorSpec) -> Self {
-        Self { law: Some(spec), gain: T::constant(1.0), torque_limit_nm: None, speed_line: None }
+        Self { law: Some(spec), gain: T::constant(1.0), dead_band_nm: None, torque_limit: None, speed_line: None }
     }
 
     /// A perfect motor whose commanded torque is in the log.
     pub fn direct() -> Self {
-        Self { law: None, gain: T::constant(1.0), torque_limit_nm: None, speed_line: None }
+        Self { law: None, gain: T::constant(1.0), dead_band_nm: None, torque_limit: None, speed_line: None }
     }
 
     /// Period at which the law is evaluated \[s\]; `None`: continuously.
@@ -55,10 +102,10 @@ impl<T: Real> Motor<T> {
         self.law.is_some_and(|law| law.ki_nm_rad_s != 0.0)
     }
 
-    /// The torque that the control law asks for \[N m\]; angle and rate as the controller sees them, `integral_rad_s` is
-    /// the integral of the angle error.
+    /// The answer of the control law, a torque \[N m\] or a duty; angle and rate as the controller sees them,
+    /// `integral_rad_s` is the integral of the angle error.
     #[inline]
-    pub fn command_nm(&self, setpoint: Setpoint<T>, angle_rad: T, rate_rad_s: T, integral_rad_s: T) -> T {
+    pub fn command(&self, setpoint: Setpoint<T>, angle_rad: T, rate_rad_s: T, integral_rad_s: T) -> T {
         let Some(s) = &self.law else { return T::nought() };
         let mut torque = (setpoint.angle_rad - angle_rad) * s.kp_nm_rad - rate_rad_s * s.kd_nm_s_rad;
         if s.ki_nm_rad_s != 0.0 {
@@ -73,13 +120,29 @@ impl<T: Real> Motor<T> {
     /// The torque that arrives of what the law asks for \[N m\], for an encoder without gain.
     #[inline]
     pub fn torque_nm(&self, setpoint: Setpoint<T>, angle_rad: T, rate_rad_s: T, integral_rad_s: T) -> T {
-        self.delivered_nm(self.command_nm(setpoint, angle_rad, rate_rad_s, integral_rad_s), rate_rad_s)
+        self.delivered_nm(self.command(setpoint, angle_rad, rate_rad_s, integral_rad_s), rate_rad_s)
     }
 
-    /// What arrives of a commanded torque \[N m\]: gain first, then the limits.
+    /// What would arrive of an answer of the law \[N m\] if nothing were limited.
     #[inline]
-    pub fn delivered_nm(&self, command_nm: T, rate_rad_s: T) -> T {
-        let mut torque_nm = command_nm * self.gain;
+    pub(crate) fn unlimited_nm(&self, command: T, rate_rad_s: T) -> T {
+        let voltage = self.voltage();
+        let mut torque_nm = voltage.map_or(command, |motor| command * motor.stall_nm());
+        if let Some(band_nm) = self.dead_band_nm {
+            let sign = if torque_nm.re() < 0.0 { -1.0 } else { 1.0 };
+            torque_nm = if torque_nm.re() * sign > band_nm.re() { torque_nm - band_nm * sign } else { T::nought() };
+        }
+        if let Some(motor) = voltage {
+            torque_nm -= rate_rad_s * motor.braking_nm_s_rad();
+        }
+        torque_nm * self.gain
+    }
+
+    /// What arrives of an answer of the law \[N m\], at the true rate of the motor: dead band, gain, limits.
+    #[inline]
+    pub fn delivered_nm(&self, command: T, rate_rad_s: T) -> T {
+        let command = self.voltage().map_or(command, |motor| saturated(command, T::constant(motor.duty_limit)));
+        let mut torque_nm = self.unlimited_nm(command, rate_rad_s);
         if let Some(law) = &self.law
             && let Some(stall_nm) = law.torque_limit_nm
         {
@@ -91,8 +154,8 @@ impl<T: Real> Motor<T> {
                 None => saturated(torque_nm, stall_nm),
             };
         }
-        if let Some(limit_nm) = self.torque_limit_nm {
-            torque_nm = saturated(torque_nm, limit_nm);
+        if let Some(limit) = &self.torque_limit {
+            torque_nm = limit.of(torque_nm);
         }
         match self.speed_line {
             Some(line) => on_line(torque_nm, rate_rad_s, line),
@@ -103,13 +166,30 @@ impl<T: Real> Motor<T> {
     /// Whether its torque is limited.
     pub fn is_limited(&self) -> bool {
         let by_law = self.law.is_some_and(|law| law.torque_limit_nm.is_some());
-        by_law || self.torque_limit_nm.is_some() || self.speed_line.is_some()
+        by_law || self.voltage().is_some() || self.torque_limit.is_some() || self.speed_line.is_some()
     }
 
     /// Stiffness and damping that the law adds to the joint \[N m/rad, N m s/rad\], for the choice of the step.
-    pub(crate) fn stiffness_and_damping(&self) -> (f64, f64) {
+    pub(crate) fn stiffness_and_damping(&self, driven: Driven) -> (f64, f64) {
+        let Some(law) = &self.law else { return (0.0, 0.0) };
         let gain = self.gain.re().abs();
-        self.law.map_or((0.0, 0.0), |law| (gain * law.kp_nm_rad, gain * law.kd_nm_s_rad))
+        let braking = self.voltage().map_or(0.0, VoltageMotor::braking_nm_s_rad);
+        match driven {
+            Driven::Off => (0.0, 0.0),
+            Driven::Held => (0.0, gain * braking),
+            Driven::ByLaw => {
+                let per_answer = gain * law.nm_per_answer();
+                (per_answer * law.kp_nm_rad, per_answer * law.kd_nm_s_rad + gain * braking)
+            }
+        }
+    }
+
+    #[inline]
+    fn voltage(&self) -> Option<&VoltageMotor> {
+        match &self.law {
+            Some(MotorSpec { model: MotorModel::Voltage(motor), .. }) => Some(motor),
+            _ => None,
+        }
     }
 }
 
@@ -158,6 +238,39 @@ mod tests {
     fn derivative_on_the_error_feeds_the_setpoint_rate_forward() {
         let s = MotorSpec { derivative: Derivative::Error, hold: Hold::Linear, ..spec() };
         assert_relative_eq!(ask(s, 0.1, 2.0), 0.5, epsilon = 1e-15);
+    }
+
+    fn by_voltage() -> MotorSpec {
+        let model =
+            MotorModel::Voltage(VoltageMotor { kt_nm_a: 1.5, resistance_ohm: 3.0, supply_v: 12.0, duty_limit: 0.9 });
+        MotorSpec { model, ..spec() }
+    }
+
+    #[test]
+    fn a_motor_fed_by_voltage_turns_duty_into_torque_and_brakes_by_its_back_emf() {
+        // Duty 5 0.1 - 0.05 2 = 0.4; 1.5 (0.4 12 - 1.5 2) / 3 = 0.9 N m.
+        assert_relative_eq!(ask(by_voltage(), 0.1, 2.0), 0.9, epsilon = 1e-15);
+        // The duty ends at 0.9, whatever is asked for: 1.5 (10.8 - 3) / 3.
+        assert_relative_eq!(ask(by_voltage(), 3.0, 2.0), 3.9, epsilon = 1e-14);
+        let mut motor = Motor::new(MotorSpec { torque_limit_nm: Some(1.0), ..by_voltage() });
+        motor.gain = 2.0;
+        // Gain and limits act on what arrives.
+        assert_relative_eq!(motor.delivered_nm(0.2, 2.0), -0.6, epsilon = 1e-15);
+        assert_eq!(motor.delivered_nm(0.9, 2.0), 1.0);
+    }
+
+    #[test]
+    fn stiffness_and_damping_are_slopes_of_the_delivered_torque() {
+        for spec in [spec(), by_voltage()] {
+            let motor = Motor { gain: 1.1, ..Motor::new(spec) };
+            let (stiffness, damping) = motor.stiffness_and_damping(Driven::ByLaw);
+            let at = |q, v| motor.torque_nm(Setpoint { angle_rad: 0.1, rate_rad_s: 0.0 }, q, v, 0.0);
+            assert_relative_eq!((at(0.0, 0.2) - at(0.01, 0.2)) / 0.01, stiffness, max_relative = 1e-10);
+            assert_relative_eq!((at(0.0, 0.2) - at(0.0, 0.3)) / 0.1, damping, max_relative = 1e-10);
+            let (_, held) = motor.stiffness_and_damping(Driven::Held);
+            let slope = motor.delivered_nm(0.1, 0.2) - motor.delivered_nm(0.1, 1.2);
+            assert_relative_eq!(slope, held, epsilon = 1e-12);
+        }
     }
 
     #[test]

@@ -1,6 +1,38 @@
 //! The encoder: what becomes of the true angle on its way into the log (Appendix B.1).
 
+use super::Real;
 use rand::Rng;
+
+/// A reading that is off once per turn: `q + e sin(q - phi)`.
+#[derive(Clone, Copy, Debug)]
+pub struct Eccentric<T> {
+    /// `e cos(phi)` \[rad\]
+    pub cosine_rad: T,
+    /// `e sin(phi)` \[rad\]
+    pub sine_rad: T,
+}
+
+/// Steps of Newton's method that find the angle of a reading; each doubles the digits.
+const INVERSIONS: usize = 8;
+
+impl<T: Real> Eccentric<T> {
+    /// Reading of a true angle \[rad\], and how fast it changes with the angle.
+    #[inline]
+    pub fn read(&self, angle_rad: T) -> [T; 2] {
+        let (sin, cos) = angle_rad.sin_cos();
+        [angle_rad + self.cosine_rad * sin - self.sine_rad * cos, self.cosine_rad * cos + self.sine_rad * sin + 1.0]
+    }
+
+    /// The true angle of a reading \[rad\].
+    pub fn read_back(&self, reading_rad: T) -> T {
+        let mut angle_rad = reading_rad;
+        for _ in 0..INVERSIONS {
+            let [reading, slope] = self.read(angle_rad);
+            angle_rad -= (reading - reading_rad) / slope;
+        }
+        angle_rad
+    }
+}
 
 /// Position sensor with read noise and quantisation.
 ///

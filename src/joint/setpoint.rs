@@ -9,19 +9,21 @@ pub struct SetpointPath<T> {
     pub delay_s: Option<T>,
     /// The setpoint is taken over only at multiples of this time from the start of the log, and held in between \[s\].
     pub hold_s: Option<T>,
+    /// The servo's own limits of the setpoint's motion.
+    pub profile: Option<ProfileLimits<T>>,
+}
+
+/// How fast a servo lets its setpoint move.
+#[derive(Clone, Copy, Debug)]
+pub struct ProfileLimits<T> {
+    /// \[rad/s\]
+    pub speed_rad_s: T,
+    /// \[rad/s^2\]
+    pub acceleration_rad_s2: T,
 }
 
 impl<T: Real> Default for SetpointPath<T> {
     fn default() -> Self {
-        Self { delay_s: None, hold_s: None }
+        Self { delay_s: None, hold_s: None, profile: None }
     }
-}
-
-/// Free play between motor side and link, with stiff inelastic flanks.
-#[derive(Clone, Copy, Debug)]
-pub struct Play<T> {
-    /// Total width \[rad\].
-    pub width_rad: T,
-    /// Inertia on the motor side of the play \[kg m^2\].
-    pub motor_side_kg_m2: T,
 }

@@ -161,6 +161,18 @@ pub struct VoltageMotor {
     pub duty_limit: f64,
 }
 
+impl VoltageMotor {
+    /// Torque at standstill at full duty \[N m\].
+    pub fn stall_nm(&self) -> f64 {
+        self.kt_nm_a * self.supply_v / self.resistance_ohm
+    }
+
+    /// What its back-EMF takes off the torque per speed \[N m s/rad\].
+    pub fn braking_nm_s_rad(&self) -> f64 {
+        self.kt_nm_a * self.kt_nm_a / self.resistance_ohm
+    }
+}
+
 /// A side of the gearing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum EncoderSide {
@@ -172,6 +184,14 @@ pub enum EncoderSide {
 }
 
 impl MotorSpec {
+    /// Torque at standstill per unit of the law's answer: 1, or that of full duty \[N m\].
+    pub fn nm_per_answer(&self) -> f64 {
+        match self.model {
+            MotorModel::Torque => 1.0,
+            MotorModel::Voltage(motor) => motor.stall_nm(),
+        }
+    }
+
     /// A proportional-derivative law, continuous, on a held setpoint, without limits.
     pub fn pd(kp_nm_rad: f64, kd_nm_s_rad: f64) -> Self {
         Self {

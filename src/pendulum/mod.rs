@@ -5,10 +5,14 @@
 //! - [`ExtensivePendulum`]: bodies with inertias, Coulomb to Stribeck friction (3.12, 3.13).
 //! - [`rollout`](rollout()): their motion, with true sticking.
 
+#[cfg(test)]
+mod drive_tests;
 mod events;
 mod extensive;
+mod history;
 mod one_body;
 mod play;
+mod profile;
 pub mod ratios;
 mod rollout;
 mod schedule;
@@ -20,7 +24,7 @@ pub use extensive::ExtensivePendulum;
 pub use ratios::{
     RatioError, RatioTest, SimpleEstimate, friction_from_ratios, length_from_stiffness, mass_from_ratios,
 };
-pub use rollout::{Diverged, Start, State, rollout, rollout_refined};
+pub use rollout::{Diverged, Start, State, readings, rollout, rollout_refined};
 pub use schedule::Input;
 pub(crate) use schedule::{Command, Schedule};
 pub use simple::SimplePendulum;

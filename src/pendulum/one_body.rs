@@ -1,10 +1,11 @@
 //! The joint as one body, which sticks and slips.
 
 use super::events::{dip, zero_of};
+use super::history::History;
 use super::rollout::{Diverged, Mechanism, Start, State};
 use super::schedule::Command;
 use crate::integrate::rk4;
-use crate::joint::{Chain, Real};
+use crate::joint::{Chain, Driven, Real};
 
 /// What the joint is doing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +24,8 @@ pub(super) struct OneBody<'a, T: Real> {
     /// Angle, rate, integral of the angle error.
     y: [T; 3],
     mode: Mode,
+    /// Where a late encoder still sees the joint.
+    history: Option<History<T>>,
     steps_left: usize,
     /// Fastest oscillation with the motor off, and on \[rad/s\]; they bound the step.
     swinging_rad_s: f64,
@@ -38,14 +41,18 @@ impl<'a, T: Real> OneBody<'a, T> {
             (None, rate) if rate != 0.0 => Mode::Slip(rate.signum()),
             (None, _) => Mode::Stuck,
         };
+        let from_s = T::constant(t_s.first().copied().unwrap_or(0.0));
+        let late = |delay_s: T| History::begin(delay_s, from_s, [start.angle_rad, start.rate_rad_s]);
+        let (history, angle_rad) = chain.sensor_delay_s.map(late).unzip();
         Self {
             chain,
-            t_s: T::constant(t_s.first().copied().unwrap_or(0.0)),
-            y: [start.angle_rad, start.rate_rad_s, T::nought()],
+            t_s: from_s,
+            y: [angle_rad.unwrap_or(start.angle_rad), start.rate_rad_s, T::nought()],
             mode,
+            history,
             steps_left: steps,
-            swinging_rad_s: chain.fastest_rad_s(false),
-            driven_rad_s: chain.fastest_rad_s(true),
+            swinging_rad_s: chain.fastest_rad_s(Driven::Off),
+            driven_rad_s: chain.fastest_rad_s(Driven::ByLaw),
             refinement,
         }
     }
@@ -68,6 +75,11 @@ impl<T: Real> Mechanism<T> for OneBody<'_, T> {
         State { angle_rad: self.y[0], rate_rad_s: self.y[1] }
     }
 
+    fn seen(&self) -> State<T> {
+        let [angle_rad, rate_rad_s, _] = self.seen_at(self.t_s, &self.y);
+        State { angle_rad, rate_rad_s }
+    }
+
     fn integral_mut(&mut self) -> &mut T {
         &mut self.y[2]
     }
@@ -78,6 +90,9 @@ impl<T: Real> Mechanism<T> for OneBody<'_, T> {
                 Mode::Clamped => self.t_s = until,
                 Mode::Stuck => self.stick(until, command),
                 Mode::Slip(direction) => self.slip(until, command, direction)?,
+            }
+            if let Some(history) = &mut self.history {
+                history.push(self.t_s, [self.y[0], self.y[1]]);
             }
         }
         Ok(())
@@ -94,19 +109,32 @@ impl<T: Real> Mechanism<T> for OneBody<'_, T> {
 }
 
 impl<T: Real> OneBody<'_, T> {
+    /// Angle and rate as the encoder shows them, before its gain, and the integral of the angle error.
+    #[inline]
+    fn seen_at(&self, t_s: T, y: &[T; 3]) -> [T; 3] {
+        match &self.history {
+            None => *y,
+            Some(history) => {
+                let [angle_rad, rate_rad_s] = history.at(t_s, [y[0], y[1]]);
+                [angle_rad, rate_rad_s, y[2]]
+            }
+        }
+    }
+
     /// Rate of angle, speed and error integral while slipping.
     fn rate(&self, command: Command<T>, direction: f64, t_s: T, y: &[T; 3]) -> [T; 3] {
-        let motor_nm = command.motor_nm(self.chain, t_s, y);
+        let seen = self.seen_at(t_s, y);
+        let motor_nm = command.turning_motor_nm(self.chain, t_s, &seen, y[1]);
         [
             y[1],
             self.chain.slip_rate_rad_s2(t_s, y[0], y[1], direction, motor_nm),
-            command.error_rad(self.chain, t_s, y[0]),
+            command.error_rad(self.chain, t_s, seen[0]),
         ]
     }
 
     /// How far the torque on the resting joint is beyond breakaway \[N m\], and its direction.
     fn beyond_breakaway(&self, command: Command<T>, t_s: T, y: &[T; 3]) -> (T, f64) {
-        let motor_nm = command.motor_nm(self.chain, t_s, y);
+        let motor_nm = command.turning_motor_nm(self.chain, t_s, &self.seen_at(t_s, y), y[1]);
         let net_nm = self.chain.drive_nm(y[0], motor_nm);
         let direction = if net_nm.re() < 0.0 { -1.0 } else { 1.0 };
         (net_nm * direction - self.chain.breakaway_nm(t_s, y[0], direction, motor_nm), direction)
@@ -114,7 +142,8 @@ impl<T: Real> OneBody<'_, T> {
 
     /// The state of a resting joint after `dt`: only the error integral moves.
     fn rested(&self, command: Command<T>, dt: T) -> [T; 3] {
-        let error = command.error_rad(self.chain, self.t_s + dt * 0.5, self.y[0]);
+        let middle_s = self.t_s + dt * 0.5;
+        let error = command.error_rad(self.chain, middle_s, self.seen_at(middle_s, &self.y)[0]);
         [self.y[0], T::nought(), self.y[2] + error * dt]
     }
 
@@ -159,11 +188,11 @@ impl<T: Real> OneBody<'_, T> {
 
     /// One step of a slipping joint, cut short where its speed passes through zero.
     fn slip(&mut self, until: T, command: Command<T>, direction: f64) -> Result<(), Diverged> {
-        let motor_on = matches!(command, Command::Pid { .. });
+        let driven = command.driven();
         let whole = until - self.t_s;
-        let fastest_rad_s = if motor_on { self.driven_rad_s } else { self.swinging_rad_s };
+        let fastest_rad_s = if driven == Driven::ByLaw { self.driven_rad_s } else { self.swinging_rad_s };
         let [angle, rate, _] = self.y;
-        let longest_s = self.chain.longest_step_s(fastest_rad_s, angle.re(), rate.re(), motor_on) / self.refinement;
+        let longest_s = self.chain.longest_step_s(fastest_rad_s, angle.re(), rate.re(), driven) / self.refinement;
         let parts = (whole.re() / longest_s).ceil().max(1.0);
         if !(parts <= self.steps_left as f64) {
             return Err(Diverged { at_s: self.t_s.re() });

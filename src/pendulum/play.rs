@@ -1,13 +1,17 @@
-//! The joint as two bodies with free play between them: motor side and link side.
+//! The joint as two bodies: motor side and link side, with free play or a spring between them.
 //!
 //! Stiff inelastic flanks: while a flank is pressed both bodies move as one; they part when the flank would have to
 //! pull, each then obeys its own torques, and when the play is used up they go on together with their common momentum.
 //! The play begins on the flank that gravity loads.
+//!
+//! On a spring the two are always apart, and it pulls on both; it begins as far as gravity bends it.
 
+use super::history::History;
 use super::rollout::{Diverged, Mechanism, Start, State};
 use super::schedule::Command;
 use crate::integrate::rk4;
-use crate::joint::{Chain, Play, Real};
+use crate::joint::{Chain, Compliance, Driven, Real, TwoSides};
+use crate::log::EncoderSide;
 
 /// Halvings that separate the events of a step.
 const HALVINGS: usize = 16;
@@ -44,7 +48,11 @@ enum Event {
 
 pub(super) struct TwoBodies<'a, T: Real> {
     chain: &'a Chain<T>,
-    play: Play<T>,
+    width_rad: T,
+    spring: Option<Compliance<T>>,
+    motor_side_kg_m2: T,
+    /// Where a late encoder still sees its side.
+    history: Option<History<T>>,
     t_s: T,
     /// Angle and rate of the link, the same of the motor side, integral of the angle error.
     y: [T; 5],
@@ -58,28 +66,45 @@ pub(super) struct TwoBodies<'a, T: Real> {
 impl<'a, T: Real> TwoBodies<'a, T> {
     pub(super) fn new(
         chain: &'a Chain<T>,
-        play: Play<T>,
+        sides: TwoSides<T>,
         t_s: &[f64],
         start: Start<T>,
         refinement: f64,
         steps: usize,
     ) -> Self {
-        let (angle, rate) = (start.angle_rad, start.rate_rad_s);
-        let flank = if chain.passive_nm(angle, T::nought()).re() < 0.0 { -1.0 } else { 1.0 };
+        let rate = start.rate_rad_s;
+        let from_s = T::constant(t_s.first().copied().unwrap_or(0.0));
+        let late = |delay_s: T| History::begin(delay_s, from_s, [start.angle_rad, rate]);
+        let (history, angle) = chain.sensor_delay_s.map(late).unzip();
+        let angle = angle.unwrap_or(start.angle_rad);
+        let width_rad = sides.width_rad.unwrap_or(T::nought());
+        let passive_nm = chain.passive_nm(angle, T::nought());
+        let flank = if passive_nm.re() < 0.0 { -1.0 } else { 1.0 };
+        // The start is where the encoder sits.
+        let bent = sides.compliance.map_or(T::nought(), |spring| passive_nm / spring.stiffness_nm_rad);
+        let ahead = width_rad * (0.5 * flank) + bent;
+        let on_motor = if chain.encoder == EncoderSide::Motor { 1.0 } else { 0.0 };
         let mode = match (start.release_s, rate.re()) {
             (Some(_), _) => Mode::Clamped,
+            (None, rate) if sides.compliance.is_some() => {
+                let motion = if rate == 0.0 { Motion::Rest } else { Motion::Slip(rate.signum()) };
+                Mode::Apart(motion, motion)
+            }
             (None, rate) if rate != 0.0 => Mode::Engaged(flank, Motion::Slip(rate.signum())),
             (None, _) => Mode::Engaged(flank, Motion::Rest),
         };
         Self {
             chain,
-            play,
-            t_s: T::constant(t_s.first().copied().unwrap_or(0.0)),
-            y: [angle, rate, angle - play.width_rad * (0.5 * flank), rate, T::nought()],
+            width_rad,
+            spring: sides.compliance,
+            motor_side_kg_m2: sides.motor_side_kg_m2,
+            history,
+            t_s: from_s,
+            y: [angle + ahead * on_motor, rate, angle - ahead * (1.0 - on_motor), rate, T::nought()],
             flank,
             mode,
             steps_left: steps,
-            fastest_rad_s: chain.fastest_rad_s(true),
+            fastest_rad_s: chain.fastest_rad_s(Driven::ByLaw),
             refinement,
         }
     }
@@ -95,11 +120,19 @@ impl<T: Real> Mechanism<T> for TwoBodies<'_, T> {
     }
 
     fn let_go(&mut self) {
-        self.mode = Mode::Engaged(self.flank, Motion::Rest);
+        self.mode = match self.spring {
+            None => Mode::Engaged(self.flank, Motion::Rest),
+            Some(_) => Mode::Apart(Motion::Rest, Motion::Rest),
+        };
     }
 
     fn state(&self) -> State<T> {
         State { angle_rad: self.y[0], rate_rad_s: self.y[1] }
+    }
+
+    fn seen(&self) -> State<T> {
+        let [angle_rad, rate_rad_s] = self.seen_in(self.t_s, &self.y);
+        State { angle_rad, rate_rad_s }
     }
 
     fn integral_mut(&mut self) -> &mut T {
@@ -117,6 +150,10 @@ impl<T: Real> Mechanism<T> for TwoBodies<'_, T> {
                 Mode::Clamped => self.t_s = until,
                 _ => self.step(until, command)?,
             }
+            let side = self.side(&self.y);
+            if let Some(history) = &mut self.history {
+                history.push(self.t_s, side);
+            }
         }
         Ok(())
     }
@@ -131,11 +168,46 @@ impl<T: Real> Mechanism<T> for TwoBodies<'_, T> {
 
 impl<T: Real> TwoBodies<'_, T> {
     fn link_kg_m2(&self) -> T {
-        self.chain.link.inertia_kg_m2 - self.play.motor_side_kg_m2
+        self.chain.inertia_kg_m2() - self.motor_side_kg_m2
+    }
+
+    /// Angle and rate of the side on which the encoder sits.
+    #[inline]
+    fn side(&self, y: &[T; 5]) -> [T; 2] {
+        match self.chain.encoder {
+            EncoderSide::Link => [y[0], y[1]],
+            EncoderSide::Motor => [y[2], y[3]],
+        }
+    }
+
+    /// What the encoder shows of it, before its gain.
+    #[inline]
+    fn seen_in(&self, t_s: T, y: &[T; 5]) -> [T; 2] {
+        let side = self.side(y);
+        self.history.as_ref().map_or(side, |history| history.at(t_s, side))
+    }
+
+    /// Torque of the spring on the link \[N m\].
+    #[inline]
+    fn spring_nm(&self, y: &[T; 5]) -> T {
+        match &self.spring {
+            None => T::nought(),
+            Some(spring) => {
+                let width_rad = self.chain.play.as_ref().map(|_| self.width_rad);
+                spring.torque_nm(y[2] - y[0], y[3] - y[1], width_rad)
+            }
+        }
+    }
+
+    /// Torque on the link alone, without friction \[N m\].
+    #[inline]
+    fn on_link_nm(&self, y: &[T; 5]) -> T {
+        self.chain.passive_nm(y[0], y[1]) + self.spring_nm(y)
     }
 
     fn motor_nm(&self, command: Command<T>, t_s: T, y: &[T; 5]) -> T {
-        command.motor_nm(self.chain, t_s, &[y[0], y[1], y[4]])
+        let [angle, rate] = self.seen_in(t_s, y);
+        command.turning_motor_nm(self.chain, t_s, &[angle, rate, y[4]], y[3])
     }
 
     /// Friction of the whole joint at a speed and direction \[N m\].
@@ -159,8 +231,9 @@ impl<T: Real> TwoBodies<'_, T> {
         let (t_s, y) = (self.t_s, self.y);
         let motor_nm = self.motor_nm(command, t_s, &y);
         let passive_nm = self.chain.passive_nm(y[0], y[1]);
-        let link_alone = self.beyond(passive_nm, LINK_SHARE, t_s, y[0], motor_nm);
-        let motor_alone = self.beyond(motor_nm, 1.0 - LINK_SHARE, t_s, y[0], motor_nm);
+        let spring_nm = self.spring_nm(&y);
+        let link_alone = self.beyond(passive_nm + spring_nm, LINK_SHARE, t_s, y[0], motor_nm);
+        let motor_alone = self.beyond(motor_nm - spring_nm, 1.0 - LINK_SHARE, t_s, y[0], motor_nm);
         if let Mode::Engaged(flank, Motion::Rest) = self.mode {
             let falls_away = link_alone.0.re() > 0.0 && link_alone.1 != flank;
             self.mode = if falls_away {
@@ -199,7 +272,7 @@ impl<T: Real> TwoBodies<'_, T> {
 
     fn rate(&self, command: Command<T>, mode: Mode, t_s: T, y: &[T; 5]) -> [T; 5] {
         let nought = T::nought();
-        let error = command.error_rad(self.chain, t_s, y[0]);
+        let error = command.error_rad(self.chain, t_s, self.seen_in(t_s, y)[0]);
         match mode {
             Mode::Clamped | Mode::Engaged(_, Motion::Rest) => [nought, nought, nought, nought, error],
             Mode::Engaged(_, Motion::Slip(direction)) => {
@@ -213,13 +286,13 @@ impl<T: Real> TwoBodies<'_, T> {
                 };
                 let a_link = match link {
                     Motion::Rest => nought,
-                    Motion::Slip(d) => {
-                        (self.chain.passive_nm(y[0], y[1]) - friction(y[1], d, LINK_SHARE)) / self.link_kg_m2()
-                    }
+                    Motion::Slip(d) => (self.on_link_nm(y) - friction(y[1], d, LINK_SHARE)) / self.link_kg_m2(),
                 };
                 let a_motor = match motor {
                     Motion::Rest => nought,
-                    Motion::Slip(d) => (motor_nm - friction(y[3], d, 1.0 - LINK_SHARE)) / self.play.motor_side_kg_m2,
+                    Motion::Slip(d) => {
+                        (motor_nm - self.spring_nm(y) - friction(y[3], d, 1.0 - LINK_SHARE)) / self.motor_side_kg_m2
+                    }
                 };
                 [y[1], a_link, y[3], a_motor, error]
             }
@@ -235,7 +308,10 @@ impl<T: Real> TwoBodies<'_, T> {
             Mode::Apart(link, motor) => {
                 let link = if link == Motion::Rest { Event::LinkMoves } else { Event::LinkStops };
                 let motor = if motor == Motion::Rest { Event::MotorMoves } else { Event::MotorStops };
-                [link, motor, Event::Meets(1.0), Event::Meets(-1.0)].map(Some)
+                match self.spring {
+                    None => [link, motor, Event::Meets(1.0), Event::Meets(-1.0)].map(Some),
+                    Some(_) => [Some(link), Some(motor), None, None],
+                }
             }
         }
     }
@@ -252,14 +328,12 @@ impl<T: Real> TwoBodies<'_, T> {
                 let net_nm = self.chain.passive_nm(y[0], y[1]) + motor_nm;
                 -self.beyond(net_nm, 1.0, t_s, y[0], motor_nm).0
             }
-            (Event::LinkMoves, _) => {
-                -self.beyond(self.chain.passive_nm(y[0], y[1]), LINK_SHARE, t_s, y[0], motor_nm()).0
-            }
+            (Event::LinkMoves, _) => -self.beyond(self.on_link_nm(y), LINK_SHARE, t_s, y[0], motor_nm()).0,
             (Event::MotorMoves, _) => {
                 let motor_nm = motor_nm();
-                -self.beyond(motor_nm, 1.0 - LINK_SHARE, t_s, y[0], motor_nm).0
+                -self.beyond(motor_nm - self.spring_nm(y), 1.0 - LINK_SHARE, t_s, y[0], motor_nm).0
             }
-            (Event::Meets(flank), _) => self.play.width_rad * 0.5 - (y[0] - y[2]) * flank,
+            (Event::Meets(flank), _) => self.width_rad * 0.5 - (y[0] - y[2]) * flank,
             (Event::Parts, Mode::Engaged(flank, Motion::Slip(d))) => self.pressing_nm(command, flank, d, t_s, y),
             _ => T::constant(1.0),
         }
@@ -270,12 +344,16 @@ impl<T: Real> TwoBodies<'_, T> {
         let whole = until - self.t_s;
         let [angle, rate, _, motor_rate, _] = self.y;
         let fastest = rate.re().abs().max(motor_rate.re().abs());
-        let motor_on = matches!(command, Command::Pid { .. });
-        let mut longest_s = self.chain.longest_step_s(self.fastest_rad_s, angle.re(), fastest, motor_on);
+        let mut longest_s = self.chain.longest_step_s(self.fastest_rad_s, angle.re(), fastest, command.driven());
         if let Mode::Apart(..) = self.mode {
             // The motor side alone is the lighter of the two.
-            let share = self.play.motor_side_kg_m2.re() / self.chain.link.inertia_kg_m2.re();
+            let share = self.motor_side_kg_m2.re() / self.chain.inertia_kg_m2().re();
             longest_s *= share.clamp(1e-3, 1.0).sqrt();
+        }
+        if let Some(spring) = &self.spring {
+            let per_inertia = 1.0 / self.motor_side_kg_m2.re() + 1.0 / self.link_kg_m2().re();
+            let swing_rad_s = (spring.stiffness_nm_rad.re() * per_inertia).sqrt();
+            longest_s = longest_s.min(1.0 / (4.0 * swing_rad_s).max(3.0 * spring.damping_nm_s_rad.re() * per_inertia));
         }
         let parts = (whole.re() * self.refinement / longest_s).ceil().max(1.0);
         if !(parts <= self.steps_left as f64) {
@@ -338,11 +416,11 @@ impl<T: Real> TwoBodies<'_, T> {
                 self.mode = Mode::Apart(Motion::Slip(d), Motion::Slip(d));
             }
             (Event::Meets(flank), _) => {
-                let whole = self.chain.link.inertia_kg_m2;
-                let momentum = self.link_kg_m2() * self.y[1] + self.play.motor_side_kg_m2 * self.y[3];
+                let whole = self.chain.inertia_kg_m2();
+                let momentum = self.link_kg_m2() * self.y[1] + self.motor_side_kg_m2 * self.y[3];
                 let rate = momentum / whole;
                 (self.y[1], self.y[3]) = (rate, rate);
-                self.y[2] = self.y[0] - self.play.width_rad * (0.5 * flank);
+                self.y[2] = self.y[0] - self.width_rad * (0.5 * flank);
                 let motion = if rate.re() == 0.0 { Motion::Rest } else { Motion::Slip(rate.re().signum()) };
                 self.mode = Mode::Engaged(flank, motion);
             }

@@ -42,6 +42,8 @@ const RUNAWAY_RAD: f64 = 1e4;
 /// Integration steps per sample, on average, after which a motion counts as diverged: a decay that needs more is over
 /// long before the next sample, so that no log could tell it from a faster one.
 const STEPS_PER_SAMPLE: usize = 60;
+/// The same where motor side and link swing against each other on a stiff spring.
+const STEPS_PER_SAMPLE_ON_A_SPRING: usize = 300;
 
 /// Integrates a joint through the sample times of a log and shows each sample's state to `visit`.
 ///
@@ -69,10 +71,48 @@ pub fn rollout_refined<T: Real>(
     refinement: f64,
     mut visit: impl FnMut(usize, &State<T>),
 ) -> Result<(), Diverged> {
-    let steps = (refinement.max(1.0) as usize) * (STEPS_PER_SAMPLE * t_s.len() + 10_000);
-    match &chain.play {
-        Some(play) => walk(TwoBodies::new(chain, *play, t_s, start, refinement, steps), input, t_s, start, &mut visit),
-        None => walk(OneBody::new(chain, t_s, start, refinement, steps), input, t_s, start, &mut visit),
+    watch(chain, input, t_s, start, (refinement, View::Link), &mut visit)
+}
+
+/// The motion of a joint as its encoder reads it: start and states are readings, not true angles.
+///
+/// # Errors
+/// As [`rollout`].
+pub fn readings<T: Real>(
+    chain: &Chain<T>,
+    input: Input<'_>,
+    t_s: &[f64],
+    start: Start<T>,
+    refinement: f64,
+    mut visit: impl FnMut(usize, &State<T>),
+) -> Result<(), Diverged> {
+    let [angle_rad, rate_rad_s] = chain.read_back(start.angle_rad, start.rate_rad_s);
+    let start = Start { angle_rad, rate_rad_s, ..start };
+    watch(chain, input, t_s, start, (refinement, View::Reading), &mut visit)
+}
+
+/// What is shown of a motion.
+#[derive(Clone, Copy)]
+enum View {
+    Link,
+    Reading,
+}
+
+fn watch<T: Real>(
+    chain: &Chain<T>,
+    input: Input<'_>,
+    t_s: &[f64],
+    start: Start<T>,
+    (refinement, view): (f64, View),
+    visit: &mut impl FnMut(usize, &State<T>),
+) -> Result<(), Diverged> {
+    let per_sample = if chain.compliance.is_some() { STEPS_PER_SAMPLE_ON_A_SPRING } else { STEPS_PER_SAMPLE };
+    let steps = (refinement.max(1.0) as usize) * (per_sample * t_s.len() + 10_000);
+    match chain.two_sides() {
+        Some(sides) => {
+            walk(TwoBodies::new(chain, sides, t_s, start, refinement, steps), input, t_s, start, view, visit)
+        }
+        None => walk(OneBody::new(chain, t_s, start, refinement, steps), input, t_s, start, view, visit),
     }
 }
 
@@ -83,7 +123,10 @@ pub(super) trait Mechanism<T: Real> {
     fn clock_mut(&mut self) -> &mut T;
     /// The held joint is let go.
     fn let_go(&mut self);
+    /// The link.
     fn state(&self) -> State<T>;
+    /// What the encoder reads, before its gain.
+    fn seen(&self) -> State<T>;
     /// Integral of the angle error \[rad s\].
     fn integral_mut(&mut self) -> &mut T;
     /// Moves to `until`, through as many events as happen before it.
@@ -92,16 +135,16 @@ pub(super) trait Mechanism<T: Real> {
     fn nudge(&mut self, until: T, command: Command<T>);
 }
 
-/// The control law evaluated at one instant \[N m\]; its integral grows by one period.
-fn sampled_command_nm<T: Real>(body: &mut impl Mechanism<T>, setpoint: Setpoint<T>, period_s: f64) -> T {
-    let State { angle_rad, rate_rad_s } = body.state();
+/// The control law evaluated at one instant; its integral grows by one period.
+fn sampled_command<T: Real>(body: &mut impl Mechanism<T>, setpoint: Setpoint<T>, period_s: f64) -> T {
+    let State { angle_rad, rate_rad_s } = body.seen();
     let integral = *body.integral_mut();
     let chain = body.chain();
-    let (angle_rad, rate_rad_s) = (angle_rad * chain.sensor_gain, rate_rad_s * chain.sensor_gain);
+    let [angle_rad, rate_rad_s] = chain.reading(angle_rad, rate_rad_s);
     let Some(motor) = &chain.motor else { return T::nought() };
-    let command_nm = motor.command_nm(setpoint, angle_rad, rate_rad_s, integral);
+    let command = motor.command(setpoint, angle_rad, rate_rad_s, integral);
     *body.integral_mut() += (setpoint.angle_rad - angle_rad) * period_s;
-    command_nm
+    command
 }
 
 fn walk<T: Real>(
@@ -109,6 +152,7 @@ fn walk<T: Real>(
     input: Input<'_>,
     t_s: &[f64],
     start: Start<T>,
+    view: View,
     visit: &mut impl FnMut(usize, &State<T>),
 ) -> Result<(), Diverged> {
     let mut release_s = start.release_s;
@@ -118,8 +162,8 @@ fn walk<T: Real>(
     };
     let mut schedule = Schedule::new(input, t_s, body.chain().setpoint);
     let mut ticks = 0u64;
-    let mut held_nm = T::nought();
-    visit(0, &body.state());
+    let mut held = T::nought();
+    visit(0, &shown(&body, view));
     for k in 1..t_s.len() {
         let to = t_s[k];
         loop {
@@ -143,21 +187,17 @@ fn walk<T: Real>(
                 (until, event) = (r, Event::Release);
             }
             let mut command = schedule.command(k);
-            if let (Some(period_s), Command::Pid { setpoint_rad, slope_rad_s, from_s }) = (sample_period_s, command) {
+            if let (Some(period_s), Some(setpoint)) = (sample_period_s, command.setpoint(now)) {
                 let next_tick = t_s[0] + ticks as f64 * period_s;
                 if next_tick <= now.re() + 1e-12 {
-                    let setpoint = Setpoint {
-                        angle_rad: (now - from_s) * slope_rad_s + setpoint_rad,
-                        rate_rad_s: T::constant(slope_rad_s),
-                    };
-                    held_nm = sampled_command_nm(&mut body, setpoint, period_s);
+                    held = sampled_command(&mut body, setpoint, period_s);
                     ticks += 1;
                     continue;
                 }
                 if next_tick < until.re() {
                     (until, event) = (T::constant(next_tick), Event::None);
                 }
-                command = Command::Torque(held_nm);
+                command = Command::Torque(held);
             }
             body.advance(until, command)?;
             // An event that falls on a sample must still bear its derivative: the clock takes it over.
@@ -180,9 +220,20 @@ fn walk<T: Real>(
         if !(state.angle_rad.re().abs() < RUNAWAY_RAD && state.rate_rad_s.re().is_finite()) {
             return Err(Diverged { at_s: to });
         }
-        visit(k, &state);
+        visit(k, &shown(&body, view));
     }
     Ok(())
+}
+
+fn shown<T: Real>(body: &impl Mechanism<T>, view: View) -> State<T> {
+    match view {
+        View::Link => body.state(),
+        View::Reading => {
+            let seen = body.seen();
+            let [angle_rad, rate_rad_s] = body.chain().reading(seen.angle_rad, seen.rate_rad_s);
+            State { angle_rad, rate_rad_s }
+        }
+    }
 }
 
 #[derive(Clone, Copy, PartialEq)]

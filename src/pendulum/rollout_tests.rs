@@ -94,7 +94,7 @@ fn halving_the_step_changes_less_than_a_tenth_of_a_sensor_step() {
 #[test]
 fn halving_the_step_changes_little_with_stribeck_and_a_driven_joint() {
     let mut c = chain(0.0173, 0.1356, 0.10, 0.035);
-    c.friction.stribeck = Some(Stribeck { static_nm: 0.2, speed_rad_s: 0.1 });
+    c.friction.stribeck = Some(Stribeck { static_nm: 0.2, speed_rad_s: 0.1, curve: Default::default() });
     c.motor = Some(Motor::new(MotorSpec { kp_nm_rad: 67.0, kd_nm_s_rad: 2.3, ..motor() }));
     let t = times(300, 0.0206);
     let setpoint: Vec<f64> = t.iter().map(|t| (3.0 * t * t).sin() * 0.8).collect();
@@ -149,7 +149,7 @@ fn a_sampled_law_tends_to_the_continuous_one() {
 /// Inertia, moment, Coulomb, viscous, angle, release: as dual numbers and as finite differences.
 fn sensitivities<T: Real>(p: [T; 6], motor: Option<MotorSpec>, setpoint: &[f64], t: &[f64]) -> Vec<T> {
     let friction = Friction {
-        stribeck: Some(Stribeck { static_nm: p[2] * 1.3, speed_rad_s: T::constant(0.3) }),
+        stribeck: Some(Stribeck { static_nm: p[2] * 1.3, speed_rad_s: T::constant(0.3), curve: Default::default() }),
         ..Friction::coulomb_viscous(p[2], p[3])
     };
     let c = Chain::new(Link::new(p[0], p[1], T::constant(0.05), G), friction, motor.map(Motor::new));

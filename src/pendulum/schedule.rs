@@ -1,6 +1,7 @@
 //! What acts on the joint at each instant: setpoints and torques, as late and as rarely as the chain lets them through.
 
-use crate::joint::{Chain, Real, Setpoint, SetpointPath};
+use super::profile::Profile;
+use crate::joint::{Chain, Driven, Real, Setpoint, SetpointPath};
 use crate::log::Hold;
 
 /// What acts on the joint along a log; the slices are as long as the log's times, which count from its start.
@@ -29,42 +30,90 @@ pub enum Input<'a> {
 /// What is asked of the motor between two events.
 #[derive(Clone, Copy)]
 pub(crate) enum Command<T> {
-    /// A torque \[N m\], before the motor's gain and limits.
+    /// Nothing: the motor is off.
+    Off,
+    /// A torque \[N m\], before the motor's gain and limits, or the answer of its law that is held.
     Torque(T),
-    /// A setpoint, `setpoint_rad + slope_rad_s (t - from_s)`, through the control law.
-    Pid { setpoint_rad: T, slope_rad_s: f64, from_s: T },
+    /// A setpoint, `setpoint_rad + slope_rad_s (t - from_s)`, through the control law; on a profile it has the `curve`'s rate
+    /// and acceleration instead \[rad/s, rad/s^2\].
+    Pid { setpoint_rad: T, slope_rad_s: f64, from_s: T, curve: Option<[T; 2]> },
 }
 
 impl<T: Real> Command<T> {
-    /// The torque that arrives at the joint \[N m\]; `y` is angle, rate, integral of the angle error.
+    /// The torque that arrives at the joint \[N m\]; `y` is angle, rate, integral of the angle error. A late reading is
+    /// taken to first order in its delay.
     #[inline]
     pub(crate) fn motor_nm(self, chain: &Chain<T>, t_s: T, y: &[T; 3]) -> T {
+        match chain.sensor_delay_s {
+            None => self.turning_motor_nm(chain, t_s, y, y[1]),
+            Some(delay_s) => self.turning_motor_nm(chain, t_s, &[y[0] - delay_s * y[1], y[1], y[2]], y[1]),
+        }
+    }
+
+    /// The same where the motor does not turn at the rate that the controller sees; `seen` is true angle and rate there,
+    /// and the integral of the angle error.
+    #[inline]
+    pub(crate) fn turning_motor_nm(self, chain: &Chain<T>, t_s: T, seen: &[T; 3], motor_rad_s: T) -> T {
         match self {
-            Command::Torque(command_nm) => chain.delivered_nm(command_nm, y[1]),
-            Command::Pid { setpoint_rad, slope_rad_s, from_s } => {
-                let angle_rad = (t_s - from_s) * slope_rad_s + setpoint_rad;
-                chain.motor_nm(Setpoint { angle_rad, rate_rad_s: T::constant(slope_rad_s) }, y[0], y[1], y[2])
+            Command::Off => T::nought(),
+            Command::Torque(command) => chain.delivered_nm(command, motor_rad_s),
+            Command::Pid { .. } => match self.setpoint(t_s) {
+                Some(setpoint) => chain.turning_motor_nm(setpoint, *seen, motor_rad_s),
+                None => T::nought(),
+            },
+        }
+    }
+
+    /// The setpoint at an instant, where there is one.
+    #[inline]
+    pub(crate) fn setpoint(self, t_s: T) -> Option<Setpoint<T>> {
+        let Command::Pid { setpoint_rad, slope_rad_s, from_s, curve } = self else { return None };
+        let elapsed_s = t_s - from_s;
+        Some(match curve {
+            None => {
+                Setpoint { angle_rad: elapsed_s * slope_rad_s + setpoint_rad, rate_rad_s: T::constant(slope_rad_s) }
             }
+            Some([rate, acceleration]) => Setpoint {
+                angle_rad: elapsed_s * (rate + elapsed_s * acceleration * 0.5) + setpoint_rad,
+                rate_rad_s: rate + elapsed_s * acceleration,
+            },
+        })
+    }
+
+    /// Whether what is asked for stays as it is by itself.
+    #[inline]
+    pub(crate) fn is_still(self) -> bool {
+        match self {
+            Command::Off | Command::Torque(_) => true,
+            Command::Pid { slope_rad_s, curve, .. } => slope_rad_s == 0.0 && curve.is_none(),
+        }
+    }
+
+    /// What moves the joint.
+    #[inline]
+    pub(crate) fn driven(self) -> Driven {
+        match self {
+            Command::Off => Driven::Off,
+            Command::Torque(_) => Driven::Held,
+            Command::Pid { .. } => Driven::ByLaw,
         }
     }
 
     /// Setpoint less reading \[rad\], at a true angle; zero where there is no setpoint.
     #[inline]
     pub(crate) fn error_rad(self, chain: &Chain<T>, t_s: T, angle_rad: T) -> T {
-        match self {
-            Command::Torque(_) => T::nought(),
-            Command::Pid { setpoint_rad, slope_rad_s, from_s } => {
-                (t_s - from_s) * slope_rad_s + setpoint_rad - angle_rad * chain.sensor_gain
-            }
+        match self.setpoint(t_s) {
+            None => T::nought(),
+            Some(setpoint) => setpoint.angle_rad - chain.reading_rad(angle_rad),
         }
     }
 
     /// True where the torque on a resting joint does not change by itself.
     pub(crate) fn is_steady(self, chain: &Chain<T>) -> bool {
         match self {
-            Command::Torque(_) => true,
-            Command::Pid { slope_rad_s, .. } => {
-                slope_rad_s == 0.0 && !chain.motor.as_ref().is_some_and(|m| m.winds_up())
+            Command::Off | Command::Torque(_) => true,
+            Command::Pid { .. } => {
+                self.is_still() && chain.sensor_delay_s.is_none() && !chain.motor.as_ref().is_some_and(|m| m.winds_up())
             }
         }
     }
@@ -79,6 +128,8 @@ pub(crate) struct Schedule<'a, T> {
     in_force: (T, f64, T),
     /// Number of the next change.
     next: usize,
+    /// Where the servo runs its own profile to the setpoint.
+    profile: Option<Profile<T>>,
 }
 
 /// A hold shorter than this \[s\] is none.
@@ -101,11 +152,16 @@ impl<'a, T: Real> Schedule<'a, T> {
         let start_s = T::constant(t_s.first().copied().unwrap_or(0.0));
         // Readings of a hold count from the start of the log; the first that matters is in force when the part begins.
         let next = hold_s.map_or(0, |hold| ((start_s.re() + SAME_INSTANT_S) / hold.re()).max(0.0) as usize);
-        Self { input, t_s, path: SetpointPath { hold_s, ..path }, in_force: (T::constant(first), 0.0, start_s), next }
+        let in_force = (T::constant(first), 0.0, start_s);
+        let profile = path
+            .profile
+            .filter(|_| matches!(input, Input::Position { .. }))
+            .map(|limits| Profile::at_rest(limits, T::constant(first), start_s));
+        Self { input, t_s, path: SetpointPath { hold_s, ..path }, in_force, next, profile }
     }
 
     fn is_perfect(&self) -> bool {
-        self.path.delay_s.is_none() && self.path.hold_s.is_none()
+        self.path.delay_s.is_none() && self.path.hold_s.is_none() && self.profile.is_none()
     }
 
     /// The next instant between samples at which the input changes, where the path makes any.
@@ -113,6 +169,15 @@ impl<'a, T: Real> Schedule<'a, T> {
         if self.is_perfect() || matches!(self.input, Input::Off) {
             return None;
         }
+        let turn = self.profile.as_ref().and_then(Profile::ends_s);
+        match (self.next_reading(), turn) {
+            (Some(reading), Some(turn)) => Some(if turn.re() <= reading.re() { turn } else { reading }),
+            (reading, turn) => reading.or(turn),
+        }
+    }
+
+    /// When the next setpoint or torque is taken over.
+    fn next_reading(&self) -> Option<T> {
         let instant = match (self.input, self.path.hold_s) {
             (Input::Position { .. }, Some(hold)) => hold * self.next as f64,
             _ => T::constant(*self.t_s.get(self.next)?),
@@ -122,7 +187,15 @@ impl<'a, T: Real> Schedule<'a, T> {
 
     /// Takes the next change over.
     pub(crate) fn change(&mut self) {
-        let Some(at) = self.next_change() else { return };
+        let turn = self.profile.as_ref().and_then(Profile::ends_s);
+        let reading = self.next_reading();
+        if let (Some(profile), Some(turn)) = (&mut self.profile, turn)
+            && reading.is_none_or(|reading| turn.re() <= reading.re())
+        {
+            profile.turn();
+            return;
+        }
+        let Some(at) = reading else { return };
         self.in_force = match (self.input, self.path.hold_s) {
             (Input::Position { setpoint_rad, hold: reading, .. }, Some(hold)) => {
                 let read_s = hold * self.next as f64;
@@ -138,6 +211,9 @@ impl<'a, T: Real> Schedule<'a, T> {
             (Input::Torque { torque_nm, .. }, _) => (T::constant(torque_nm[self.next]), 0.0, at),
             (Input::Off, _) => self.in_force,
         };
+        if let Some(profile) = &mut self.profile {
+            profile.aim(self.in_force.0, at);
+        }
         self.next += 1;
     }
 
@@ -159,6 +235,12 @@ impl<'a, T: Real> Schedule<'a, T> {
                 true => T::constant(torque_nm[k - 1]),
                 false => self.in_force.0,
             }),
+            Input::Position { on, .. } if is_on(on) && self.profile.is_some() => {
+                let Some(profile) = &self.profile else { return Command::Off };
+                let [setpoint_rad, rate, acceleration] = profile.now;
+                let curve = profile.ends_s().map(|_| [rate, acceleration]);
+                Command::Pid { setpoint_rad, slope_rad_s: 0.0, from_s: profile.from_s, curve }
+            }
             Input::Position { setpoint_rad, hold, on } if is_on(on) => {
                 let (setpoint_rad, slope_rad_s, from_s) = match self.is_perfect() {
                     true => {
@@ -167,9 +249,9 @@ impl<'a, T: Real> Schedule<'a, T> {
                     }
                     false => self.in_force,
                 };
-                Command::Pid { setpoint_rad, slope_rad_s, from_s }
+                Command::Pid { setpoint_rad, slope_rad_s, from_s, curve: None }
             }
-            _ => Command::Torque(T::nought()),
+            _ => Command::Off,
         }
     }
 }

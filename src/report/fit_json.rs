@@ -99,6 +99,9 @@ pub struct Quantity {
 pub struct EffectFit {
     /// The catalogue's id.
     pub id: String,
+    /// Its form; the family's default where none is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub form: Option<String>,
     /// By name.
     pub parameters: BTreeMap<String, Quantity>,
 }
@@ -167,7 +170,7 @@ impl FitFile {
             Vec::new()
         } else {
             let parameters = stribeck.iter().map(|row| (row.name.clone(), Quantity::of(row))).collect();
-            vec![EffectFit { id: "stribeck".into(), parameters }]
+            vec![EffectFit { id: "stribeck".into(), form: None, parameters }]
         };
         let ratios = super::assemble::ratio_rows(fit);
         let key = |m: &ModelSummary| if m.name.starts_with("simple") { "simple" } else { "extensive" };

@@ -157,7 +157,7 @@ fn draw(seed: u64, attempt: u64, lack: Lack) -> Option<Set> {
             Lack::Nothing => {}
             Lack::Stribeck => {
                 let static_nm = coulomb + (0.5 * coulomb).max(0.02 * gravity_nm);
-                friction.stribeck = Some(Stribeck { static_nm, speed_rad_s: 0.1 * omega });
+                friction.stribeck = Some(Stribeck { static_nm, speed_rad_s: 0.1 * omega, curve: Default::default() });
             }
             Lack::Drag => friction.terms.push(Box::new(Drag { c2: viscous / omega })),
         }

@@ -138,6 +138,10 @@ pub(super) fn effect(id: EffectId, scene: &Scene<'_>, dice: &mut Dice) -> Mechan
         Delay => motor::delay(scene, dice),
         SetpointHold => motor::hold(scene, dice),
         TorqueLimit => motor::torque_limit(scene, dice),
+        Compliance => link::compliance(scene, dice),
+        SensorDelay => link::late(),
+        SetpointProfile => motor::profile(scene, dice),
+        DeadBand => motor::dead_band(scene, dice),
         SpeedLimit => motor::speed_limit(scene, dice),
         MotorGain => motor::gain(dice),
     }
@@ -148,7 +152,6 @@ pub(super) fn outside(id: OutsideId, scene: &Scene<'_>, dice: &mut Dice) -> Mech
     use OutsideId::*;
     match id {
         Cogging => outside::cogging(scene, dice),
-        FlexibleJoint => outside::flexible(scene, dice),
         SoftPresliding => outside::soft(scene),
         EncoderHarmonic => outside::harmonic(dice),
         FrictionMemory => outside::memory(scene, dice),
@@ -159,8 +162,6 @@ pub(super) fn outside(id: OutsideId, scene: &Scene<'_>, dice: &mut Dice) -> Mech
         HystereticSpring => outside::cable(scene, dice),
         Knocks => outside::knocks(scene, dice),
         SupplySag => outside_drive::sag(),
-        DeadZone => outside_drive::dead_zone(),
-        SetpointSlew => outside_drive::slew(scene, dice),
         EncoderDrift => outside::drift(dice),
         TorqueRipple => outside_drive::ripple(dice),
         ProgressiveGain => outside_drive::progressive(scene),

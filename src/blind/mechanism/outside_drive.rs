@@ -13,27 +13,6 @@ pub(super) fn sag() -> Mechanism {
     })
 }
 
-/// Size: the error below which the controller does nothing.
-pub(super) fn dead_zone() -> Mechanism {
-    Mechanism::new([0.002, 0.2], move |zone_rad, machine| {
-        machine.drive.dead_zone_rad = zone_rad;
-        vec![TrueNumber::new("zone", "rad", zone_rad)]
-    })
-}
-
-/// Size: how many times six times the typical speed exceeds the setpoint's fastest motion, as a logarithm. Half of them
-/// limit how fast that speed changes too.
-pub(super) fn slew(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
-    let fast = 6.0 * scene.typical.driven_speed_rad_s;
-    let speeds_up_s = if dice.chance(0.5) { dice.log_uniform(0.02, 0.2) } else { 0.0 };
-    Mechanism::new([0.05, 3.0], move |size, machine| {
-        let rate = fast * (-size).exp();
-        machine.drive.slew_rad_s = rate;
-        machine.drive.slew_rad_s2 = rate / speeds_up_s;
-        vec![TrueNumber::new("rate", "rad/s", rate), TrueNumber::new("speeds_up", "s", speeds_up_s)]
-    })
-}
-
 /// Size: the share of the torque that swings.
 pub(super) fn ripple(dice: &mut Dice) -> Mechanism {
     let (n, phi) = (dice.whole(6, 24) as f64, dice.uniform(0.0, TAU));

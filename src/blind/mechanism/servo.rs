@@ -26,21 +26,16 @@ impl Part {
 /// A motor fed by voltage gives `torque = kt (duty supply - kt q') / R` with a duty that ends at some share: a torque that
 /// ends on the line from stall to no load, and a braking by `kt^2 / R` that adds to `kd`.
 pub(in crate::blind) fn parts(scene: &Scene<'_>, back_emf_nm_s_rad: f64, dice: &mut Dice) -> Vec<Part> {
-    let mut parts = vec![
-        Part {
-            id: EffectId::SpeedLimit.id(),
-            effect: Some(EffectId::SpeedLimit),
-            stage: EffectId::SpeedLimit.stage(),
-            mechanism: duty_limit(scene, back_emf_nm_s_rad),
-        },
-        Part {
-            id: "dead_band",
-            effect: "dead_band".parse().ok(),
-            stage: Stage::Motor,
-            mechanism: dead_band(scene, dice),
-        },
-    ];
-    parts.extend([EffectId::LoadFriction, EffectId::Stribeck, EffectId::Delay].map(|id| Part::of(id, scene, dice)));
+    let mut parts = vec![Part {
+        id: EffectId::SpeedLimit.id(),
+        effect: Some(EffectId::SpeedLimit),
+        stage: EffectId::SpeedLimit.stage(),
+        mechanism: duty_limit(scene, back_emf_nm_s_rad),
+    }];
+    parts.extend(
+        [EffectId::DeadBand, EffectId::LoadFriction, EffectId::Stribeck, EffectId::Delay]
+            .map(|id| Part::of(id, scene, dice)),
+    );
     parts
 }
 
@@ -54,16 +49,5 @@ fn duty_limit(scene: &Scene<'_>, back_emf_nm_s_rad: f64) -> Mechanism {
         machine.drive.limit_nm = stall_nm;
         let no_load = stall_nm / back_emf_nm_s_rad;
         vec![TrueNumber::new("w_max", "rad/s", no_load), TrueNumber::new("tau_stall", "N m", stall_nm)]
-    })
-}
-
-/// Size: `tau_0`. The variant takes a share of it from larger commands too.
-pub(super) fn dead_band(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
-    let takes = if scene.textbook { 0.0 } else { dice.uniform(0.3, 1.0) };
-    let typical_nm = scene.typical.torque_nm;
-    Mechanism::new([0.005 * typical_nm, 0.4 * typical_nm], move |torque_nm, machine| {
-        machine.drive.dead_band_nm = torque_nm;
-        machine.drive.dead_band_takes = takes;
-        vec![TrueNumber::new("tau_0", "N m", torque_nm)]
     })
 }

@@ -46,9 +46,9 @@ fn every_mechanism_vanishes_with_its_size_and_grows_with_it() {
                     // the size of these is a logarithm, and they vanish where nothing reaches the limit
                     "torque_limit" => -9.0,
                     // so fast that it is there within one of these steps
-                    "setpoint_slew" => -16.0,
+                    "setpoint_profile" => -16.0,
                     // stiffer ones would need shorter steps
-                    "flexible_joint" => 1e-4 * most,
+                    "compliance" => 1e-4 * most,
                     _ => 1e-6 * most,
                 };
                 let none = change(mechanism, tiny, scene, machine);

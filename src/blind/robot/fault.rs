@@ -212,6 +212,10 @@ fn of_cause(cause: Cause, joint: &str, plain: &Readings, dice: &mut Dice) -> Num
             SensorGain => one(sign * 0.004, sign * 0.3, &[]),
             Delay => one(0.001, 0.12, &[]),
             SetpointHold => one(0.010, 0.25, &[]),
+            DeadBand => one(0.003, 0.6, &[]),
+            SetpointProfile => one(8.0, 0.2, &[dice.log_uniform(5.0, 60.0)]),
+            // Whole robots do not have them, so they are never drawn.
+            Compliance | SensorDelay => Box::new(|_| Vec::new()),
             TorqueLimit => one(1.5, 0.01, &[]),
             SpeedLimit => one(15.0, 0.4, &[dice.log_uniform(0.3, 1.2)]),
             MotorGain => {

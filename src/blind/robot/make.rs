@@ -133,10 +133,10 @@ fn can_pair(first: Cause, second: Cause) -> bool {
             | EffectId::AsymmetricFriction
             | EffectId::PositionFriction
             | EffectId::FrictionDrift => 0,
-            EffectId::Backlash | EffectId::EndStop => 1,
+            EffectId::Backlash | EffectId::EndStop | EffectId::Compliance => 1,
             EffectId::JointSpring | EffectId::AngleOffset | EffectId::SensorGain => 2,
-            EffectId::Delay | EffectId::SetpointHold => 3,
-            EffectId::TorqueLimit | EffectId::SpeedLimit | EffectId::MotorGain => 4,
+            EffectId::Delay | EffectId::SetpointHold | EffectId::SetpointProfile | EffectId::SensorDelay => 3,
+            EffectId::TorqueLimit | EffectId::SpeedLimit | EffectId::MotorGain | EffectId::DeadBand => 4,
         },
         Cause::Payload => 5,
         Cause::FloorFriction | Cause::FloorSlope | Cause::FloorStiffness => 6,

@@ -137,9 +137,13 @@ impl<'a> Run<'a> {
         self.read_of(t_s, (state.link.q_rad, state.link.v_rad_s))
     }
 
+    fn is_late(&self) -> bool {
+        self.machine.reading.late_s > 0.0 && self.arrivals.is_some()
+    }
+
     fn read_of(&mut self, t_s: f64, now: (f64, f64)) -> (f64, f64) {
         let reading = &self.machine.reading;
-        let (q, v) = if reading.late_s > 0.0 { self.earlier(t_s - reading.late_s, now) } else { now };
+        let (q, v) = if self.is_late() { self.earlier(t_s - reading.late_s, now) } else { now };
         (reading.angle(q, t_s / self.end_s), reading.slope(q) * v)
     }
 
@@ -207,7 +211,7 @@ impl<'a> Run<'a> {
 
     /// One step.
     pub(super) fn step(&mut self, state: &mut State, step_s: f64) {
-        if self.machine.reading.late_s > 0.0 && self.past.is_empty() {
+        if self.is_late() && self.past.is_empty() {
             self.past.push_back((state.t_s, state.link.q_rad, state.link.v_rad_s));
         }
         match self.machine.coupling {
@@ -215,7 +219,7 @@ impl<'a> Run<'a> {
             Some(coupling) => self.step_two(state, coupling, step_s),
         }
         state.t_s += step_s;
-        if self.machine.reading.late_s > 0.0 {
+        if self.is_late() {
             self.past.push_back((state.t_s, state.link.q_rad, state.link.v_rad_s));
         }
     }

@@ -41,7 +41,8 @@ pub(super) struct Reading {
     pub gain: f64,
     /// How far the zero has wandered at the end of a log \[rad\].
     pub drift_rad: f64,
-    /// Age of the angle that is read, logged and seen by the controller alike \[s\].
+    /// Age of the angle that is read, logged and seen by the controller alike \[s\]; of driven logs, for a free one is
+    /// the same swing later.
     pub late_s: f64,
     pub a_rad: f64,
     pub n: f64,

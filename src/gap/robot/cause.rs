@@ -59,7 +59,8 @@ impl Cause {
 
     /// All of them.
     pub fn all() -> impl Iterator<Item = Cause> {
-        let effects = EffectId::ALL.iter().map(|effect| Cause::Effect(*effect));
+        let known = EffectId::ALL.iter().copied().filter(|effect| effect.is_known_to_robots());
+        let effects = known.map(Cause::Effect);
         effects.chain([Cause::Coulomb, Cause::Viscous]).chain(Cause::OF_ROBOT)
     }
 

@@ -31,7 +31,7 @@ pub(super) fn reach_of(case: &RobotCase, given: &[Predicted], joint: usize) -> R
             let dt_s = t_s[k] - t_s[k - 1];
             let setpoint = Setpoint { angle_rad: asked(k), rate_rad_s: (asked(k) - asked(k - 1)) / dt_s };
             let rate_rad_s = (readings[k] - readings[k - 1]) / dt_s;
-            torques.push(motor.command_nm(setpoint, readings[k], rate_rad_s, 0.0).abs());
+            torques.push(motor.unlimited_nm(motor.command(setpoint, readings[k], rate_rad_s, 0.0), 0.0).abs());
         }
     }
     torques.sort_by(f64::total_cmp);

@@ -119,6 +119,18 @@ impl Cause {
                 };
                 periods.iter().map(|n| Start::fixed(&[n * period_s])).collect()
             }
+            Cause::Effect(E::DeadBand) => {
+                [0.03, 0.1, 0.3].map(|share| Start::at_size(&[share * most], 0.0, [0.1, 3.0])).to_vec()
+            }
+            Cause::Effect(E::SetpointProfile) => {
+                let coarse = [(0.5, 10.0), (1.0, 10.0), (1.0, 40.0)];
+                let more = [(0.3, 30.0), (0.7, 4.0), (3.0, 5.0), (3.0, 20.0)];
+                let more = if is_coarse { &more[..0] } else { &more[..] };
+                let limits = coarse.iter().chain(more);
+                limits.map(|(share, per_s)| Start::fixed(&[share * speed, per_s * speed])).collect()
+            }
+            // The trees have neither; they are not among the causes.
+            Cause::Effect(E::Compliance | E::SensorDelay) => Vec::new(),
             Cause::Effect(E::TorqueLimit) => {
                 let shares: &[f64] = if is_coarse {
                     &[0.9, 0.75, 0.6, 0.45, 0.3]

@@ -6,20 +6,22 @@
 use super::{Bounds, Effect, EffectParameter, Named, Reach};
 use crate::joint::{Chain, Real};
 
+#[derive(Clone, Copy)]
 pub(super) struct Term;
 
 impl Effect for Term {
+    const FORMS: &'static [(Self, &'static str)] = &[(Term, "")];
     const NAMED: &'static [Named] = &[Named { name: "d", unit: "rad", zero: 0.0, bounds: Bounds::ANGLE }];
 
-    fn parameters(_reach: &Reach) -> Vec<EffectParameter> {
+    fn parameters(self, _reach: &Reach) -> Vec<EffectParameter> {
         vec![EffectParameter::linear("d", "rad", [-1.0, 1.0], 0.05)]
     }
 
-    fn starts(_reach: &Reach) -> Vec<Vec<f64>> {
+    fn starts(self, _reach: &Reach) -> Vec<Vec<f64>> {
         vec![vec![-0.15], vec![-0.03], vec![0.03], vec![0.15]]
     }
 
-    fn apply<T: Real>(values: &[T], _bare_kg_m2: T, chain: &mut Chain<T>) {
+    fn apply<T: Real>(self, values: &[T], _bare_kg_m2: T, chain: &mut Chain<T>) {
         chain.link = chain.link.turned(values[0]);
     }
 }

@@ -6,22 +6,24 @@
 use super::{Bounds, Effect, EffectParameter, Named, Reach};
 use crate::joint::{Chain, Contact, FrictionTerm, Real};
 
+#[derive(Clone, Copy)]
 pub(super) struct Term;
 
 impl Effect for Term {
+    const FORMS: &'static [(Self, &'static str)] = &[(Term, "")];
     const NAMED: &'static [Named] = &[Named { name: "delta", unit: "N m", zero: 0.0, bounds: Bounds::ANY }];
 
-    fn parameters(reach: &Reach) -> Vec<EffectParameter> {
+    fn parameters(self, reach: &Reach) -> Vec<EffectParameter> {
         let most = 0.5 * reach.torque_nm;
         vec![EffectParameter::linear("delta", "N m", [-most, most], 0.02 * reach.torque_nm)]
     }
 
-    fn starts(reach: &Reach) -> Vec<Vec<f64>> {
+    fn starts(self, reach: &Reach) -> Vec<Vec<f64>> {
         let unit = reach.coulomb_nm.max(0.02 * reach.torque_nm);
         [-0.4, -0.1, 0.1, 0.4].map(|share| vec![share * unit]).to_vec()
     }
 
-    fn apply<T: Real>(values: &[T], _bare_kg_m2: T, chain: &mut Chain<T>) {
+    fn apply<T: Real>(self, values: &[T], _bare_kg_m2: T, chain: &mut Chain<T>) {
         chain.friction.terms.push(Box::new(DirectionTerm { delta_nm: values[0] }));
     }
 }

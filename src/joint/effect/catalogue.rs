@@ -45,6 +45,29 @@ impl Stage {
     }
 }
 
+/// One of the formulas of a family of effects.
+///
+/// A family says what depends on what; which formula is a detail that the evidence picks.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
+pub struct EffectForm {
+    /// The family.
+    pub id: EffectId,
+    /// Its place among the family's forms; 0 is the default.
+    form: u8,
+}
+
+/// Evaluates an expression with the term and the name of a form.
+macro_rules! of_form {
+    ($form:expr, $($effect:ident, $module:ident;)* |$term:ident, $name:ident| $then:expr) => {
+        match $form.id {
+            $(EffectId::$effect => {
+                let ($term, $name) = <super::$module::Term as Effect>::FORMS[usize::from($form.form)];
+                $then
+            })*
+        }
+    };
+}
+
 macro_rules! catalogue {
     ($($(#[$doc:meta])* $effect:ident, $module:ident, $stage:ident;)*) => {
         /// An effect of the catalogue.
@@ -65,41 +88,53 @@ macro_rules! catalogue {
                 match self { $(EffectId::$effect => Stage::$stage,)* }
             }
 
+        }
+
+        impl EffectForm {
+            /// What distinguishes it within its family, e.g. `exponential`; empty where the family has one form only.
+            pub fn name(self) -> &'static str {
+                of_form!(self, $($effect, $module;)* |term, name| { let _ = term; name })
+            }
+
+            /// How many forms a family has.
+            fn count(id: EffectId) -> usize {
+                match id { $(EffectId::$effect => <super::$module::Term as Effect>::FORMS.len(),)* }
+            }
+
             /// Its parameters under the catalogue's names; the first measures its size.
+            #[inline]
             pub fn named_parameters(self) -> &'static [Named] {
-                match self { $(EffectId::$effect => super::$module::Term::NAMED,)* }
+                of_form!(self, $($effect, $module;)* |term, _name| term.named_parameters())
             }
 
             /// Its parameters as they are searched.
             pub fn parameters(self, reach: &Reach) -> Vec<EffectParameter> {
-                match self { $(EffectId::$effect => super::$module::Term::parameters(reach),)* }
-            }
-
-            /// How many parameters are searched.
-            #[inline]
-            pub fn searched_count(self) -> usize {
-                match self { $(EffectId::$effect => super::$module::Term::NAMED.len(),)* }
+                of_form!(self, $($effect, $module;)* |term, _name| term.parameters(reach))
             }
 
             /// Points from which a search starts; empty where logs of this reach cannot show the effect.
             pub fn starts(self, reach: &Reach) -> Vec<Vec<f64>> {
-                match self { $(EffectId::$effect => super::$module::Term::starts(reach),)* }
+                of_form!(self, $($effect, $module;)* |term, _name| term.starts(reach))
             }
 
             /// Puts the effect on a chain; `bare_kg_m2` is the inertia of the bare link.
             #[inline]
             pub fn apply<T: Real>(self, values: &[T], bare_kg_m2: T, chain: &mut Chain<T>) {
-                match self { $(EffectId::$effect => super::$module::Term::apply(values, bare_kg_m2, chain),)* }
+                of_form!(self, $($effect, $module;)* |term, _name| term.apply(values, bare_kg_m2, chain))
             }
 
             /// The values under the catalogue's names, of the values as they are searched.
             pub fn named(self, values: &[f64], coulomb_nm: f64) -> Vec<f64> {
-                match self { $(EffectId::$effect => super::$module::Term::named(values, coulomb_nm),)* }
+                of_form!(self, $($effect, $module;)* |term, _name| term.named(values, coulomb_nm))
             }
 
             /// The values as they are searched, of the catalogue's.
             pub fn searched(self, named: &[f64], coulomb_nm: f64) -> Vec<f64> {
-                match self { $(EffectId::$effect => super::$module::Term::searched(named, coulomb_nm),)* }
+                of_form!(self, $($effect, $module;)* |term, _name| term.searched(named, coulomb_nm))
+            }
+
+            fn near_default(self, values: &[f64], reach: &Reach) -> Vec<f64> {
+                of_form!(self, $($effect, $module;)* |term, _name| term.near_default(values, reach))
             }
         }
     };
@@ -122,6 +157,8 @@ catalogue! {
     FrictionDrift, friction_drift, Link;
     /// Free play between motor and link.
     Backlash, backlash, Gearing;
+    /// A spring between motor and link.
+    Compliance, compliance, Gearing;
     /// A parallel spring.
     JointSpring, joint_spring, Link;
     /// A stop inside the range of motion.
@@ -130,10 +167,16 @@ catalogue! {
     AngleOffset, angle_offset, Sensor;
     /// The encoder's gain.
     SensorGain, sensor_gain, Sensor;
+    /// The reading is late.
+    SensorDelay, sensor_delay, Sensor;
     /// The setpoint acts late.
     Delay, delay, Delay;
     /// The setpoint is taken over only every so often.
     SetpointHold, setpoint_hold, Setpoint;
+    /// The servo limits speed and acceleration of its setpoint.
+    SetpointProfile, setpoint_profile, Setpoint;
+    /// Small torques do not arrive.
+    DeadBand, dead_band, Motor;
     /// The motor's torque saturates.
     TorqueLimit, torque_limit, Motor;
     /// The motor's torque falls with speed.
@@ -145,8 +188,131 @@ catalogue! {
 impl EffectId {
     /// Whether only a motor that is on can show it.
     pub fn is_driven_only(self) -> bool {
-        use EffectId::{Delay, GearFriction, MotorGain, SetpointHold, SpeedLimit, TorqueLimit};
-        matches!(self, GearFriction | Delay | SetpointHold | TorqueLimit | SpeedLimit | MotorGain)
+        use EffectId::*;
+        matches!(
+            self,
+            GearFriction
+                | Delay
+                | SetpointHold
+                | SetpointProfile
+                | DeadBand
+                | TorqueLimit
+                | SpeedLimit
+                | MotorGain
+                | SensorDelay
+        )
+    }
+
+    /// Whether the simulator of whole robots has it too; it does not have a spring before the link or a late reading.
+    pub fn is_known_to_robots(self) -> bool {
+        !matches!(self, EffectId::Compliance | EffectId::SensorDelay)
+    }
+
+    /// Its forms, the default first.
+    pub fn forms(self) -> impl Iterator<Item = EffectForm> {
+        (0..EffectForm::count(self)).map(move |form| EffectForm { id: self, form: form as u8 })
+    }
+
+    /// Parameters of the default form under the catalogue's names; the first measures its size.
+    pub fn named_parameters(self) -> &'static [Named] {
+        EffectForm::from(self).named_parameters()
+    }
+
+    /// Parameters of the default form as they are searched.
+    pub fn parameters(self, reach: &Reach) -> Vec<EffectParameter> {
+        EffectForm::from(self).parameters(reach)
+    }
+
+    /// How many parameters of the default form are searched.
+    #[inline]
+    pub fn searched_count(self) -> usize {
+        EffectForm::from(self).searched_count()
+    }
+
+    /// Points from which a search of the default form starts; empty where logs of this reach cannot show the effect.
+    pub fn starts(self, reach: &Reach) -> Vec<Vec<f64>> {
+        EffectForm::from(self).starts(reach)
+    }
+
+    /// Puts the default form on a chain; `bare_kg_m2` is the inertia of the bare link.
+    #[inline]
+    pub fn apply<T: Real>(self, values: &[T], bare_kg_m2: T, chain: &mut Chain<T>) {
+        EffectForm::from(self).apply(values, bare_kg_m2, chain);
+    }
+
+    /// The default form's values under the catalogue's names, of the values as they are searched.
+    pub fn named(self, values: &[f64], coulomb_nm: f64) -> Vec<f64> {
+        EffectForm::from(self).named(values, coulomb_nm)
+    }
+
+    /// The default form's values as they are searched, of the catalogue's.
+    pub fn searched(self, named: &[f64], coulomb_nm: f64) -> Vec<f64> {
+        EffectForm::from(self).searched(named, coulomb_nm)
+    }
+}
+
+impl EffectForm {
+    /// How many parameters are searched.
+    #[inline]
+    pub fn searched_count(self) -> usize {
+        self.named_parameters().len()
+    }
+
+    /// Whether it is the form of its family that is tried first.
+    pub fn is_default(self) -> bool {
+        self.form == 0
+    }
+
+    /// Where a refit of this form starts, given fitted values of the default form, both as they are searched.
+    pub fn from_default(self, default_values: &[f64], reach: &Reach) -> Vec<f64> {
+        if self.is_default() {
+            return default_values.to_vec();
+        }
+        let mut values = self.near_default(default_values, reach);
+        for (value, p) in values.iter_mut().zip(self.parameters(reach)) {
+            *value = value.clamp(p.lower, p.upper);
+        }
+        values
+    }
+
+    /// The form of a family with a name, or the default one where none is given.
+    ///
+    /// # Errors
+    /// [`UnknownEffect`] where the family has no such form.
+    pub fn named_so(id: EffectId, form: Option<&str>) -> Result<Self, UnknownEffect> {
+        let Some(name) = form else { return Ok(id.into()) };
+        id.forms().find(|form| form.name() == name).ok_or_else(|| UnknownEffect {
+            word: format!("{id}:{name}"),
+            known: id.forms().map(|form| form.to_string()).collect::<Vec<_>>().join(", "),
+        })
+    }
+}
+
+impl From<EffectId> for EffectForm {
+    #[inline]
+    fn from(id: EffectId) -> Self {
+        Self { id, form: 0 }
+    }
+}
+
+/// `id`, or `id:form` where the family has several.
+impl fmt::Display for EffectForm {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.name() {
+            "" => f.write_str(self.id.id()),
+            name => write!(f, "{}:{name}", self.id),
+        }
+    }
+}
+
+impl FromStr for EffectForm {
+    type Err = UnknownEffect;
+
+    fn from_str(word: &str) -> Result<Self, UnknownEffect> {
+        match word.split_once(':') {
+            Some((id, form)) => Self::named_so(id.parse()?, Some(form)),
+            None => Ok(word.parse::<EffectId>()?.into()),
+        }
     }
 }
 

@@ -8,6 +8,8 @@ mod angle_offset;
 mod asymmetric_friction;
 mod backlash;
 mod catalogue;
+mod compliance;
+mod dead_band;
 mod delay;
 mod end_stop;
 mod friction_drift;
@@ -17,8 +19,10 @@ mod load_friction;
 mod motor_gain;
 mod position_friction;
 mod quadratic_drag;
+mod sensor_delay;
 mod sensor_gain;
 mod setpoint_hold;
+mod setpoint_profile;
 mod speed_limit;
 mod stribeck;
 #[cfg(test)]
@@ -28,7 +32,7 @@ mod torque_limit;
 use super::{Chain, Real};
 use std::fmt;
 
-pub use catalogue::{EffectId, Stage, UnknownEffect};
+pub use catalogue::{EffectForm, EffectId, Stage, UnknownEffect};
 
 /// How an effect's parameter is searched.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,6 +63,11 @@ pub struct EffectParameter {
 impl EffectParameter {
     fn linear(name: &'static str, unit: &'static str, [lower, upper]: [f64; 2], scale: f64) -> Self {
         Self { name, unit, lower, upper, scan: Scan::Linear(scale) }
+    }
+
+    /// One of the values of the starting points.
+    fn held(name: &'static str, unit: &'static str, [lower, upper]: [f64; 2]) -> Self {
+        Self { name, unit, lower, upper, scan: Scan::Held }
     }
 
     fn logarithm(name: &'static str, unit: &'static str, [lower, upper]: [f64; 2]) -> Self {
@@ -152,27 +161,40 @@ pub struct DrivenReach {
     pub by_setpoint: bool,
 }
 
-/// One effect of the catalogue.
-trait Effect {
-    /// Its parameters under the catalogue's names; the first measures its size.
+/// One effect of the catalogue, in one of its forms.
+trait Effect: Copy + 'static {
+    /// Its forms with their names, the default first; the only one has no name.
+    const FORMS: &'static [(Self, &'static str)];
+
+    /// Parameters of the default form under the catalogue's names; the first measures its size.
     const NAMED: &'static [Named];
 
+    /// Parameters of this form under the catalogue's names; the first measures its size.
+    fn named_parameters(self) -> &'static [Named] {
+        Self::NAMED
+    }
+
+    /// Values of this form that do much the same as fitted ones of the default form.
+    fn near_default(self, values: &[f64], _reach: &Reach) -> Vec<f64> {
+        values.to_vec()
+    }
+
     /// Its parameters as they are searched.
-    fn parameters(reach: &Reach) -> Vec<EffectParameter>;
+    fn parameters(self, reach: &Reach) -> Vec<EffectParameter>;
 
     /// Points from which a search starts; empty where the logs cannot show the effect.
-    fn starts(reach: &Reach) -> Vec<Vec<f64>>;
+    fn starts(self, reach: &Reach) -> Vec<Vec<f64>>;
 
     /// Puts the term on a chain; `bare_kg_m2` is the inertia of the bare link.
-    fn apply<T: Real>(values: &[T], bare_kg_m2: T, chain: &mut Chain<T>);
+    fn apply<T: Real>(self, values: &[T], bare_kg_m2: T, chain: &mut Chain<T>);
 
     /// The values under the catalogue's names, of the values as they are searched.
-    fn named(values: &[f64], _coulomb_nm: f64) -> Vec<f64> {
+    fn named(self, values: &[f64], _coulomb_nm: f64) -> Vec<f64> {
         values.to_vec()
     }
 
     /// The values as they are searched, of the catalogue's.
-    fn searched(named: &[f64], _coulomb_nm: f64) -> Vec<f64> {
+    fn searched(self, named: &[f64], _coulomb_nm: f64) -> Vec<f64> {
         named.to_vec()
     }
 }

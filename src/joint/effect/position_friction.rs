@@ -6,35 +6,37 @@
 use super::{Bounds, Effect, EffectParameter, Named, Reach, pairs};
 use crate::joint::{Chain, Contact, FrictionTerm, Real};
 
+#[derive(Clone, Copy)]
 pub(super) struct Term;
 
 impl Effect for Term {
+    const FORMS: &'static [(Self, &'static str)] = &[(Term, "")];
     const NAMED: &'static [Named] = &[
         Named { name: "a", unit: "", zero: 0.0, bounds: Bounds::ANY },
         Named { name: "phi", unit: "rad", zero: 0.0, bounds: Bounds::ANGLE },
     ];
 
-    fn parameters(_reach: &Reach) -> Vec<EffectParameter> {
+    fn parameters(self, _reach: &Reach) -> Vec<EffectParameter> {
         vec![
             EffectParameter::linear("a_cos_phi", "", [-2.0, 2.0], 0.3),
             EffectParameter::linear("a_sin_phi", "", [-2.0, 2.0], 0.3),
         ]
     }
 
-    fn starts(_reach: &Reach) -> Vec<Vec<f64>> {
+    fn starts(self, _reach: &Reach) -> Vec<Vec<f64>> {
         pairs(&[-0.4, 0.4], &[-0.4, 0.4])
     }
 
-    fn apply<T: Real>(values: &[T], _bare_kg_m2: T, chain: &mut Chain<T>) {
+    fn apply<T: Real>(self, values: &[T], _bare_kg_m2: T, chain: &mut Chain<T>) {
         let coulomb_nm = chain.friction.coulomb_nm;
         chain.friction.terms.push(Box::new(PositionTerm { coulomb_nm, cosine: values[0], sine: values[1] }));
     }
 
-    fn named(values: &[f64], _coulomb_nm: f64) -> Vec<f64> {
+    fn named(self, values: &[f64], _coulomb_nm: f64) -> Vec<f64> {
         vec![values[0].hypot(values[1]), values[1].atan2(values[0])]
     }
 
-    fn searched(named: &[f64], _coulomb_nm: f64) -> Vec<f64> {
+    fn searched(self, named: &[f64], _coulomb_nm: f64) -> Vec<f64> {
         vec![named[0] * named[1].cos(), named[0] * named[1].sin()]
     }
 }

@@ -6,17 +6,19 @@
 use super::{Bounds, Effect, EffectParameter, Named, Reach};
 use crate::joint::{Chain, Real};
 
+#[derive(Clone, Copy)]
 pub(super) struct Term;
 
 impl Effect for Term {
+    const FORMS: &'static [(Self, &'static str)] = &[(Term, "")];
     const NAMED: &'static [Named] = &[Named { name: "T_h", unit: "s", zero: 0.0, bounds: Bounds::NOT_NEGATIVE }];
 
-    fn parameters(reach: &Reach) -> Vec<EffectParameter> {
+    fn parameters(self, reach: &Reach) -> Vec<EffectParameter> {
         let finest = reach.driven.map_or(0.001, |driven| driven.period_s);
         vec![EffectParameter::linear("T_h", "s", [finest, 0.5], 0.1 * finest)]
     }
 
-    fn starts(reach: &Reach) -> Vec<Vec<f64>> {
+    fn starts(self, reach: &Reach) -> Vec<Vec<f64>> {
         let Some(driven) = reach.driven.filter(|driven| driven.by_setpoint) else { return Vec::new() };
         let multiples = (2..=24).map(|n| f64::from(n) * driven.period_s);
         let between =
@@ -24,7 +26,7 @@ impl Effect for Term {
         multiples.chain(between).map(|hold| vec![hold]).collect()
     }
 
-    fn apply<T: Real>(values: &[T], _bare_kg_m2: T, chain: &mut Chain<T>) {
+    fn apply<T: Real>(self, values: &[T], _bare_kg_m2: T, chain: &mut Chain<T>) {
         chain.setpoint.hold_s = Some(values[0]);
     }
 }

@@ -1,7 +1,7 @@
 use super::*;
 use crate::joint::{Friction, Link, Motor, gradient, variable};
 use crate::log::{Hold, MotorSpec};
-use crate::pendulum::{Input, Start, State, rollout_refined};
+use crate::pendulum::{Input, Start, State, readings};
 use num_dual::DualSVec64;
 
 fn reach() -> Reach {
@@ -18,7 +18,7 @@ fn reach() -> Reach {
 }
 
 /// The angles of a driven and of a free motion, with one effect at the values as searched.
-fn angles(effect: Option<(EffectId, &[f64])>, driven: bool) -> Vec<f64> {
+fn angles(effect: Option<(EffectForm, &[f64])>, driven: bool) -> Vec<f64> {
     match effect {
         Some((effect, values)) => motion(effect, values, driven, 1.0),
         None => motion(EffectId::AngleOffset, &[0.0], driven, 1.0),
@@ -26,21 +26,22 @@ fn angles(effect: Option<(EffectId, &[f64])>, driven: bool) -> Vec<f64> {
 }
 
 /// The readings with an effect at the values as searched.
-fn motion<T: Real>(effect: EffectId, values: &[T], driven: bool, refinement: f64) -> Vec<T> {
+fn motion<T: Real>(effect: impl Into<EffectForm>, values: &[T], driven: bool, refinement: f64) -> Vec<T> {
     let t: Vec<f64> = (0..600).map(|k| f64::from(k) * 0.005).collect();
     let constant = T::constant;
     let setpoint: Vec<f64> = t.iter().map(|t| 0.5 * (4.0 * t).sin() + if *t > 1.5 { 0.3 } else { 0.0 }).collect();
     let motor = driven.then(|| Motor::new(MotorSpec::pd(5.0, 0.1)));
     let link = Link::new(constant(0.011), constant(0.05), constant(0.0), 9.81);
     let mut chain = Chain::new(link, Friction::coulomb_viscous(constant(0.02), constant(0.004)), motor);
+    let effect = effect.into();
     effect.apply(values, constant(0.011), &mut chain);
     let input =
         if driven { Input::Position { setpoint_rad: &setpoint, hold: Hold::Step, on: None } } else { Input::Off };
-    let angle_rad = constant(if driven { 0.0 } else { 0.9 }) / chain.sensor_gain;
+    let angle_rad = constant(if driven { 0.0 } else { 0.9 });
     let start = Start { angle_rad, rate_rad_s: constant(0.0), release_s: None };
     let mut q = Vec::new();
-    let read = |_: usize, s: &State<T>| q.push(s.angle_rad * chain.sensor_gain);
-    rollout_refined(&chain, input, &t, start, refinement, read).expect("does not diverge");
+    let read = |_: usize, s: &State<T>| q.push(s.angle_rad);
+    readings(&chain, input, &t, start, refinement, read).unwrap_or_else(|e| panic!("{effect}, driven {driven}: {e}"));
     q
 }
 
@@ -49,18 +50,25 @@ fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Values as searched at which each effect is absent.
-fn absent(effect: EffectId) -> Vec<f64> {
-    match effect {
-        EffectId::Stribeck => vec![0.0, 0.3],
-        EffectId::Backlash => vec![1e-9, 0.3],
-        EffectId::JointSpring => vec![0.0, 0.3],
-        EffectId::EndStop => vec![5.0, 1.0, 30.0, 0.1],
-        EffectId::SpeedLimit => vec![1e4, 1e4],
-        EffectId::TorqueLimit => vec![1e4],
-        EffectId::MotorGain => vec![1.0],
-        EffectId::PositionFriction => vec![0.0, 0.0],
+fn absent(effect: EffectForm) -> Vec<f64> {
+    match (effect.id, effect.name()) {
+        (EffectId::Stribeck, _) => vec![0.0, 0.3],
+        (EffectId::Backlash, _) => vec![1e-9, 0.3],
+        (EffectId::JointSpring, "stiffening") => vec![0.0, 0.3, 1.0],
+        (EffectId::JointSpring, "one_sided") => vec![0.0, 0.3, 1.0],
+        (EffectId::JointSpring, _) => vec![0.0, 0.3],
+        (EffectId::EndStop, _) => vec![5.0, 1.0, 30.0, 0.1],
+        (EffectId::SpeedLimit, _) => vec![1e4, 1e4],
+        (EffectId::TorqueLimit, _) => vec![1e4],
+        (EffectId::QuadraticDrag, "power") => vec![0.0, 1.7],
+        (EffectId::FrictionDrift, "saturating") => vec![0.0, 1.0],
+        (EffectId::SensorGain, "eccentric") => vec![0.0, 0.0],
+        (EffectId::Compliance, _) => vec![1e9, 0.0],
+        (EffectId::SetpointProfile, _) => vec![1e6, 1e12],
+        (EffectId::MotorGain, _) => vec![1.0],
+        (EffectId::PositionFriction, _) => vec![0.0, 0.0],
         // A hold of one sampling period lets every setpoint through.
-        EffectId::SetpointHold => vec![0.005],
+        (EffectId::SetpointHold, _) => vec![0.005],
         _ => vec![0.0],
     }
 }
@@ -68,7 +76,7 @@ fn absent(effect: EffectId) -> Vec<f64> {
 #[test]
 fn at_its_zero_an_effect_is_absent_and_at_a_start_it_is_not() {
     let baseline = [angles(None, false), angles(None, true)];
-    for &effect in EffectId::ALL {
+    for effect in EffectId::ALL.iter().flat_map(|id| id.forms()) {
         let zero = absent(effect);
         for driven in [false, true] {
             let off = largest_difference(&baseline[usize::from(driven)], &angles(Some((effect, &zero)), driven));
@@ -85,7 +93,7 @@ fn at_its_zero_an_effect_is_absent_and_at_a_start_it_is_not() {
 
 #[test]
 fn starts_lie_inside_the_bounds_and_names_go_there_and_back() {
-    for &effect in EffectId::ALL {
+    for effect in EffectId::ALL.iter().flat_map(|id| id.forms()) {
         let parameters = effect.parameters(&reach());
         for start in effect.starts(&reach()) {
             assert_eq!(start.len(), parameters.len(), "{effect}");
@@ -102,24 +110,24 @@ fn starts_lie_inside_the_bounds_and_names_go_there_and_back() {
 #[test]
 fn only_driven_logs_show_effects_of_the_drive() {
     let undriven = Reach { driven: None, ..reach() };
-    for &effect in EffectId::ALL {
-        assert_eq!(effect.starts(&undriven).is_empty(), effect.is_driven_only(), "{effect}");
+    for effect in EffectId::ALL.iter().flat_map(|id| id.forms()) {
+        assert_eq!(effect.starts(&undriven).is_empty(), effect.id.is_driven_only(), "{effect}");
     }
 }
 
 #[test]
 fn a_delay_shifts_a_driven_motion_and_a_hold_makes_it_wait() {
     let now = angles(None, true);
-    let late = angles(Some((EffectId::Delay, &[0.02])), true);
+    let late = angles(Some((EffectId::Delay.into(), &[0.02])), true);
     // Four samples of 5 ms later, but for the start, where the setpoint stands still.
     assert!(largest_difference(&now[..596], &late[4..]) < 2e-3);
-    let held = angles(Some((EffectId::SetpointHold, &[0.1])), true);
+    let held = angles(Some((EffectId::SetpointHold.into(), &[0.1])), true);
     assert!(largest_difference(&now, &held) > 0.02);
 }
 
 #[test]
 fn the_step_is_short_enough_for_every_effect() {
-    for &effect in EffectId::ALL {
+    for effect in EffectId::ALL.iter().flat_map(|id| id.forms()) {
         let start = &effect.starts(&reach())[0];
         for driven in [false, true] {
             let (coarse, fine) = (motion::<f64>(effect, start, driven, 1.0), motion::<f64>(effect, start, driven, 3.0));
@@ -132,12 +140,12 @@ fn the_step_is_short_enough_for_every_effect() {
 /// Sensitivities through sticking, limits, play and stops: as dual numbers and as central differences.
 #[test]
 fn dual_numbers_agree_with_central_differences_for_every_effect() {
-    for &effect in EffectId::ALL {
+    for effect in EffectId::ALL.iter().flat_map(|id| id.forms()) {
         let start = effect.starts(&reach()).swap_remove(1);
         let parameters = effect.parameters(&reach());
         for (k, p) in parameters.iter().enumerate() {
             // Which setpoints get through changes by leaps with the hold: only its instants are differentiated.
-            if p.scan == Scan::Held || effect == EffectId::SetpointHold {
+            if p.scan == Scan::Held || effect.id == EffectId::SetpointHold {
                 continue;
             }
             for driven in [false, true] {
@@ -161,5 +169,45 @@ fn dual_numbers_agree_with_central_differences_for_every_effect() {
                 assert!(off * 20 < exact.len(), "{effect} {} driven {driven}: {off} of {}", p.name, exact.len());
             }
         }
+    }
+}
+
+#[test]
+fn forms_have_names_that_lead_back_to_them() {
+    for &id in EffectId::ALL {
+        let forms: Vec<EffectForm> = id.forms().collect();
+        assert_eq!(forms[0], EffectForm::from(id));
+        for &form in &forms {
+            assert_eq!(form.to_string().parse(), Ok(form));
+            assert_eq!(form.name().is_empty(), forms.len() == 1, "{form}");
+        }
+        assert_eq!(id.id().parse(), Ok(forms[0]));
+    }
+    let error = "stribeck:tanh".parse::<EffectForm>().unwrap_err().to_string();
+    assert!(error.contains("`stribeck:tanh`") && error.contains("stribeck:exponential"), "{error}");
+}
+
+#[test]
+fn a_form_starts_within_its_bounds_and_near_what_the_default_form_does() {
+    for &id in EffectId::ALL {
+        for form in id.forms() {
+            for start in id.starts(&reach()) {
+                let own = form.from_default(&start, &reach());
+                let parameters = form.parameters(&reach());
+                assert_eq!(own.len(), parameters.len(), "{form}");
+                for (value, p) in own.iter().zip(&parameters) {
+                    assert!(p.lower <= *value && *value <= p.upper, "{form} {}: {value}", p.name);
+                }
+            }
+        }
+    }
+    let same = [("quadratic_drag:power", 1e-6), ("friction_drift:saturating", 0.1), ("joint_spring:stiffening", 0.1)];
+    for (form, within) in same {
+        let form: EffectForm = form.parse().unwrap();
+        let start = form.id.starts(&reach()).swap_remove(0);
+        let default = motion::<f64>(form.id, &start, false, 1.0);
+        let own = motion::<f64>(form, &form.from_default(&start, &reach()), false, 1.0);
+        let moved = largest_difference(&default, &angles(None, false));
+        assert!(largest_difference(&default, &own) <= within * moved.max(1e-3) + 1e-9, "{form}");
     }
 }

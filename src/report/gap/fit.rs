@@ -8,7 +8,10 @@ use std::collections::BTreeMap;
 
 /// Effects with their parameters by the catalogue's names.
 pub(super) fn effect_fits(effects: &[(EffectId, Vec<Number>)]) -> Vec<EffectFit> {
-    effects.iter().map(|(id, numbers)| EffectFit { id: id.id().to_owned(), parameters: quantities(numbers) }).collect()
+    effects
+        .iter()
+        .map(|(id, numbers)| EffectFit { id: id.id().to_owned(), form: None, parameters: quantities(numbers) })
+        .collect()
 }
 
 /// Parameters by name.

@@ -11,7 +11,7 @@ pub(super) struct Commands<'a> {
     next: usize,
     /// In force now.
     pub now: Vec<Command<f64>>,
-    /// Where the law is evaluated only every so often: the torque that it holds \[N m\].
+    /// Where the law is evaluated only every so often: its period \[s\], and the answer that it holds.
     held: Vec<Option<(f64, f64)>>,
     ticks: u64,
 }
@@ -31,7 +31,7 @@ impl<'a> Commands<'a> {
         let period = |drive: &super::JointDrive| Some((drive.chain.motor.as_ref()?.sample_period_s()?, 0.0));
         let mut commands = Self {
             t_s: &setpoints.t_s,
-            now: vec![Command::Torque(0.0); schedules.len()],
+            now: vec![Command::Off; schedules.len()],
             schedules,
             next: 1,
             held: drives.iter().map(period).collect(),
@@ -68,18 +68,18 @@ impl<'a> Commands<'a> {
         }
     }
 
-    /// Where the law is evaluated in frames and one begins now: evaluates it with `law`, and holds its torque.
+    /// Where the law is evaluated in frames and one begins now: evaluates it with `law`, and holds its answer.
     pub(super) fn tick(&mut self, now_s: f64, mut law: impl FnMut(usize, Command<f64>, f64) -> f64) {
         let Some(period_s) = self.period_s() else { return };
         let is_due = self.t_s[0] + self.ticks as f64 * period_s <= now_s + 1e-12;
         self.ticks += u64::from(is_due);
         for (k, held) in self.held.iter_mut().enumerate() {
-            let Some((period_s, torque_nm)) = held else { continue };
+            let Some((period_s, answer)) = held else { continue };
             if let Command::Pid { .. } = self.now[k] {
                 if is_due {
-                    *torque_nm = law(k, self.now[k], *period_s);
+                    *answer = law(k, self.now[k], *period_s);
                 }
-                self.now[k] = Command::Torque(*torque_nm);
+                self.now[k] = Command::Torque(*answer);
             }
         }
     }

@@ -39,6 +39,14 @@ pub enum SimulateError {
         /// What may be given.
         allowed: String,
     },
+    /// An effect that single joints have and whole robots do not.
+    #[error("joint {joint}: {effect} can be simulated on a single joint only, not on a robot")]
+    UnknownToRobots {
+        /// The joint.
+        joint: String,
+        /// The effect's id.
+        effect: &'static str,
+    },
     /// A number makes no sense.
     #[error("{what} is {value}, expected {allowed}")]
     Value {

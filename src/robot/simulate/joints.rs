@@ -2,7 +2,7 @@
 
 use super::SimulateError;
 use crate::geometry::JointSpring;
-use crate::joint::{Chain, Contact, EffectId, EndStop, Friction, Link, Motor, Stribeck};
+use crate::joint::{Chain, Contact, EffectId, EndStop, Friction, Link, Motor, Push, Stribeck, StribeckCurve};
 use crate::log::{Derivative, Hold, MotorSpec};
 use crate::robot::model::BASE_FREEDOMS;
 use crate::robot::{Dynamics, JointId, Model, PidGains, State};
@@ -142,7 +142,11 @@ impl Joints {
             let law = &mut drive.chain.friction;
             (law.coulomb_nm, law.viscous_nm_s_rad) = (friction.coulomb_nm, friction.viscous_nm_s_rad);
             let (static_nm, speed_rad_s) = (friction.static_nm, friction.stribeck_rad_s);
-            law.stribeck = (static_nm > 0.0 && speed_rad_s > 0.0).then_some(Stribeck { static_nm, speed_rad_s });
+            law.stribeck = (static_nm > 0.0 && speed_rad_s > 0.0).then_some(Stribeck {
+                static_nm,
+                speed_rad_s,
+                curve: StribeckCurve::Gaussian,
+            });
         }
         Ok(())
     }
@@ -166,7 +170,13 @@ impl Joints {
         for (joint, drive) in model.joints().iter().zip(&mut self.drives) {
             let Some([low, high]) = joint.hardware_rad else { continue };
             drive.stops = [(low, -1.0), (high, 1.0)]
-                .map(|(angle_rad, side)| EndStop { angle_rad, side, stiffness_nm_rad, damping_nm_s_rad })
+                .map(|(angle_rad, side)| EndStop {
+                    angle_rad,
+                    side,
+                    stiffness_nm_rad,
+                    damping_nm_s_rad,
+                    push: Push::Linear,
+                })
                 .to_vec();
         }
     }
@@ -174,7 +184,8 @@ impl Joints {
     /// Puts an effect of the catalogue on a joint, its values under the catalogue's names and in their order.
     ///
     /// # Errors
-    /// [`SimulateError::Effect`] for values out of bounds, or too few of them.
+    /// [`SimulateError::Effect`] for values out of bounds, or too few of them; [`SimulateError::UnknownToRobots`] for a spring
+    /// before the link or a late reading, which the trees do not have.
     pub fn add_effect(
         &mut self,
         model: &Model,
@@ -182,6 +193,10 @@ impl Joints {
         effect: EffectId,
         named: &[f64],
     ) -> Result<(), SimulateError> {
+        if !effect.is_known_to_robots() {
+            let joint = model.joints()[joint.index()].name.clone();
+            return Err(SimulateError::UnknownToRobots { joint, effect: effect.id() });
+        }
         let parameters = effect.named_parameters();
         let wrong = |parameter: &'static str, value: f64, allowed: String| SimulateError::Effect {
             joint: model.joints()[joint.index()].name.clone(),

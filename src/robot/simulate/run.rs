@@ -119,9 +119,9 @@ fn evaluate_frames(scenario: &Scenario<'_>, commands: &mut Commands<'_>, now: &m
             rate_rad_s: now.body.rate_rad_s[k],
             integral_rad_s: now.integral_rad_s[k],
         };
-        let torque_nm = drive.asked_nm(command, at);
+        let answer = drive.asked(command, at);
         now.integral_rad_s[k] += drive.error_rad(command, now.t_s, at.angle_rad) * period_s;
-        torque_nm
+        answer
     });
 }
 

@@ -90,7 +90,7 @@ impl<'a> System<'a> {
             scenario: *scenario,
             world: World::new(scenario),
             around: Around::new(scenario),
-            commands: vec![Command::Torque(0.0); n],
+            commands: vec![Command::Off; n],
             diagonal_kg_m2: scenario.joints.drives().iter().map(diagonal).collect(),
             torque_nm: vec![0.0; n],
             acceleration: vec![0.0; 6 + n],
@@ -103,7 +103,8 @@ impl<'a> System<'a> {
 impl JointDrive {
     /// All that damps it, at the most \[N m s/rad\].
     fn damping_nm_s_rad(&self) -> f64 {
-        let law = self.chain.motor.as_ref().map_or(0.0, |motor| motor.stiffness_and_damping().1);
+        let law =
+            self.chain.motor.as_ref().map_or(0.0, |motor| motor.stiffness_and_damping(crate::joint::Driven::ByLaw).1);
         let springs = self.spring.map_or(0.0, |s| s.damping_nm_s_rad);
         let stop = |stop: &crate::joint::EndStop<f64>| stop.damping_nm_s_rad;
         let stops: f64 = self.stops.iter().chain(&self.chain.stop).map(stop).sum();

@@ -1,7 +1,7 @@
 //! What a joint's own stages do at one instant, and how that changes with angle, rate and time.
 
 use super::JointDrive;
-use crate::joint::{Contact, Motor, Setpoint};
+use crate::joint::{Contact, Motor};
 use crate::pendulum::Command;
 
 /// Where a joint is.
@@ -38,15 +38,14 @@ impl JointDrive {
         command.motor_nm(&self.chain, at.t_s, &[at.angle_rad - self.zero_rad, at.rate_rad_s, at.integral_rad_s])
     }
 
-    /// Torque that the law asks for, before gain and limits \[N m\]; zero where the motor is off.
-    pub(super) fn asked_nm(&self, command: Command<f64>, at: At) -> f64 {
-        let Command::Pid { setpoint_rad, slope_rad_s, from_s } = command else { return 0.0 };
-        let angle_rad = (at.t_s - from_s) * slope_rad_s + setpoint_rad;
+    /// The answer of the law, before gain and limits; zero where the motor is off.
+    pub(super) fn asked(&self, command: Command<f64>, at: At) -> f64 {
+        let Some(setpoint) = command.setpoint(at.t_s) else { return 0.0 };
         let rate_rad_s = at.rate_rad_s * self.chain.sensor_gain;
-        self.chain.motor.as_ref().map_or(0.0, |motor| {
-            let setpoint = Setpoint { angle_rad, rate_rad_s: slope_rad_s };
-            motor.command_nm(setpoint, self.reading_rad(at.angle_rad), rate_rad_s, at.integral_rad_s)
-        })
+        self.chain
+            .motor
+            .as_ref()
+            .map_or(0.0, |motor| motor.command(setpoint, self.reading_rad(at.angle_rad), rate_rad_s, at.integral_rad_s))
     }
 
     /// Setpoint less reading \[rad\].
@@ -62,7 +61,7 @@ impl JointDrive {
 
     /// Torque that the motor would deliver had it no limits \[N m\].
     pub(super) fn unlimited_nm(&self, command: Command<f64>, at: At) -> f64 {
-        self.chain.motor.as_ref().map_or(0.0, |motor| self.asked_nm(command, at) * motor.gain)
+        self.chain.motor.as_ref().map_or(0.0, |motor| motor.unlimited_nm(self.asked(command, at), at.rate_rad_s))
     }
 
     /// All that the motor has in a direction \[N m\], with its sign.
@@ -80,12 +79,10 @@ impl JointDrive {
     pub(super) fn motor_slopes(command: Command<f64>, at: At, torque_nm: impl Fn(At) -> f64) -> Slopes {
         let motor_nm = torque_nm(at);
         let by = |at: At| torque_nm(at) - motor_nm;
-        let steady = matches!(command, Command::Torque(_))
-            || matches!(command, Command::Pid { slope_rad_s, .. } if slope_rad_s == 0.0);
         Slopes {
             stiffness: -by(At { angle_rad: at.angle_rad + ANGLE_NUDGE_RAD, ..at }) / ANGLE_NUDGE_RAD,
             damping: -by(At { rate_rad_s: at.rate_rad_s + RATE_NUDGE_RAD_S, ..at }) / RATE_NUDGE_RAD_S,
-            per_time: if steady { 0.0 } else { by(At { t_s: at.t_s + TIME_NUDGE_S, ..at }) / TIME_NUDGE_S },
+            per_time: if command.is_still() { 0.0 } else { by(At { t_s: at.t_s + TIME_NUDGE_S, ..at }) / TIME_NUDGE_S },
         }
         .kept()
     }

@@ -56,7 +56,8 @@ fn the_study_s_numbers_override_the_robot_s() {
     assert_eq!(drive("lr2").chain.friction.coulomb_nm, 0.009);
     // Table 3.4 where the study says nothing.
     assert_eq!(drive("lr2").chain.friction.viscous_nm_s_rad, 0.019);
-    let stiffness = |name: &str| drive(name).chain.motor.as_ref().unwrap().stiffness_and_damping().0;
+    let stiffness =
+        |name: &str| drive(name).chain.motor.as_ref().unwrap().stiffness_and_damping(crate::joint::Driven::ByLaw).0;
     assert_eq!((stiffness("lf1"), stiffness("rr1"), stiffness("lf2")), (6.0, 7.0, 7.0));
     let floor = nominal.floor.as_ref().unwrap().parameters();
     assert_eq!((floor.static_friction, floor.coulomb), (0.9, 0.6));
