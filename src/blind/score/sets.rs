@@ -37,16 +37,19 @@ pub struct ByNoise {
     pub top: Rate,
 }
 
+/// A group of studies: what it is called, and which are in it.
+type Group = (&'static str, fn(&Truth) -> bool);
+
 /// One for each number of effects that occurs, and one for servos.
 pub(super) fn by_set(judged: &[(&Trial, Judgement)]) -> Vec<BySet> {
-    let groups: [(&'static str, fn(&Truth) -> bool); 5] = [
+    let groups: [Group; 5] = [
         ("one effect", |truth| truth.causes.len() == 1 && !truth.servo),
         ("two effects", |truth| truth.causes.len() == 2 && !truth.servo),
         ("three effects", |truth| truth.causes.len() == 3 && !truth.servo),
         ("four effects", |truth| truth.causes.len() == 4 && !truth.servo),
         ("a servo", |truth| truth.servo),
     ];
-    let group = |(what, keep): (&'static str, fn(&Truth) -> bool)| {
+    let group = |(what, keep): Group| {
         let items: Vec<&Judgement> = judged.iter().filter(|(trial, _)| keep(&trial.truth)).map(|(_, j)| j).collect();
         let rate = |is: &dyn Fn(&Judgement) -> bool| Rate::over(items.iter().map(|j| is(j)));
         let needless: u32 = items.iter().map(|j| j.needless).sum();
