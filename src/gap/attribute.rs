@@ -7,6 +7,7 @@ use super::explore::{explore, one_of_each};
 use super::floor::noise_rad;
 use super::folds::Folds;
 use super::grow::Growth;
+use super::held_out::HeldOut;
 use super::model::GapModel;
 use super::score::Measure;
 use super::trial::Trial;
@@ -61,6 +62,10 @@ pub(super) const LEFT_OVER: f64 = 0.02;
 const NEAR: f64 = 60.0;
 /// Standard deviations by which a cause has to predict logs better that were not fitted.
 const PREDICTS: f64 = 0.5;
+/// Up to so many logs each is also predicted whole by the others, and a cause may not do that worse by so many standard
+/// deviations.
+const FEW_LOGS: usize = 4;
+const ELSEWHERE: f64 = 0.5;
 /// Standard deviations from which on it clearly does.
 const CLEARLY: f64 = 2.0;
 
@@ -285,12 +290,19 @@ fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance:
         let deviance = |t: &Trial| measure.deviance(evidence, t);
         let folds = Folds::of(evidence);
         let held = folds.residuals(&best);
+        // Few logs are as many conditions: what holds in one has to hold in the others.
+        let logs = (2..=FEW_LOGS).contains(&evidence.fit.len()).then(|| HeldOut::in_turn(evidence));
+        let by_log = logs.as_ref().map(|logs| logs.residuals(evidence, &best));
         let worth = |t: &Trial| {
             let gained = deviance(t) - deviance(&best);
             let lost = folds.difference(&folds.residuals(t), &held);
             // What predicts clearly need not exceed chance by itself, but its charge.
             let needed = if lost.z() > CLEARLY { measure.charge(&best) - measure.charge(t) } else { chance };
-            if lost.sum > PREDICTS * lost.sd { gained - needed } else { f64::NEG_INFINITY }
+            let elsewhere = match (&logs, &by_log) {
+                (Some(logs), Some(with)) => logs.difference(&logs.residuals(evidence, t), with).z(),
+                _ => 0.0,
+            };
+            if lost.sum > PREDICTS * lost.sd && elsewhere > -ELSEWHERE { gained - needed } else { f64::NEG_INFINITY }
         };
         let worths: Vec<f64> = without.par_iter().map(worth).collect();
         let worst = (0..worths.len()).min_by(|a, b| worths[*a].total_cmp(&worths[*b]));

@@ -50,6 +50,11 @@ impl HeldOut {
         Self { experiments: all.clone(), how, from: From::InTurn }
     }
 
+    /// The fitted logs, each predicted by the others.
+    pub fn in_turn(evidence: &Evidence) -> Self {
+        Self { experiments: evidence.fit.clone(), how: "each log predicted by a fit to all others", from: From::InTurn }
+    }
+
     /// Whether no choice was made on these logs.
     pub fn is_outer(&self) -> bool {
         matches!(self.from, From::Study)
