@@ -224,7 +224,7 @@ pub(in crate::report) struct Threshold {
 }
 
 impl Threshold {
-    fn of(detectable: &Detectable) -> Self {
+    pub fn of(detectable: &Detectable) -> Self {
         Self { value: detectable.value, unit: detectable.unit, parameter: detectable.name }
     }
 }

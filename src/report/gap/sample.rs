@@ -326,7 +326,6 @@ pub fn set_of_two() -> GapReport {
     report.options.twins = 120;
     let diagnosis = &mut report.diagnosis;
     diagnosis.answer.equivalent = vec![EffectId::Stribeck, EffectId::LoadFriction];
-    diagnosis.causes[0].form = "exponential";
     diagnosis.causes[0].equivalent = diagnosis.answer.equivalent.clone();
     diagnosis.undetermined = vec![
         "These logs cannot tell inertia, moment, coulomb and viscous apart: they can be changed together. Free swings show \

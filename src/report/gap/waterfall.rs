@@ -1,11 +1,13 @@
 //! From the model as given to the floor, step by step, and what became of what was believed: the same in text, figure and
 //! JSON.
 
-use crate::gap::{BeliefFound, CauseShare, Diagnosis, Verdict};
+use crate::gap::{BeliefFound, CauseShare, Diagnosis, Gap, Verdict};
 use crate::report::number::{quantity, significant, spoken};
 
 /// A gap that exceeds the floor by less than this factor is hardly one: shares of it would be numbers without meaning.
 const HARDLY: f64 = 1.1;
+/// A step with a share below this one opens the gap.
+const OPENS: f64 = -0.005;
 /// A number that was moved by no more than so many of its standard deviations is as it was believed to be.
 const AS_BELIEVED: f64 = 1.0;
 /// One that was moved by more than so many is a finding.
@@ -78,6 +80,12 @@ pub(super) fn steps(diagnosis: &Diagnosis) -> Vec<Step<'_>> {
     steps
 }
 
+/// Share of what recalibration leaves that is closed down to an RMS \[rad\]; `None` where it leaves hardly anything.
+pub(super) fn closes_alone(gap: &Gap, rms_rad: f64) -> Option<f64> {
+    let share = (gap.calibrated - rms_rad) / (gap.calibrated - gap.floor);
+    Some(share).filter(|share| gap.calibrated > HARDLY * gap.floor && share.is_finite())
+}
+
 /// What introduces the steps.
 pub(super) fn heading(diagnosis: &Diagnosis) -> &'static str {
     match diagnosis.answer.verdict {
@@ -95,6 +103,9 @@ pub(super) fn explanation(diagnosis: &Diagnosis) -> String {
     if !diagnosis.causes.is_empty() {
         text += " Alone and last: share of what recalibration leaves that the cause closes by itself, and with all \
                  others in place.";
+    }
+    if steps(diagnosis).iter().any(|step| step.closes.is_some_and(|share| share < OPENS)) {
+        text += " Where a share is negative the step predicts these logs worse than without it.";
     }
     for cause in &diagnosis.causes {
         let others: Vec<&str> = cause.equivalent.iter().filter(|e| **e != cause.effect).map(|e| e.id()).collect();
@@ -166,6 +177,14 @@ mod tests {
         assert!((closes[1].unwrap() - (0.061 - 0.034) / whole).abs() < 1e-12);
         assert!((closes[2].unwrap() - (0.034 - 0.012) / whole).abs() < 1e-12);
         assert_eq!(closes[4], None, "the floor closes nothing");
+    }
+
+    #[test]
+    fn an_effect_that_adds_nothing_to_recalibration_closes_nothing() {
+        let gap = sample::set_of_two().diagnosis.gap;
+        assert_eq!(closes_alone(&gap, gap.calibrated), Some(0.0));
+        assert_eq!(closes_alone(&gap, gap.floor), Some(1.0));
+        assert_eq!(closes_alone(&sample::nothing_missing().diagnosis.gap, 0.0019), None);
     }
 
     #[test]

@@ -14,6 +14,9 @@ pub(in crate::report) const UNTRUSTED: &str = "Something is left in these logs t
 /// What stands above the sizes that would have been seen.
 pub(super) const DETECTABLE: &str = "Smallest size of each effect that these logs would have shown:";
 
+/// What stands above the sentences about it.
+pub(in crate::report) const UNDETERMINED: &str = "What these logs cannot determine";
+
 /// Logs that a sentence names.
 const MOST_NAMED: usize = 4;
 
@@ -169,6 +172,11 @@ pub(in crate::report) fn closed(closed: Option<f64>, interval: Option<[f64; 2]>)
         (Some(closed), _) => share(closed),
         (None, _) => "no gap above the noise".to_owned(),
     }
+}
+
+/// A share of the gap that a step closes; one that opens it is negative.
+pub(super) fn part(share: f64) -> String {
+    if share.is_finite() { crate::report::number::share(share) } else { String::new() }
 }
 
 /// The notes of the diagnosis, then what is odd about a log, then what was left out by demand.
