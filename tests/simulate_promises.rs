@@ -193,6 +193,30 @@ fn every_effect_of_the_catalogue_can_be_simulated_and_acts_where_it_can() {
 }
 
 #[test]
+fn the_gain_of_the_drive_is_that_of_the_fit() {
+    let study = root().join("data/examples/delay/study.toml").to_string_lossy().into_owned();
+    let dir = tempfile::tempdir().unwrap();
+    let rms = |gain: &str| {
+        fs::write(dir.path().join("fit.json"), FIT.replacen("\"joint\": {", &format!("\"joint\": {{{gain}"), 1))
+            .unwrap();
+        let words = ["simulate", &study, "--fit", "fit.json", "--out", "out", "--json", "found.json"];
+        expect_code(dir.path(), &words, 0);
+        json(&dir.path().join("found.json"))["logs"][0]["rms"].as_f64().unwrap()
+    };
+    let without = rms("");
+    assert_eq!(rms("\"gain\": {\"value\": 1.0}, "), without);
+    assert!((rms("\"gain\": {\"value\": 0.5}, ") / without - 1.0).abs() > 1e-3);
+    fs::write(
+        dir.path().join("fit.json"),
+        FIT.replacen("\"joint\": {", "\"joint\": {\"gain\": {\"value\": -1.0}, ", 1),
+    )
+    .unwrap();
+    let output = run_in(dir.path(), &["simulate", &study, "--fit", "fit.json", "--out", "out"]);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(stderr(&output).contains("joint.gain.value is -1.0"), "{}", stderr(&output));
+}
+
+#[test]
 fn effects_that_cannot_be_are_refused_by_name() {
     let dir = tempfile::tempdir().unwrap();
     fs::write(dir.path().join("study.toml"), STUDY).unwrap();

@@ -1,6 +1,7 @@
 //! The command line: parses, runs, and says how it ended.
 
 mod blind;
+mod check;
 mod common;
 mod drop;
 mod dynamics;
@@ -35,6 +36,7 @@ struct Cli {
 #[derive(Subcommand, Debug)]
 enum Command {
     Blind(Box<blind::BlindArgs>),
+    Check(check::CheckArgs),
     Drop(Box<drop::DropArgs>),
     Dynamics(dynamics::DynamicsArgs),
     Gap(gap::GapArgs),
@@ -57,6 +59,7 @@ pub fn run() -> ExitCode {
     };
     let result = match cli.command {
         Command::Blind(args) => blind::run(&args),
+        Command::Check(args) => check::run(&args),
         Command::Drop(args) => drop::run(&args),
         Command::Dynamics(args) => dynamics::run(&args),
         Command::Gap(args) => gap::run(&args),

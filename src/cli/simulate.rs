@@ -6,7 +6,7 @@ use super::progress::Progress;
 use super::provenance::provenance;
 use crate::fit::{Budget, Method};
 use crate::gap::{GapModel, reach_of};
-use crate::identify::{Case, Experiment, Item, JointModel, Prediction, Scale, conclude, predict};
+use crate::identify::{Case, Experiment, Item, JointModel, Parameter, Prediction, Scale, conclude, predict};
 use crate::joint::{EffectForm, EffectId, UnknownEffect};
 use crate::log::{LogError, Nominal, Outputs, Role};
 use crate::report::{EffectFit, FitFile, Quantity, SCHEMA};
@@ -41,6 +41,8 @@ pub(super) struct SimulateArgs {
 struct InForce {
     nominal: Nominal,
     rest_rad: Option<f64>,
+    /// Torque that arrives per torque that is commanded.
+    gain: f64,
     /// Effects with their values as they are searched.
     effects: Vec<(EffectForm, Vec<f64>)>,
     source: String,
@@ -112,7 +114,7 @@ fn in_force(args: &SimulateArgs, case: &Case) -> Result<InForce, CliError> {
             what: "the study has no nominal model; give parameters with --fit".into(),
         })?;
         let source = format!("{}, as given", args.study.display());
-        return Ok(InForce { nominal, rest_rad: case.joint.rest_rad, effects: Vec::new(), source });
+        return Ok(InForce { nominal, rest_rad: case.joint.rest_rad, gain: 1.0, effects: Vec::new(), source });
     };
     let file = read_fit(path)?;
     let wrong = |what: String| CliError::FitFile { file: path.clone(), what };
@@ -151,7 +153,8 @@ fn in_force(args: &SimulateArgs, case: &Case) -> Result<InForce, CliError> {
     if let Some(rest) = rest_rad.filter(|rest| !(rest.abs() <= std::f64::consts::TAU)) {
         return Err(wrong(format!("joint.rest.value is {rest:?}, expected an angle within 2 pi (6.283) rad")));
     }
-    Ok(InForce { nominal, rest_rad, effects, source: path.display().to_string() })
+    let gain = file.joint.gain.as_ref().map_or(Ok(1.0), |gain| number("joint.gain", gain, false))?;
+    Ok(InForce { nominal, rest_rad, gain, effects, source: path.display().to_string() })
 }
 
 /// The effects of a fit file with their values as they are searched, or what is wrong with them.
@@ -230,7 +233,8 @@ fn predictions<'a>(case: &'a Case, in_force: &InForce) -> Result<Vec<Predicted<'
     let scale = Scale::of(&moving, Some(&in_force.nominal), in_force.rest_rad);
     let reach = reach_of(&moving, &in_force.nominal);
     let baseline = GapModel::baseline(&in_force.nominal, scale.rest_rad, &reach, &case.uncertain);
-    let mut values: Vec<f64> = baseline.parameters().iter().map(|p| p.start).collect();
+    let stated = |p: &Parameter| if p.name == "gain" { in_force.gain } else { p.start };
+    let mut values: Vec<f64> = baseline.parameters().iter().map(stated).collect();
     values.extend(in_force.effects.iter().flat_map(|(_, searched)| searched));
     let mut model = in_force.effects.iter().fold(baseline, |model, (effect, _)| model.with(*effect, &reach));
     for (p, value) in model.parameters_mut().iter_mut().zip(&values) {

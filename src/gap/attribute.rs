@@ -326,7 +326,7 @@ fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance:
 
 /// The numbers refitted within their beliefs, from several starts: as given, from smoothed accelerations and short parts
 /// of the logs, and with friction and inertia changed by factors.
-fn calibrate(evidence: &Evidence, baseline: &GapModel, given: &Trial) -> Trial {
+pub(super) fn calibrate(evidence: &Evidence, baseline: &GapModel, given: &Trial) -> Trial {
     let baseline = &baseline.clone().in_unit(given.unit_rad2_s(evidence));
     let problem = Problem::new(baseline, &evidence.fit);
     let starts: Vec<Vec<f64>> = ranked(&problem, candidates(baseline, &evidence.fit)).into_iter().take(4).collect();

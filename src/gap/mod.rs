@@ -10,6 +10,7 @@ mod attribute;
 mod binned;
 mod blocks;
 mod chance;
+mod check;
 mod compare;
 mod decide;
 mod detect;
@@ -51,6 +52,7 @@ mod undetermined;
 mod variables;
 mod waterfall;
 
+pub use check::{Checkup, check};
 pub use diagnose::{GapError, diagnose};
 pub use diagnosis::{
     Answer, BeliefFound, Candidate, CauseShare, Confusion, Detectable, Diagnosis, Gap, GapOptions, LogGap, LogTraces,

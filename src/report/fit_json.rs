@@ -73,6 +73,9 @@ pub struct JointFit {
     /// Angle at which the bare link hangs \[rad\].
     #[serde(default)]
     pub rest: Option<Quantity>,
+    /// Torque that arrives per torque that is commanded; absent where it was not fitted, and then 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gain: Option<Quantity>,
 }
 
 /// A number with its unit and its intervals.
@@ -155,6 +158,7 @@ impl JointFit {
             coulomb: quantity("coulomb").unwrap_or_default(),
             viscous: quantity("viscous").unwrap_or_default(),
             rest: quantity("rest"),
+            gain: rows.iter().find(|r| r.name == "gain" && r.status != ParameterStatus::Held).map(Quantity::of),
         }
     }
 }

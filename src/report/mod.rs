@@ -7,6 +7,7 @@
 mod animation;
 mod assemble;
 mod blind;
+mod check;
 mod error;
 mod fit_json;
 mod full;
@@ -33,6 +34,7 @@ pub use blind::{
     BlindReport, RobotBlindReport, blind_figures, blind_html, blind_text, robot_blind_figures, robot_blind_html,
     robot_blind_text,
 };
+pub use check::{CheckReport, check_json, check_text};
 pub use error::ReportError;
 pub use fit_json::{EffectFit, FitFile, JointFit, LogFit, ModelFit, Quantity, SCHEMA};
 pub use full::{FullCurves, FullDrop, FullRow, HeldRow, RefitFit, RefitSummary};

@@ -6,12 +6,18 @@ use crate::joint::EffectId;
 use crate::report::{EffectFit, FitFile, JointFit, LogFit, Provenance, Quantity, SCHEMA};
 use std::collections::BTreeMap;
 
-/// Effects with their parameters by the catalogue's names.
-pub(super) fn effect_fits(effects: &[(EffectId, Vec<Number>)]) -> Vec<EffectFit> {
-    effects
-        .iter()
-        .map(|(id, numbers)| EffectFit { id: id.id().to_owned(), form: None, parameters: quantities(numbers) })
-        .collect()
+/// The effects of the answer with their forms and their parameters by the catalogue's names.
+fn effect_fits(diagnosis: &Diagnosis) -> Vec<EffectFit> {
+    let form = |effect: EffectId| {
+        let cause = diagnosis.causes.iter().find(|cause| cause.effect == effect);
+        cause.map(|cause| cause.form).filter(|form| !form.is_empty()).map(str::to_owned)
+    };
+    let fit = |(effect, numbers): &(EffectId, Vec<Number>)| EffectFit {
+        id: effect.id().to_owned(),
+        form: form(*effect),
+        parameters: quantities(numbers),
+    };
+    diagnosis.effect_parameters.iter().map(fit).collect()
 }
 
 /// Parameters by name.
@@ -26,7 +32,7 @@ impl FitFile {
             schema: SCHEMA,
             name: diagnosis.joint.clone(),
             joint: JointFit::of(&joint_rows(diagnosis)),
-            effects: effect_fits(&diagnosis.effect_parameters),
+            effects: effect_fits(diagnosis),
             masses: BTreeMap::new(),
             ratios: BTreeMap::new(),
             models: BTreeMap::new(),

@@ -5,7 +5,7 @@ use minijinja::{HtmlEscape, Value, context};
 use super::GapReport;
 use super::plot::GapFigures;
 use super::rows::{effect_rows, joint_rows};
-use super::words;
+use super::{waterfall, words};
 use crate::gap::{Candidate, Detectable, Diagnosis, LogGap};
 use crate::joint::Stage;
 use crate::report::ReportError;
@@ -13,7 +13,7 @@ use crate::report::html::{figure_views, health_view, open_and_folded, parameter_
 use crate::report::number::{mrad, share, significant};
 use crate::report::rows::typeset_unit;
 
-/// Puts a diagnosis into one HTML page: verdict, data health, where, which, how far, logs, parameters, what could have
+/// Puts a diagnosis into one HTML page: verdict, data health, what is undetermined, the steps to the floor, where, which, how far, logs, parameters, what could have
 /// been seen, next experiment, notes, provenance.
 ///
 /// The page holds its figures and its font, runs no scripts and loads nothing. Same report, same bytes.
@@ -24,7 +24,7 @@ use crate::report::rows::typeset_unit;
 pub fn render_gap_html(report: &GapReport) -> Result<String, ReportError> {
     let GapReport { diagnosis, options, health, provenance } = report;
     let Diagnosis { answer, gap, .. } = diagnosis;
-    let GapFigures { place, which, twins, how_far, logs, parameters, next } = GapFigures::of(report)?;
+    let GapFigures { steps, place, which, twins, how_far, logs, parameters, next } = GapFigures::of(report)?;
     let (logs, folded) = open_and_folded(logs);
     let rows = joint_rows(diagnosis).into_iter().chain(effect_rows(diagnosis));
     let values = context! {
@@ -38,6 +38,11 @@ pub fn render_gap_html(report: &GapReport) -> Result<String, ReportError> {
         gap => gap_view([gap.before, gap.calibrated, gap.after_first, gap.after, gap.floor]),
         closed => words::closed(gap.closed, gap.closed_interval),
         held_out => with_code(&gap.held_out),
+        steps => figure_views(steps),
+        steps_heading => waterfall::heading(diagnosis),
+        moved => moved_views(diagnosis),
+        undetermined => diagnosis.undetermined.iter().map(|sentence| with_code(sentence)).collect::<Vec<_>>(),
+        undetermined_words => words::UNDETERMINED,
         health => health.iter().map(health_view).collect::<Vec<_>>(),
         chain => chain_view(diagnosis),
         location => with_code(&words::location(&diagnosis.location)),
@@ -79,6 +84,20 @@ pub(in crate::report) fn with_code(text: &str) -> Value {
     Value::from_safe_string(pieces.collect())
 }
 
+/// The numbers that are not as they were believed to be.
+fn moved_views(diagnosis: &Diagnosis) -> Vec<Value> {
+    let view = |row: waterfall::Moved<'_>| {
+        context! {
+            name => row.name,
+            believed => typeset_unit(&row.believed),
+            found => typeset_unit(&row.found),
+            moved => row.moved,
+            is_finding => row.is_finding,
+        }
+    };
+    waterfall::moved(diagnosis).into_iter().map(view).collect()
+}
+
 /// The chain with the stage of the gap marked.
 fn chain_view(diagnosis: &Diagnosis) -> Vec<Value> {
     let view = |stage: Stage| context! { name => stage.name(), here => diagnosis.location.stage == Some(stage) };
@@ -115,7 +134,7 @@ fn candidate_view(diagnosis: &Diagnosis, candidate: &Candidate) -> Value {
         stage => candidate.effect.stage().name(),
         named => words::is_named(&diagnosis.answer, candidate.effect),
         after => shown(candidate.after),
-        closed => candidate.closed.filter(|_| candidate.refitted).map_or_else(dash, share),
+        closed => waterfall::closes_alone(&diagnosis.gap, candidate.after).map_or_else(dash, share),
         behind => significant(candidate.behind_sd, 2),
         probability => share(candidate.probability),
         parameters => candidate.parameters.iter().map(|p| typeset_unit(&words::parameter(p))).collect::<Vec<_>>(),
@@ -157,6 +176,8 @@ mod tests {
         let headings = [
             "class=\"verdict\"",
             ">Data health<",
+            ">What these logs cannot determine<",
+            ">From as given to the floor<",
             ">Where<",
             ">Which<",
             ">How far<",

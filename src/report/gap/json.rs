@@ -1,11 +1,15 @@
 //! `gap --json`: the contract of the specification's section 6, every key always there, and what goes beyond it.
 
 use super::GapReport;
-use super::fit::{effect_fits, quantities};
+use super::fit::quantities;
 use super::rows::joint_rows;
-use crate::gap::{Candidate, Confusion, Detectable, Gap, MapCell, Next, Phase, ProfileBin, Variable, Verdict, Where};
+use super::waterfall::{Step, steps};
+use crate::gap::{
+    BeliefFound, Candidate, CauseShare, Confusion, Detectable, Diagnosis, Gap, MapCell, Next, Phase, ProfileBin,
+    Variable, Verdict, Where,
+};
 use crate::joint::{EffectId, Stage};
-use crate::report::{EffectFit, HashedInput, JointFit, LogHealthRow, Quantity, SCHEMA};
+use crate::report::{HashedInput, JointFit, LogHealthRow, Quantity, SCHEMA};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -23,7 +27,7 @@ pub fn gap_json(report: &GapReport) -> impl Serialize + '_ {
         probability: answer.probability,
         sentence: &answer.sentence,
         place: Place::of(&diagnosis.joint, &diagnosis.location),
-        gap: &diagnosis.gap,
+        gap: Closing::of(diagnosis),
         ranking: diagnosis.ranking.iter().map(Ranked::of).collect(),
         detectable: diagnosis.detectable.iter().map(|d| (d.effect.id(), Threshold::of(d))).collect(),
         joint: JointFit::of(&joint_rows(diagnosis)),
@@ -32,7 +36,10 @@ pub fn gap_json(report: &GapReport) -> impl Serialize + '_ {
         standing: &answer.standing,
         partial: answer.partial,
         intervals_trusted: answer.intervals_trusted,
-        effects: effect_fits(&diagnosis.effect_parameters),
+        effects: diagnosis.causes.iter().map(|cause| Found::of(&diagnosis.joint, cause)).collect(),
+        law: None,
+        undetermined: &diagnosis.undetermined,
+        beliefs: by_number(&diagnosis.beliefs),
         confusion: diagnosis.confusion.as_ref(),
         notes: &diagnosis.notes,
         health,
@@ -58,7 +65,7 @@ struct Document<'a> {
     sentence: &'a str,
     #[serde(rename = "where")]
     place: Place<'a>,
-    gap: &'a Gap,
+    gap: Closing<'a>,
     ranking: Vec<Ranked>,
     detectable: BTreeMap<&'static str, Threshold>,
     joint: JointFit,
@@ -67,7 +74,11 @@ struct Document<'a> {
     standing: &'a str,
     partial: Option<EffectId>,
     intervals_trusted: bool,
-    effects: Vec<EffectFit>,
+    effects: Vec<Found<'a>>,
+    /// A cause without a name; none is looked for yet.
+    law: Option<()>,
+    undetermined: &'a [String],
+    beliefs: BTreeMap<&'a str, &'a BeliefFound>,
     confusion: Option<&'a Confusion>,
     notes: &'a [String],
     health: &'a [LogHealthRow],
@@ -123,6 +134,62 @@ impl<'a> Place<'a> {
     }
 }
 
+/// How far the gap closes, with the steps of the waterfall.
+#[derive(Serialize)]
+struct Closing<'a> {
+    #[serde(flatten)]
+    gap: &'a Gap,
+    waterfall: Vec<Rung>,
+}
+
+/// RMS after a step \[rad\].
+#[derive(Serialize)]
+struct Rung {
+    step: &'static str,
+    rms: f64,
+}
+
+impl<'a> Closing<'a> {
+    fn of(diagnosis: &'a Diagnosis) -> Self {
+        let rung = |step: Step<'_>| Rung { step: step.name, rms: step.rms_rad };
+        Self { gap: &diagnosis.gap, waterfall: steps(diagnosis).into_iter().map(rung).collect() }
+    }
+}
+
+/// One cause, in the order of the waterfall.
+#[derive(Serialize)]
+struct Found<'a> {
+    id: EffectId,
+    /// Null where the family has one form only.
+    form: Option<&'static str>,
+    joints: [&'a str; 1],
+    parameters: BTreeMap<String, Quantity>,
+    alone: Option<f64>,
+    last: Option<f64>,
+    after: f64,
+    equivalent: &'a [EffectId],
+}
+
+impl<'a> Found<'a> {
+    fn of(joint: &'a str, cause: &'a CauseShare) -> Self {
+        Self {
+            id: cause.effect,
+            form: Some(cause.form).filter(|form| !form.is_empty()),
+            joints: [joint],
+            parameters: quantities(&cause.parameters),
+            alone: cause.alone,
+            last: cause.last,
+            after: cause.after,
+            equivalent: &cause.equivalent,
+        }
+    }
+}
+
+/// Beliefs under the names of their numbers.
+pub(in crate::report) fn by_number(beliefs: &[BeliefFound]) -> BTreeMap<&str, &BeliefFound> {
+    beliefs.iter().map(|belief| (belief.name.as_str(), belief)).collect()
+}
+
 #[derive(Serialize)]
 struct Ranked {
     effect: EffectId,
@@ -157,7 +224,7 @@ pub(in crate::report) struct Threshold {
 }
 
 impl Threshold {
-    fn of(detectable: &Detectable) -> Self {
+    pub fn of(detectable: &Detectable) -> Self {
         Self { value: detectable.value, unit: detectable.unit, parameter: detectable.name }
     }
 }
@@ -196,6 +263,7 @@ mod tests {
             "text" => value.is_string(),
             "list" => value.is_array(),
             "object" => value.is_object(),
+            "flag" => value.is_boolean(),
             "pair" => value.as_array().is_some_and(|ends| ends.len() == 2 && ends.iter().all(Value::is_number)),
             _ => false,
         })
@@ -238,6 +306,10 @@ mod tests {
                     ("health", "list"),
                     ("inputs", "list"),
                     ("seed", "number"),
+                    ("effects", "list"),
+                    ("law", "null"),
+                    ("undetermined", "list"),
+                    ("beliefs", "object"),
                 ],
             );
             assert_eq!(json["schema"], 1);
@@ -256,7 +328,31 @@ mod tests {
             );
             let mut gap = vec![("unit", "text"), ("closed", "number|null"), ("closed_interval", "list|null")];
             gap.extend(["before", "calibrated", "after_first", "after", "floor"].map(|key| (key, "number")));
+            gap.extend([("outer", "flag"), ("held_out", "text"), ("waterfall", "list")]);
             check(name, &json["gap"], &gap);
+            for step in json["gap"]["waterfall"].as_array().expect("a list") {
+                check(name, step, &[("step", "text"), ("rms", "number|null")]);
+            }
+            for effect in json["effects"].as_array().expect("a list") {
+                let keys = [
+                    ("id", "text"),
+                    ("form", "text|null"),
+                    ("joints", "list"),
+                    ("parameters", "object"),
+                    ("alone", "number|null"),
+                    ("last", "number|null"),
+                    ("after", "number|null"),
+                    ("equivalent", "list"),
+                ];
+                check(name, effect, &keys);
+                for parameter in effect["parameters"].as_object().expect("an object").values() {
+                    check(name, parameter, &QUANTITY);
+                }
+            }
+            for belief in json["beliefs"].as_object().expect("an object").values() {
+                let numbers = ["believed", "sd", "found", "moved_sd"].map(|key| (key, "number"));
+                check(name, belief, &[&[("unit", "text")], &numbers[..]].concat());
+            }
             for log in json["gap"]["per_log"].as_array().expect("a list") {
                 let numbers = ["before", "calibrated", "after", "floor"].map(|key| (key, "number|null"));
                 check(name, log, &[&[("file", "text")], &numbers[..]].concat());
@@ -300,6 +396,20 @@ mod tests {
     }
 
     #[test]
+    fn effects_and_waterfall_stand_in_the_same_order() {
+        let json = written(&sample::two_effects());
+        let ids: Vec<&Value> = json["effects"].as_array().expect("a list").iter().map(|effect| &effect["id"]).collect();
+        assert_eq!(ids, ["torque_limit", "delay"]);
+        let waterfall = json["gap"]["waterfall"].as_array().expect("a list");
+        let steps: Vec<&Value> = waterfall.iter().map(|step| &step["step"]).collect();
+        assert_eq!(steps, ["as given", "recalibrated", "torque_limit", "delay", "floor"]);
+        assert_eq!((&waterfall[0]["rms"], &waterfall[4]["rms"]), (&json["gap"]["before"], &json["gap"]["floor"]));
+        assert_eq!((&json["effects"][0]["form"], &json["effects"][1]["form"]), (&"hard".into(), &Value::Null));
+        assert_eq!(json["effects"][1]["after"], json["gap"]["after"]);
+        assert_eq!(json["beliefs"]["gain"]["found"], 0.93);
+    }
+
+    #[test]
     fn fit_of_a_diagnosis_can_be_read_again() {
         for (name, report) in sample::all() {
             let file = FitFile::of_diagnosis(&report.diagnosis, &report.provenance);
@@ -310,7 +420,11 @@ mod tests {
         let report = sample::two_effects();
         let file = FitFile::of_diagnosis(&report.diagnosis, &report.provenance);
         assert_eq!(file.effects.iter().map(|effect| effect.id.as_str()).collect::<Vec<_>>(), ["torque_limit", "delay"]);
+        assert_eq!(file.effects[0].form.as_deref(), Some("hard"));
         assert_eq!(file.joint.coulomb.value, Some(7.1e-3));
+        assert_eq!(file.joint.gain.and_then(|gain| gain.value), Some(0.93));
+        let free = sample::set_of_two();
+        assert_eq!(FitFile::of_diagnosis(&free.diagnosis, &free.provenance).joint.gain, None);
         assert!(file.logs.iter().all(|log| log.rms_held_out.is_some() == (log.role == "validate")));
     }
 }

@@ -12,6 +12,7 @@ mod rows;
 #[cfg(test)]
 pub(super) mod sample;
 pub(super) mod text;
+pub(super) mod waterfall;
 pub(super) mod words;
 
 pub(super) use fit::quantities;

@@ -3,7 +3,7 @@
 use super::GapReport;
 use crate::gap::*;
 use crate::identify::{Estimate, Status};
-use crate::joint::{EffectId, Stage};
+use crate::joint::{EffectForm, EffectId, Stage};
 use crate::report::{LogHealthRow, Provenance};
 
 const STEP_RAD: f64 = 0.006;
@@ -122,6 +122,38 @@ fn torque_limit() -> Vec<Number> {
     vec![number("tau_max", "N m", 0.312)]
 }
 
+/// A cause that alone and with the others in place closes so much of what recalibration leaves.
+fn cause(effect: EffectId, parameters: Vec<Number>, [alone, last]: [f64; 2], after: f64) -> CauseShare {
+    CauseShare {
+        effect,
+        form: EffectForm::from(effect).name(),
+        equivalent: vec![effect],
+        parameters,
+        alone: Some(alone),
+        last: Some(last),
+        after,
+    }
+}
+
+/// The numbers of a joint that were believed to some percent; each is `[believed, sd, found]`.
+fn beliefs() -> Vec<BeliefFound> {
+    [
+        ("inertia", "kg m^2", [9.0e-4, 9.0e-5, 9.12e-4]),
+        ("moment", "kg m", [5.0e-3, 2.5e-4, 5.48e-3]),
+        ("coulomb", "N m", [7.0e-3, 3.5e-3, 7.1e-3]),
+        ("viscous", "N m s/rad", [0.019, 9.5e-3, 0.0187]),
+    ]
+    .map(|(name, unit, [believed, sd, found])| BeliefFound {
+        name: name.into(),
+        believed,
+        sd,
+        found,
+        moved_sd: (found - believed) / sd,
+        unit: unit.into(),
+    })
+    .to_vec()
+}
+
 /// Cells of one log: all of its phases, with shares that add up to `share`.
 fn cells(file: &str, share: f64) -> Vec<MapCell> {
     [(Phase::Stick, 0.1, 0.6), (Phase::Reversal, 0.65, 1.1), (Phase::Run, 0.25, 2.4)]
@@ -171,6 +203,7 @@ fn gap(logs: &[LogTraces], [before, calibrated, after_first, after]: [f64; 4]) -
         floor,
         closed,
         closed_interval: closed.map(|c| [c - 0.03, (c + 0.02).min(1.0)]),
+        outer: true,
         held_out: "predicted by fits to the other logs, as the study says".into(),
         per_log: per_log.collect(),
     }
@@ -271,6 +304,9 @@ fn report(sizes: [f64; 4], sentence: &str) -> GapReport {
                 estimate("viscous", "mu_v", "N m s/rad", 0.0187, 0.019),
             ],
             effect_parameters: vec![(EffectId::Stribeck, stribeck())],
+            causes: vec![cause(EffectId::Stribeck, stribeck(), [0.93, 0.93], after)],
+            beliefs: beliefs(),
+            undetermined: Vec::new(),
             next: None,
             confusion: None,
             traces: logs,
@@ -290,6 +326,12 @@ pub fn set_of_two() -> GapReport {
     report.options.twins = 120;
     let diagnosis = &mut report.diagnosis;
     diagnosis.answer.equivalent = vec![EffectId::Stribeck, EffectId::LoadFriction];
+    diagnosis.causes[0].equivalent = diagnosis.answer.equivalent.clone();
+    diagnosis.undetermined = vec![
+        "These logs cannot tell inertia, moment, coulomb and viscous apart: they can be changed together. Free swings show \
+         ratios of torques; weigh the link, or hang on a known mass."
+            .into(),
+    ];
     diagnosis.confusion = Some(confusion());
     diagnosis.next = Some(Next {
         what: "Hang 0.1 kg at 0.12 m on the link and follow the motion.".into(),
@@ -316,6 +358,8 @@ pub fn nothing_missing() -> GapReport {
     diagnosis.gap.closed = None;
     diagnosis.gap.closed_interval = None;
     diagnosis.effect_parameters.clear();
+    diagnosis.causes.clear();
+    diagnosis.beliefs.iter_mut().for_each(|belief| (belief.found, belief.moved_sd) = (belief.believed, 0.0));
     report
 }
 
@@ -333,6 +377,8 @@ pub fn wrong_numbers() -> GapReport {
     diagnosis.parameters[3].status = Status::NotDetermined;
     (diagnosis.parameters[3].interval, diagnosis.parameters[3].interval_naive) = (None, None);
     diagnosis.effect_parameters.clear();
+    diagnosis.causes.clear();
+    (diagnosis.beliefs[2].believed, diagnosis.beliefs[2].sd, diagnosis.beliefs[2].moved_sd) = (0.011, 0.0011, -3.55);
     diagnosis.ranking.clear();
     report
 }
@@ -361,7 +407,11 @@ pub fn unexplained() -> GapReport {
     diagnosis.ranking[1].parameters[0].interval = None;
     diagnosis.ranking[2].parameters[0].value = f64::NAN;
     diagnosis.withheld = vec![EffectId::Stribeck, EffectId::Backlash];
-    diagnosis.effect_parameters.clear();
+    let drag = vec![number("c2", "N m s^2/rad^2", 3.1e-4)];
+    diagnosis.causes =
+        vec![CauseShare { alone: None, ..cause(EffectId::QuadraticDrag, drag.clone(), [0.4, 0.4], 0.014) }];
+    diagnosis.effect_parameters = vec![(EffectId::QuadraticDrag, drag)];
+    diagnosis.gap.outer = false;
     report
 }
 
@@ -384,6 +434,14 @@ pub fn two_effects() -> GapReport {
     diagnosis.traces = diagnosis.traces.drain(..).map(driven).collect();
     let delay = vec![number("T", "s", 0.0161)];
     diagnosis.effect_parameters = vec![(EffectId::TorqueLimit, torque_limit()), (EffectId::Delay, delay.clone())];
+    diagnosis.causes = vec![
+        cause(EffectId::TorqueLimit, torque_limit(), [0.69, 0.58], 0.012),
+        cause(EffectId::Delay, delay.clone(), [0.4, 0.3], 0.0024),
+    ];
+    diagnosis.parameters.push(estimate("gain", "c", "", 0.93, 1.0));
+    let gain =
+        BeliefFound { name: "gain".into(), believed: 1.0, sd: 0.1, found: 0.93, moved_sd: -0.73, unit: String::new() };
+    diagnosis.beliefs.push(gain);
     diagnosis.ranking = vec![
         candidate(EffectId::TorqueLimit, 0.81, 0.012, 0.0, torque_limit()),
         candidate(
@@ -449,6 +507,7 @@ pub fn empty() -> GapReport {
     diagnosis.ranking.clear();
     diagnosis.detectable.clear();
     diagnosis.parameters.clear();
+    diagnosis.beliefs.clear();
     diagnosis.traces.clear();
     diagnosis.notes.clear();
     report

@@ -3,9 +3,10 @@
 use comfy_table::{Cell, Table};
 
 use super::rows::{effect_rows, joint_rows};
+use super::waterfall::{Step, closes_alone, explanation, heading, moved, steps};
 use super::words;
 use super::{GapReport, NEXT_FILE};
-use crate::gap::{Candidate, Diagnosis, Gap, MapCell, Phase};
+use crate::gap::{Candidate, Detectable, Diagnosis, Gap, MapCell, Phase};
 use crate::report::number::{UNKNOWN, share, significant};
 use crate::report::rows::shorten;
 use crate::report::text::{finish, number, one_line, parameter_table, table, wrap};
@@ -14,21 +15,27 @@ use crate::report::text::{finish, number, one_line, parameter_table, table, wrap
 pub(in crate::report) const WIDTH: usize = 100;
 /// Characters of a file name.
 const NAME: usize = 36;
+/// Characters of the longest bar.
+const BAR: usize = 24;
 
 /// Writes a diagnosis as plain text, as a rule at most 100 columns wide, ending in a newline.
 ///
-/// The sentence with its probability, where the gap lies, which effects were considered, how far the gap closes, the
-/// parameters, what the logs could not have shown, what to do next, then the notes.
+/// The sentence with its probability, the steps from as given to the floor, which numbers are not as believed, what the
+/// logs cannot determine, where the gap lies, which effects were considered, how far the gap closes, the parameters, what
+/// the logs could not have shown, what to do next, then the notes.
 pub fn gap_text(report: &GapReport) -> String {
     let diagnosis = &report.diagnosis;
     let answer = &diagnosis.answer;
     let blocks = [
         Some(opening(&answer.sentence, answer.probability, &answer.probability_source)),
+        Some(waterfall(diagnosis)),
+        beliefs(diagnosis),
+        undetermined(&diagnosis.undetermined),
         Some(location(diagnosis)),
         (!diagnosis.ranking.is_empty()).then(|| ranking(diagnosis)),
         Some(how_far(&diagnosis.gap)),
         parameters(diagnosis),
-        detectable(diagnosis),
+        detectable(&diagnosis.detectable),
         next(diagnosis),
         notes(report),
     ];
@@ -39,6 +46,56 @@ pub fn gap_text(report: &GapReport) -> String {
 pub(in crate::report) fn opening(sentence: &str, probability: f64, source: &str) -> String {
     let sure = format!("Probability {}: {}.", share(probability), source.trim_end_matches('.'));
     format!("{}\n{}", paragraph(sentence), paragraph(&sure))
+}
+
+/// The steps from as given to the floor, each with a bar.
+fn waterfall(diagnosis: &Diagnosis) -> String {
+    let steps = steps(diagnosis);
+    let longest = steps.iter().map(|step| step.rms_rad).filter(|rms| rms.is_finite()).fold(0.0, f64::max);
+    let mut table = table(WIDTH, &["step", ""], &["RMS\n[mrad]", "closes", "alone", "last"]);
+    let part = |share: Option<f64>| number(share.map_or_else(String::new, words::part));
+    for step in &steps {
+        table.add_row([
+            Cell::new(step.label()),
+            Cell::new(bar(step, longest)),
+            mrad(step.rms_rad),
+            part(step.closes),
+            part(step.alone()),
+            part(step.last()),
+        ]);
+    }
+    format!("{}:\n{}\n{}", heading(diagnosis), finish(&mut table), paragraph(&explanation(diagnosis)))
+}
+
+/// A bar of characters, as long as the RMS after the step; empty where there is no number.
+fn bar(step: &Step<'_>, longest_rad: f64) -> String {
+    let length = (step.rms_rad / longest_rad * BAR as f64).round();
+    if length.is_finite() { "#".repeat((length as usize).clamp(1, BAR)) } else { String::new() }
+}
+
+/// Numbers that the logs put elsewhere than they were believed to be.
+fn beliefs(diagnosis: &Diagnosis) -> Option<String> {
+    let rows = moved(diagnosis);
+    if rows.is_empty() {
+        return None;
+    }
+    let mut table = table(WIDTH, &["not as believed", "believed", "found [95 %]", ""], &["moved\n[sd]"]);
+    for row in rows {
+        table.add_row([
+            Cell::new(one_line(row.name)),
+            Cell::new(row.believed),
+            Cell::new(row.found),
+            Cell::new(if row.is_finding { "a finding" } else { "" }),
+            number(row.moved),
+        ]);
+    }
+    Some(finish(&mut table))
+}
+
+/// What the logs leave open, sentence by sentence.
+pub(in crate::report) fn undetermined(sentences: &[String]) -> Option<String> {
+    let lines: Vec<String> = sentences.iter().map(|sentence| wrap(WIDTH, sentence, "- ", "  ")).collect();
+    (!lines.is_empty()).then(|| format!("{}:\n{}", words::UNDETERMINED, lines.join("\n")))
 }
 
 /// The table of how far a gap closes.
@@ -97,7 +154,7 @@ fn marked(cell: &MapCell, shown: &str) -> String {
 fn ranking(diagnosis: &Diagnosis) -> String {
     let gap = &diagnosis.gap;
     let words = ["which", "parameters with 95 % intervals"];
-    let mut table = table(WIDTH, &words, &["RMS\n[mrad]", "gap\nclosed", "behind\n[sd]", "probability"]);
+    let mut table = table(WIDTH, &words, &["RMS\n[mrad]", "closes\nalone", "behind\n[sd]", "probability"]);
     let plain = |table: &mut Table, name: &str, rms: f64| {
         table.add_row([Cell::new(name), Cell::new(""), mrad(rms)]);
     };
@@ -113,7 +170,7 @@ fn ranking(diagnosis: &Diagnosis) -> String {
             Cell::new(format!("{}{mark}", candidate.effect)),
             Cell::new(candidate.parameters.iter().map(words::parameter).collect::<Vec<_>>().join("\n")),
             mrad(candidate.after),
-            number(candidate.closed.map_or_else(|| "-".to_owned(), share)),
+            number(closes_alone(gap, candidate.after).map_or_else(|| "-".to_owned(), share)),
             number(significant(candidate.behind_sd, 2)),
             number(share(candidate.probability)),
         ]);
@@ -137,7 +194,11 @@ fn how_far(gap: &Gap) -> String {
         table.add_row(rms_row(file(&log.file), [log.before, log.calibrated, log.after, log.floor]));
     }
     table.add_row(rms_row(Cell::new("all"), [gap.before, gap.calibrated, gap.after, gap.floor]));
-    let closed = format!("Gap closed: {}. Held out: {}.", words::closed(gap.closed, gap.closed_interval), gap.held_out);
+    let closed = format!(
+        "Closed in all, recalibration included: {}. Held out: {}.",
+        words::closed(gap.closed, gap.closed_interval),
+        gap.held_out
+    );
     format!("{}\n{}", finish(&mut table), paragraph(&closed))
 }
 
@@ -150,8 +211,9 @@ fn parameters(diagnosis: &Diagnosis) -> Option<String> {
     Some(if diagnosis.answer.intervals_trusted { table } else { format!("{table}\n{}", paragraph(words::UNTRUSTED)) })
 }
 
-fn detectable(diagnosis: &Diagnosis) -> Option<String> {
-    let (first, all) = (diagnosis.detectable.first()?, &diagnosis.detectable);
+/// The smallest size of each effect that would have been seen.
+pub(in crate::report) fn detectable(all: &[Detectable]) -> Option<String> {
+    let first = all.first()?;
     let mut text = wrap(WIDTH, words::DETECTABLE, "", "");
     let room = all.iter().map(|d| d.effect.id().len()).fold(first.effect.id().len(), usize::max) + 2;
     for detectable in all {

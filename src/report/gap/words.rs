@@ -14,6 +14,9 @@ pub(in crate::report) const UNTRUSTED: &str = "Something is left in these logs t
 /// What stands above the sizes that would have been seen.
 pub(super) const DETECTABLE: &str = "Smallest size of each effect that these logs would have shown:";
 
+/// What stands above the sentences about it.
+pub(in crate::report) const UNDETERMINED: &str = "What these logs cannot determine";
+
 /// Logs that a sentence names.
 const MOST_NAMED: usize = 4;
 
@@ -43,14 +46,16 @@ fn phase(phase: Phase) -> &'static str {
     }
 }
 
-/// The effects that were added for the answer, or the one that comes closest; `None` where nothing was added.
+/// The effects that were added for the answer, or that are known so far; `None` where nothing was added.
 pub(super) fn answer(diagnosis: &Diagnosis) -> Option<String> {
-    let Answer { verdict, effect, second, partial, .. } = &diagnosis.answer;
-    match (verdict, effect, second, partial) {
-        (Verdict::Effect, Some(effect), Some(second), _) => Some(format!("with {effect} and {second}")),
-        (Verdict::Effect, Some(effect), None, _) => Some(format!("with {effect}")),
-        (Verdict::Unexplained, _, _, Some(partial)) => Some(format!("with {partial}")),
-        _ => None,
+    if !matches!(diagnosis.answer.verdict, Verdict::Effect | Verdict::Unexplained) {
+        return None;
+    }
+    match &diagnosis.causes[..] {
+        [] => None,
+        [only] => Some(format!("with {}", only.effect)),
+        [first, second] => Some(format!("with {} and {}", first.effect, second.effect)),
+        more => Some(format!("with all {} causes", more.len())),
     }
 }
 
@@ -171,6 +176,11 @@ pub(in crate::report) fn closed(closed: Option<f64>, interval: Option<[f64; 2]>)
     }
 }
 
+/// A share of the gap that a step closes; one that opens it is negative.
+pub(super) fn part(share: f64) -> String {
+    if share.is_finite() { crate::report::number::share(share) } else { String::new() }
+}
+
 /// The notes of the diagnosis, then what is odd about a log, then what was left out by demand.
 pub(super) fn notes(report: &GapReport) -> Vec<String> {
     let mut notes = report.diagnosis.notes.clone();
@@ -217,6 +227,16 @@ mod tests {
         let said = location(&place);
         assert!(said.contains(" No share of the gap stands out there") && !said.contains("0 %"), "{said}");
         assert!(!said.contains("around reversals"), "{said}");
+    }
+
+    #[test]
+    fn what_several_causes_leave_is_not_put_down_to_the_first() {
+        let mut diagnosis = sample::two_effects().diagnosis;
+        assert_eq!(answer(&diagnosis).as_deref(), Some("with torque_limit and delay"));
+        diagnosis.causes.push(diagnosis.causes[0].clone());
+        assert_eq!(answer(&diagnosis).as_deref(), Some("with all 3 causes"));
+        diagnosis.answer.verdict = Verdict::Calibration;
+        assert_eq!(answer(&diagnosis), None);
     }
 
     #[test]

@@ -5,8 +5,9 @@ use plotters::style::text_anchor::HPos;
 use plotters::style::{Color, RGBColor};
 
 use super::ruled::{ROW, RULER, Ruled};
-use crate::gap::{Diagnosis, Gap};
+use crate::gap::Diagnosis;
 use crate::report::ReportError;
+use crate::report::gap::waterfall::closes_alone;
 use crate::report::gap::words;
 use crate::report::number::{self, significant};
 use crate::report::plot::axis::{Axis, drawable};
@@ -24,6 +25,8 @@ const TOO_LONG: f64 = 3.0;
 pub(in crate::report) struct Bar {
     pub name: String,
     pub value: f64,
+    /// Where the bar above it ends, if what lies between is to be seen.
+    pub down_from: Option<f64>,
     pub colour: RGBColor,
     pub bold: bool,
     /// One for each column.
@@ -89,6 +92,10 @@ fn draw_bar(root: &Area<'_>, rows: &Ruled<'_>, row: usize, bar: &Bar) -> Drawn {
         return Ok(());
     }
     let (y, end) = (rows.y(row), rows.x(bar.value));
+    if let Some(above) = bar.down_from.filter(|above| drawable(*above) && *above > bar.value) {
+        let closed = [(px(end), px(y - 8.0)), (px(rows.x(above.min(rows.axis.high()))), px(y + 8.0))];
+        root.draw(&Rectangle::new(closed, filled(bar.colour, 0.3)))?;
+    }
     let corners = [(px(Ruled::LEFT), px(y - 8.0)), (px(end), px(y + 8.0))];
     root.draw(&Rectangle::new(corners, filled(bar.colour, 0.9)))?;
     if bar.value <= rows.axis.high() {
@@ -104,9 +111,10 @@ pub(super) fn ranking(diagnosis: &Diagnosis) -> Result<String, ReportError> {
     let bar = |name: &str, rms_rad: f64, colour| Bar {
         name: name.to_owned(),
         value: 1e3 * rms_rad,
+        down_from: None,
         colour,
         bold: false,
-        words: vec![significant(1e3 * rms_rad, 3), closed(gap, rms_rad), String::new()],
+        words: vec![significant(1e3 * rms_rad, 3), String::new(), String::new()],
     };
     let mut bars = vec![bar("as given", gap.before, BEFORE), bar("recalibrated", gap.calibrated, CALIBRATED)];
     if let (Some(_), Some(both)) = (answer.second, words::answer(diagnosis)) {
@@ -117,7 +125,7 @@ pub(super) fn ranking(diagnosis: &Diagnosis) -> Result<String, ReportError> {
         let chance = number::share(candidate.probability);
         let colour = if named { AFTER } else { SHADE };
         let mut bar = Bar { bold: named, ..bar(candidate.effect.id(), candidate.after, colour) };
-        bar.words[1] = candidate.closed.map_or_else(|| "–".to_owned(), number::share);
+        bar.words[1] = closes_alone(gap, candidate.after).map_or_else(|| "–".to_owned(), number::share);
         bar.words[2] = chance;
         bars.push(bar);
     }
@@ -136,16 +144,10 @@ pub(super) fn ranking(diagnosis: &Diagnosis) -> Result<String, ReportError> {
         title: &format!("{}: error on held-out logs with each effect", diagnosis.joint),
         legend,
         label: "RMS of the angle error, held-out logs [mrad]",
-        columns: &["RMS [mrad]", "gap closed", "probability"],
+        columns: &["RMS [mrad]", "closes alone", "probability"],
         bars,
         mark: Some(1e3 * gap.floor).filter(|floor| drawable(*floor)),
     })
-}
-
-/// Share of the gap that an RMS closes.
-fn closed(gap: &Gap, rms_rad: f64) -> String {
-    let closed = 1.0 - (rms_rad - gap.floor) / (gap.before - gap.floor);
-    if gap.before > gap.floor && closed.is_finite() { number::share(closed) } else { "–".to_owned() }
 }
 
 /// Draws which variables explain most of the residual torque's variance.
@@ -153,6 +155,7 @@ pub(super) fn variables(diagnosis: &Diagnosis) -> Result<String, ReportError> {
     let bars = diagnosis.location.variables.iter().enumerate().map(|(i, (variable, share))| Bar {
         name: words::variable(*variable).to_owned(),
         value: 100.0 * share,
+        down_from: None,
         colour: if i == 0 { AFTER } else { SHADE },
         bold: i == 0,
         words: vec![number::share(*share)],

@@ -9,6 +9,7 @@ mod ruled;
 #[cfg(test)]
 mod tests;
 mod torque;
+mod waterfall;
 
 use super::rows::{effect_rows, joint_rows};
 use super::{GapReport, NEXT_FILE};
@@ -19,6 +20,7 @@ use crate::report::{Figure, ReportError};
 
 /// Figures by their place in the report; what would be empty is left out.
 pub(super) struct GapFigures {
+    pub steps: Vec<Figure>,
     pub place: Vec<Figure>,
     pub which: Vec<Figure>,
     pub twins: Vec<Figure>,
@@ -33,8 +35,8 @@ pub(super) struct GapFigures {
 /// # Errors
 /// [`ReportError::Font`] and [`ReportError::Draw`], neither of which depends on the data.
 pub fn gap_figures(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
-    let GapFigures { place, which, twins, how_far, logs, parameters, next } = GapFigures::of(report)?;
-    Ok([place, which, twins, how_far, logs, parameters, next].into_iter().flatten().collect())
+    let GapFigures { steps, place, which, twins, how_far, logs, parameters, next } = GapFigures::of(report)?;
+    Ok([steps, place, which, twins, how_far, logs, parameters, next].into_iter().flatten().collect())
 }
 
 /// A figure with its file's name.
@@ -45,11 +47,18 @@ pub(in crate::report) fn figure(name: &str, title: &str, caption: &str, svg: Str
 impl GapFigures {
     pub fn of(report: &GapReport) -> Result<Self, ReportError> {
         let diagnosis = &report.diagnosis;
+        let mut steps = Vec::new();
+        if !diagnosis.gap.per_log.is_empty() {
+            let caption =
+                format!("{} A bar with a tip is longer than the ruler.", super::waterfall::explanation(diagnosis));
+            let title = super::waterfall::heading(diagnosis);
+            steps.push(figure("waterfall", title, &caption, waterfall::waterfall(diagnosis)?));
+        }
         let mut which = Vec::new();
         if !diagnosis.ranking.is_empty() {
             let caption = "Recalibrated: inertia, moment and friction refitted, nothing added. Each effect is added to \
                            the joint and everything is refitted; the error is that of logs that the fit has not seen. \
-                           A bar with a tip is longer than the ruler.";
+                           Closes alone: share of what recalibration leaves. A bar with a tip is longer than the ruler.";
             which.push(figure("ranking", "Effects that were considered", caption, bars::ranking(diagnosis)?));
         }
         let mut twins = Vec::new();
@@ -70,6 +79,7 @@ impl GapFigures {
             next.push(figure("next", "Next motion", &caption, motion::motion(&diagnosis.joint, t_s, q_ref_rad)?));
         }
         Ok(Self {
+            steps,
             place: place(report)?,
             which,
             twins,

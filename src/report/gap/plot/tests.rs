@@ -30,7 +30,11 @@ fn every_figure_is_sound_and_has_a_name_of_its_own() {
 fn figures_name_their_axes_with_units() {
     let report = sample::set_of_two();
     for (start, labels) in [
-        ("map", ["swing-03-220g.csv", "reversal", "all phases"].as_slice()),
+        (
+            "waterfall",
+            ["as given", "recalibrated", "stribeck (gaussian)", "floor", "closes", "alone", "last"].as_slice(),
+        ),
+        ("map", &["swing-03-220g.csv", "reversal", "all phases"]),
         ("variables", &["speed", "share of its variance that each variable alone explains [%]"]),
         ("profile", &["speed [rad/s]", "missing torque [N m]"]),
         ("ranking", &["as given", "stribeck", "load_friction", "RMS of the angle error, held-out logs [mrad]"]),
@@ -69,6 +73,7 @@ fn degenerate_data_is_drawn_without_panic() {
         (diagnosis.gap.before, diagnosis.gap.floor) = (number, number);
         diagnosis.gap.per_log.iter_mut().for_each(|log| (log.before, log.after, log.floor) = (number, number, number));
         diagnosis.ranking.iter_mut().for_each(|candidate| candidate.after = number);
+        diagnosis.causes.iter_mut().for_each(|cause| (cause.after, cause.last) = (number, Some(number)));
         diagnosis.location.cells.iter_mut().for_each(|cell| cell.share = number);
         diagnosis.location.variables.iter_mut().for_each(|(_, share)| *share = number);
         diagnosis.location.profile.iter_mut().for_each(|bin| (bin.torque_nm, bin.band_nm[1]) = (number, number));

@@ -17,6 +17,7 @@ pub(super) fn ranking(diagnosis: &RobotDiagnosis) -> Result<String, ReportError>
     let bar = |name: String, rms_rad: f64, colour, closed: Option<f64>| Bar {
         name,
         value: 1e3 * rms_rad,
+        down_from: None,
         colour,
         bold: false,
         words: vec![significant(1e3 * rms_rad, 3), closed.map_or_else(dash, share), String::new()],
@@ -60,6 +61,7 @@ pub(super) fn displacement(diagnosis: &RobotDiagnosis) -> Result<String, ReportE
     let bar = |name: String, metres: f64, colour| Bar {
         name,
         value: 100.0 * metres,
+        down_from: None,
         colour,
         bold: colour == MEASURED,
         words: vec![format!("{:.1} cm", 100.0 * metres)],

@@ -1,0 +1,89 @@
+//! Before any diagnosis: what the logs of a study can tell about its joint, and what they cannot.
+
+use super::attribute::{Attribution, calibrate};
+use super::compare::correlation_length;
+use super::detect::detectable;
+use super::diagnose::GapError;
+use super::diagnosis::{BeliefFound, Detectable};
+use super::evidence::{Evidence, counts};
+use super::floor::noise_rad;
+use super::numbers::numbers;
+use super::trial::Trial;
+use super::undetermined::undetermined;
+use super::waterfall::beliefs;
+use crate::fit::Budget;
+use crate::identify::{Case, Estimate};
+use crate::joint::EffectId;
+
+/// Evaluations of the fit that carries the recalibrated joint over to all samples.
+const CARRIED: Budget = Budget { evaluations: 24 };
+
+/// What the logs of a joint can and cannot tell, before any effect is added.
+#[derive(Clone, Debug)]
+pub struct Checkup {
+    /// RMS over the fitted logs with the study's values as given \[rad\].
+    pub given_rad: f64,
+    /// The same with the numbers refitted within their beliefs \[rad\].
+    pub calibrated_rad: f64,
+    /// The sensor's own noise \[rad\].
+    pub floor_rad: f64,
+    /// The numbers as refitted, with intervals that logs and beliefs together leave.
+    pub parameters: Vec<Estimate>,
+    /// The numbers that are not exact.
+    pub beliefs: Vec<BeliefFound>,
+    /// What the logs cannot determine and what would, in sentences.
+    pub undetermined: Vec<String>,
+    /// The smallest size of each effect of the catalogue that they would show.
+    pub detectable: Vec<Detectable>,
+}
+
+/// Looks at what the logs of a joint study can tell, in seconds: the joint as given and recalibrated, no effect tried.
+///
+/// ```
+/// use aibo_fit::gap::check;
+/// use aibo_fit::identify::Case;
+///
+/// let checkup = check(&Case::of_study("data/examples/delay/study.toml".as_ref())?)?;
+/// assert!(checkup.detectable.iter().any(|effect| effect.value.is_some()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`GapError`] where there is nothing to look at.
+pub fn check(case: &Case) -> Result<Checkup, GapError> {
+    let nominal = case.joint.nominal.ok_or(GapError::NoNominal)?;
+    let evidence = Evidence::of(case, nominal).ok_or(GapError::NeverMoved)?;
+    let (coarse, baseline) = (evidence.coarse(), evidence.baseline());
+    let given = Trial::as_given(&coarse, &baseline);
+    let calibrated = calibrate(&coarse, &baseline, &given);
+    let (given, calibrated) = (given.on(&evidence, CARRIED), calibrated.on(&evidence, CARRIED));
+    if !calibrated.criterion().is_finite() {
+        return Err(GapError::Diverged);
+    }
+    let floor_rad = noise_rad(&evidence, &[&given, &calibrated]);
+    let [given_rad, calibrated_rad] = [&given, &calibrated].map(|trial| rms_rad(&evidence, trial));
+    let (parameters, _) = numbers(&evidence, &calibrated);
+    let (beliefs, undetermined) = (beliefs(&calibrated), undetermined(&evidence, &calibrated));
+    let looked_at = calibrated.clone();
+    let nothing_tried = Attribution {
+        given,
+        best: calibrated.clone(),
+        correlation: correlation_length(&evidence, &calibrated),
+        calibrated,
+        ladder: Vec::new(),
+        alone: Vec::new(),
+        without: Vec::new(),
+        rivals: Vec::new(),
+        firsts: Vec::new(),
+        noise_rad: floor_rad,
+        chance: 0.0,
+    };
+    let detectable = detectable(&evidence, &nothing_tried, &looked_at, EffectId::ALL);
+    Ok(Checkup { given_rad, calibrated_rad, floor_rad, parameters, beliefs, undetermined, detectable })
+}
+
+/// Root of the mean counted square over the fitted logs \[rad\].
+fn rms_rad(evidence: &Evidence, trial: &Trial) -> f64 {
+    let samples: f64 = evidence.fit.iter().map(|e| counts(e).sum::<f64>()).sum();
+    (trial.fit_loss(evidence) / samples).sqrt()
+}

@@ -1,0 +1,213 @@
+//! From the model as given to the floor, step by step, and what became of what was believed: the same in text, figure and
+//! JSON.
+
+use crate::gap::{BeliefFound, CauseShare, Diagnosis, Gap, Verdict};
+use crate::report::number::{quantity, significant, spoken};
+
+/// A gap that exceeds the floor by less than this factor is hardly one: shares of it would be numbers without meaning.
+const HARDLY: f64 = 1.1;
+/// A step with a share below this one opens the gap.
+const OPENS: f64 = -0.005;
+/// A number that was moved by no more than so many of its standard deviations is as it was believed to be.
+const AS_BELIEVED: f64 = 1.0;
+/// One that was moved by more than so many is a finding.
+const FINDING: f64 = 3.0;
+
+/// What a step does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Nothing: the numbers are those of the study.
+    Given,
+    /// The numbers are refitted within what is believed of them.
+    Recalibrated,
+    /// A cause is added to those before it.
+    Cause,
+    /// None: the sensor's own noise.
+    Floor,
+}
+
+/// One step of the waterfall.
+#[derive(Clone, Debug)]
+pub(super) struct Step<'a> {
+    pub kind: Kind,
+    /// `as given`, `recalibrated`, the id of a cause, `floor`.
+    pub name: &'static str,
+    /// RMS over the held-out logs after it \[rad\].
+    pub rms_rad: f64,
+    /// Share of the whole gap above the floor that this step closes; `None` where it closes none by its nature.
+    pub closes: Option<f64>,
+    /// The cause that it adds.
+    pub cause: Option<&'a CauseShare>,
+}
+
+impl Step<'_> {
+    /// The step's name with the form of its cause.
+    pub fn label(&self) -> String {
+        match self.cause.map(|cause| cause.form) {
+            Some(form) if !form.is_empty() => format!("{} ({form})", self.name),
+            _ => self.name.to_owned(),
+        }
+    }
+
+    /// Share of what recalibration leaves that the cause closes alone.
+    pub fn alone(&self) -> Option<f64> {
+        self.cause.and_then(|cause| cause.alone)
+    }
+
+    /// The same with all other causes in place.
+    pub fn last(&self) -> Option<f64> {
+        self.cause.and_then(|cause| cause.last)
+    }
+}
+
+/// The steps from as given down to the floor. What recalibration closes is its own step and in no other.
+pub(super) fn steps(diagnosis: &Diagnosis) -> Vec<Step<'_>> {
+    let gap = &diagnosis.gap;
+    let step = |kind, name, rms_rad, cause| Step { kind, name, rms_rad, closes: None, cause };
+    let mut steps = vec![
+        step(Kind::Given, "as given", gap.before, None),
+        step(Kind::Recalibrated, "recalibrated", gap.calibrated, None),
+    ];
+    steps.extend(diagnosis.causes.iter().map(|c| step(Kind::Cause, c.effect.id(), c.after, Some(c))));
+    let whole = gap.before - gap.floor;
+    if gap.before > HARDLY * gap.floor {
+        for k in 1..steps.len() {
+            let share = (steps[k - 1].rms_rad - steps[k].rms_rad) / whole;
+            steps[k].closes = Some(share).filter(|share| share.is_finite());
+        }
+    }
+    steps.push(step(Kind::Floor, "floor", gap.floor, None));
+    steps
+}
+
+/// Share of what recalibration leaves that is closed down to an RMS \[rad\]; `None` where it leaves hardly anything.
+pub(super) fn closes_alone(gap: &Gap, rms_rad: f64) -> Option<f64> {
+    let share = (gap.calibrated - rms_rad) / (gap.calibrated - gap.floor);
+    Some(share).filter(|share| gap.calibrated > HARDLY * gap.floor && share.is_finite())
+}
+
+/// What introduces the steps.
+pub(super) fn heading(diagnosis: &Diagnosis) -> &'static str {
+    match diagnosis.answer.verdict {
+        Verdict::Unexplained => "What is known so far, from as given to the floor",
+        _ => "From as given to the floor",
+    }
+}
+
+/// What the columns of the steps mean, and what is to be kept in mind with these causes.
+pub(super) fn explanation(diagnosis: &Diagnosis) -> String {
+    let mut text =
+        "RMS of the angle error over the held-out logs. Closes: share of the whole gap above the floor; what \
+                    recalibrating the numbers closes is not the work of any effect."
+            .to_owned();
+    if !diagnosis.causes.is_empty() {
+        text += " Alone and last: share of what recalibration leaves that the cause closes by itself, and with all \
+                 others in place.";
+    }
+    if steps(diagnosis).iter().any(|step| step.closes.is_some_and(|share| share < OPENS)) {
+        text += " Where a share is negative the step predicts these logs worse than without it.";
+    }
+    for cause in &diagnosis.causes {
+        let others: Vec<&str> = cause.equivalent.iter().filter(|e| **e != cause.effect).map(|e| e.id()).collect();
+        if !others.is_empty() {
+            text += &format!(" These logs cannot tell {} from {}.", cause.effect, others.join(" or "));
+        }
+    }
+    if !diagnosis.gap.outer && !diagnosis.causes.is_empty() {
+        text += " The logs of these figures also had a say in the choice of the causes.";
+    }
+    text
+}
+
+/// A number that is not as it was believed to be, in words.
+pub(super) struct Moved<'a> {
+    pub name: &'a str,
+    /// With its standard deviation and its unit.
+    pub believed: String,
+    /// With its 95 % interval, where there is one, and its unit.
+    pub found: String,
+    /// By how many standard deviations, with its sign.
+    pub moved: String,
+    /// Further than belief allows.
+    pub is_finding: bool,
+}
+
+/// The numbers that were moved by more than one standard deviation of what was believed of them.
+pub(super) fn moved(diagnosis: &Diagnosis) -> Vec<Moved<'_>> {
+    let far = |belief: &&BeliefFound| belief.moved_sd.abs() > AS_BELIEVED;
+    diagnosis.beliefs.iter().filter(far).map(|belief| words(diagnosis, belief)).collect()
+}
+
+fn words<'a>(diagnosis: &Diagnosis, belief: &'a BeliefFound) -> Moved<'a> {
+    let interval = diagnosis.parameters.iter().find(|p| p.name == belief.name).and_then(|p| p.interval);
+    Moved {
+        name: &belief.name,
+        believed: believed(belief),
+        found: quantity(belief.found, interval, &belief.unit),
+        moved: format!("{:+.1}", belief.moved_sd),
+        is_finding: belief.moved_sd.abs() > FINDING,
+    }
+}
+
+/// `0.0050 ± 0.00025 kg m`
+pub(in crate::report) fn believed(belief: &BeliefFound) -> String {
+    let (value, sd) = (significant(belief.believed, 3), significant(belief.sd, 2));
+    format!("{value} ± {sd} {}", spoken(&belief.unit)).trim_end().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample;
+    use super::*;
+
+    #[test]
+    fn what_recalibration_closes_is_credited_to_no_effect() {
+        for (name, report) in sample::all() {
+            let diagnosis = &report.diagnosis;
+            let steps = steps(diagnosis);
+            let of_causes: f64 = steps.iter().filter(|s| s.kind == Kind::Cause).filter_map(|s| s.closes).sum();
+            let gap = &diagnosis.gap;
+            let below_recalibrated = (gap.calibrated - gap.floor) / (gap.before - gap.floor);
+            assert!(of_causes <= below_recalibrated.max(0.0) + 1e-9, "{name}: {of_causes} of {below_recalibrated}");
+        }
+        let two = sample::two_effects();
+        let closes: Vec<Option<f64>> = steps(&two.diagnosis).iter().map(|step| step.closes).collect();
+        let whole = 0.061 - 0.0019;
+        assert_eq!(closes[0], None);
+        assert!((closes[1].unwrap() - (0.061 - 0.034) / whole).abs() < 1e-12);
+        assert!((closes[2].unwrap() - (0.034 - 0.012) / whole).abs() < 1e-12);
+        assert_eq!(closes[4], None, "the floor closes nothing");
+    }
+
+    #[test]
+    fn an_effect_that_adds_nothing_to_recalibration_closes_nothing() {
+        let gap = sample::set_of_two().diagnosis.gap;
+        assert_eq!(closes_alone(&gap, gap.calibrated), Some(0.0));
+        assert_eq!(closes_alone(&gap, gap.floor), Some(1.0));
+        assert_eq!(closes_alone(&sample::nothing_missing().diagnosis.gap, 0.0019), None);
+    }
+
+    #[test]
+    fn shares_of_hardly_any_gap_are_not_said() {
+        let report = sample::nothing_missing();
+        assert!(steps(&report.diagnosis).iter().all(|step| step.closes.is_none()));
+    }
+
+    #[test]
+    fn only_numbers_that_moved_are_listed_and_far_ones_are_findings() {
+        let report = sample::wrong_numbers();
+        let moved = moved(&report.diagnosis);
+        let names: Vec<(&str, bool)> = moved.iter().map(|row| (row.name, row.is_finding)).collect();
+        assert_eq!(names, [("moment", false), ("coulomb", true)]);
+        assert_eq!(moved[1].believed, "0.0110 ± 0.0011 N m");
+        assert_eq!(moved[1].found, "0.00710 [0.00682, 0.00746] N m");
+    }
+
+    #[test]
+    fn causes_of_an_unexplained_gap_are_what_is_known_so_far() {
+        assert!(heading(&sample::unexplained().diagnosis).starts_with("What is known so far"));
+        let words = explanation(&sample::unexplained().diagnosis);
+        assert!(words.ends_with("had a say in the choice of the causes."), "{words}");
+        assert!(explanation(&sample::set_of_two().diagnosis).contains("tell stribeck from load_friction"));
+    }
+}
