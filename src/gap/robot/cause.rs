@@ -131,7 +131,7 @@ impl Serialize for Cause {
 
 /// A word that is no cause.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{word}` is not an effect; a robot may have {known}")]
+#[error("`{word}` is not an effect; a joint or a robot may have {known}")]
 pub struct UnknownCause {
     /// As the user wrote it.
     pub word: String,
@@ -143,9 +143,12 @@ impl FromStr for Cause {
     type Err = UnknownCause;
 
     fn from_str(word: &str) -> Result<Self, UnknownCause> {
-        Cause::all().find(|cause| cause.id() == word).ok_or_else(|| UnknownCause {
+        // Effects that only a joint of its own can have are causes too; a robot's diagnosis does not try them.
+        let of_joints = EffectId::ALL.iter().copied().map(Cause::Effect);
+        let known: Vec<Cause> = of_joints.chain(Cause::all().filter(|c| !matches!(c, Cause::Effect(_)))).collect();
+        known.iter().copied().find(|cause| cause.id() == word).ok_or_else(|| UnknownCause {
             word: word.to_owned(),
-            known: Cause::all().map(Cause::id).collect::<Vec<_>>().join(", "),
+            known: known.iter().map(|cause| cause.id()).collect::<Vec<_>>().join(", "),
         })
     }
 }
