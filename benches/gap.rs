@@ -62,14 +62,14 @@ fn samples_whole_catalogue(bencher: Bencher<'_, '_>, study: &String) {
 /// A made study against the whole catalogue.
 #[divan::bench(args = ["none", "stribeck", "torque_limit"], sample_count = 3, sample_size = 1)]
 fn made_whole_catalogue(bencher: Bencher<'_, '_>, cause: &str) {
-    let case = made(cause.parse().map_or(Cause::Nothing, Cause::One));
+    let case = made(cause.parse().map_or(Cause::Nothing, |effect| Cause::Effects(vec![effect])));
     bencher.bench_local(|| diagnosis(&case, &GapOptions::default()));
 }
 
 /// So many copies of two fit logs of the same study, one free and one driven where there is one.
 #[divan::bench(args = [2, 4, 8], sample_count = 3, sample_size = 1)]
 fn by_logs(bencher: Bencher<'_, '_>, logs: usize) {
-    let mut case = made(Cause::One(EffectId::Stribeck));
+    let mut case = made(Cause::Effects(vec![EffectId::Stribeck]));
     case.items.retain(|item| item.entry.role == Role::Fit && !item.experiments.is_empty());
     let free = case.items.iter().position(|item| item.entry.drive == DriveMode::Off);
     let driven = case.items.iter().position(|item| item.entry.drive != DriveMode::Off);
@@ -81,7 +81,7 @@ fn by_logs(bencher: Bencher<'_, '_>, logs: usize) {
 /// The same study against so many effects.
 #[divan::bench(args = [4, 8, 17], sample_count = 3, sample_size = 1)]
 fn by_effects(bencher: Bencher<'_, '_>, effects: usize) {
-    let case = made(Cause::One(EffectId::Stribeck));
+    let case = made(Cause::Effects(vec![EffectId::Stribeck]));
     let only = EffectId::ALL.iter().copied().take(effects).collect();
     let options = GapOptions { only, ..GapOptions::default() };
     bencher.bench_local(|| diagnosis(&case, &options));

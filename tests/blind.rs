@@ -37,7 +37,7 @@ fn same_seed_makes_the_same_studies_on_one_thread_or_two() {
         assert!(out.contains("5 studies, seed 3"), "{out}");
     }
     let (one, two) = (files(&dir.path().join("one")), files(&dir.path().join("two")));
-    assert!(one == two && one.len() > 5 * 7);
+    assert!(one == two && one.len() >= 5 * 7);
     // nothing beside a study tells its cause
     for (path, _) in one.iter().filter(|(path, _)| path.starts_with("studies")) {
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
@@ -66,11 +66,13 @@ fn answers_are_sealed_before_and_opened_after_the_diagnosis() {
     let trials = run["trials"].as_array().unwrap();
     assert_eq!(trials.len(), 2);
     for trial in trials {
-        for key in ["verdict", "effect", "second", "equivalent", "probability", "stage", "gap"] {
+        for key in ["verdict", "effect", "causes", "equivalent", "probability", "stage", "gap"] {
             assert!(trial["answer"].get(key).is_some(), "answer has no `{key}`: {trial}");
         }
         assert_eq!(trial["truth"]["verdict"], "none");
-        assert_eq!(trial["judgement"]["verdict"], trial["answer"]["verdict"] == "none");
+        // where numbers are off within what the study says, to refit them is no mistake
+        let refitted = trial["truth"]["within"] == true && trial["answer"]["verdict"] == "calibration";
+        assert_eq!(trial["judgement"]["verdict"], trial["answer"]["verdict"] == "none" || refitted);
     }
     assert_eq!(run["score"]["false_alarms"]["of"], 2);
     let page = fs::read_to_string(folder.join("report.html")).unwrap();

@@ -77,7 +77,7 @@ fn diagnosed(folder: &Path, words: &[&str]) -> Value {
 #[test]
 fn an_answer_has_every_key_of_the_contract_and_its_report_is_the_same_on_any_number_of_threads() {
     let dir = tempfile::tempdir().unwrap();
-    write_made(dir.path(), 5, Cause::One(EffectId::AngleOffset));
+    write_made(dir.path(), 10, Cause::Effects(vec![EffectId::AngleOffset]));
     let with = |threads: &str| {
         let found = diagnosed(dir.path(), &["--threads", threads, "--quiet"]);
         let out = dir.path().join("out");
@@ -140,7 +140,7 @@ fn an_answer_has_every_key_of_the_contract_and_its_report_is_the_same_on_any_num
 #[test]
 fn what_is_withheld_is_not_the_answer_and_only_keeps_to_its_list() {
     let dir = tempfile::tempdir().unwrap();
-    write_made(dir.path(), 5, Cause::One(EffectId::JointSpring));
+    write_made(dir.path(), 26, Cause::Effects(vec![EffectId::JointSpring]));
     let found = diagnosed(dir.path(), &[]);
     assert_eq!(
         (&found["verdict"], &found["effect"]),

@@ -314,7 +314,7 @@ fn malformed_studies_are_refused_with_key_and_fix() {
             "negative belief",
             "[motor]",
             "[uncertain]\ngain = -0.1\n[motor]",
-            &["line 11, key `[uncertain] gain`", "-0.1"],
+            &["line 12, key `[uncertain] gain`", "-0.1"],
         ),
         (
             "belief in percent",
@@ -322,7 +322,7 @@ fn malformed_studies_are_refused_with_key_and_fix() {
             "[uncertain]\ngain = 15\n[motor]",
             &["`[uncertain] gain`", "0.1 is ten percent"],
         ),
-        ("unknown belief", "[motor]", "[uncertain]\ngains = 0.1\n[motor]", &["line 11", "gains"]),
+        ("unknown belief", "[motor]", "[uncertain]\ngains = 0.1\n[motor]", &["line 12", "gains"]),
         ("a winding alone", "kd = 0.05", "kd = 0.05\nresistance = 2", &["`[motor] resistance`", "model = \"voltage\""]),
         (
             "no supply",

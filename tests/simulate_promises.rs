@@ -141,7 +141,7 @@ fn a_diagnosis_is_simulated_with_the_residual_that_it_reported() {
     // Seeds whose studies are diagnosed in seconds.
     for (effect, seed) in [(EffectId::AngleOffset, 3), (EffectId::TorqueLimit, 2)] {
         let dir = tempfile::tempdir().unwrap();
-        write_made(dir.path(), seed, Cause::One(effect));
+        write_made(dir.path(), seed, Cause::Effects(vec![effect]));
         simulated_as_diagnosed(&dir.path().join("study.toml"));
     }
 }

@@ -90,8 +90,8 @@ pub struct Answered {
     pub verdict: Verdict,
     /// The effect; for wrong numbers the one that accounts for most.
     pub effect: Option<String>,
-    /// A further effect.
-    pub second: Option<EffectId>,
+    /// Every effect that the answer names, in its order; none unless the verdict is an effect.
+    pub causes: Vec<EffectId>,
     /// Effects that cannot be told apart from the answer, the answer included.
     pub equivalent: Vec<EffectId>,
     /// The stated probability that the answer is right.
@@ -106,6 +106,8 @@ pub struct Answered {
     pub stage: Option<Stage>,
     /// What it depends on most.
     pub variable: Option<Variable>,
+    /// Between which values of that most of it lies, in the variable's unit.
+    pub range: Option<[f64; 2]>,
     /// How large it is and how far it closes.
     pub gap: GapNumbers,
     /// The best candidates, five at the most.
@@ -132,7 +134,7 @@ impl Answered {
         Self {
             verdict: answer.verdict,
             effect: answer.effect.clone(),
-            second: answer.second,
+            causes: diagnosis.causes(),
             equivalent: answer.equivalent.clone(),
             probability: answer.probability,
             standing: answer.standing.clone(),
@@ -140,6 +142,7 @@ impl Answered {
             intervals_trusted: answer.intervals_trusted,
             stage: diagnosis.location.stage,
             variable: diagnosis.location.variable,
+            range: diagnosis.location.range,
             gap: GapNumbers::of(&diagnosis.gap),
             ranking: diagnosis.ranking.iter().take(KEPT).map(ranked).collect(),
             effects: diagnosis
@@ -163,11 +166,8 @@ impl Answered {
         }
     }
 
-    /// The effects named, in their order; none unless the verdict is an effect.
-    pub fn named(&self) -> Vec<&str> {
-        if self.verdict != Verdict::Effect {
-            return Vec::new();
-        }
-        self.effect.as_deref().into_iter().chain(self.second.map(EffectId::id)).collect()
+    /// Ids of the effects named, in their order; none unless the verdict is an effect.
+    pub fn named(&self) -> Vec<&'static str> {
+        self.causes.iter().map(|effect| effect.id()).collect()
     }
 }

@@ -24,6 +24,13 @@ impl Dice {
         self.uniform(low.ln(), high.ln()).exp()
     }
 
+    /// Normal, of mean 0 and standard deviation 1.
+    pub(super) fn normal(&mut self) -> f64 {
+        // Box and Muller; the logarithm's argument is never zero
+        let (radius, angle) = (1.0 - self.0.random::<f64>(), self.uniform(0.0, std::f64::consts::TAU));
+        (-2.0 * radius.ln()).sqrt() * angle.cos()
+    }
+
     /// True with a probability.
     pub(super) fn chance(&mut self, probability: f64) -> bool {
         self.0.random::<f64>() < probability

@@ -2,6 +2,7 @@
 
 use super::dice::{Dice, significant};
 use super::plan::GRAVITY_M_S2;
+use super::sensor::Sensor;
 use serde::Serialize;
 
 /// What kind of joint.
@@ -30,29 +31,6 @@ impl Family {
     }
 }
 
-/// How the encoder disturbs the angle.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Sensor {
-    /// Quantisation step \[rad\].
-    pub resolution_rad: f64,
-    /// \[s\]
-    pub period_s: f64,
-    /// Uniform noise before rounding, plus or minus this \[rad\].
-    pub before_rad: f64,
-    /// Probability of a step up or down after rounding.
-    pub flicker: f64,
-    /// Share of samples that are lost.
-    pub lost: f64,
-}
-
-impl Sensor {
-    /// Standard deviation of a reading \[rad\].
-    pub(super) fn noise_rad(&self) -> f64 {
-        let step_2 = self.resolution_rad.powi(2);
-        (step_2 / 12.0 + self.before_rad.powi(2) / 3.0 + self.flicker * step_2).sqrt()
-    }
-}
-
 /// A joint as it truly is, before anything is the matter with it.
 #[derive(Clone, Debug)]
 pub(super) struct Joint {
@@ -75,6 +53,10 @@ pub(super) struct Joint {
     /// Logs of driven motions have a column `tau`.
     pub tau_column: bool,
 }
+
+/// Steps of encoders \[rad\].
+const FINEST_RAD: f64 = 3e-4;
+const COARSEST_RAD: f64 = 6e-3;
 
 /// Digits of the numbers that an engineer writes into a study.
 pub(super) const DIGITS: i32 = 4;
@@ -115,26 +97,20 @@ impl Joint {
                 break m;
             }
         };
-        let step = if dice.chance(0.5) { step } else { step * dice.uniform(0.7, 1.4) };
+        // half of the encoders are their family's, the others anything that is built
+        let step = if dice.chance(0.5) { step } else { dice.log_uniform(FINEST_RAD, COARSEST_RAD) };
         let peak_nm = GRAVITY_M_S2 * m;
         let kp = peak_nm * dice.uniform(3.0, 12.0);
         let viscous = 2.0 * dice.log_uniform(0.02, 0.5) * (i * peak_nm).sqrt();
-        let read_noise = dice.uniform(0.0, 1.0);
         let round = |value| significant(value, DIGITS);
-        let resolution_rad = round(step);
+        let period_s = dice.pick(periods);
         Self {
             family,
             inertia_kg_m2: round(i),
             moment_kg_m: round(m),
             coulomb_nm: round(peak_nm * dice.log_uniform(0.02, 0.25)),
             viscous_nm_s_rad: round(viscous),
-            sensor: Sensor {
-                resolution_rad,
-                period_s: dice.pick(periods),
-                before_rad: if read_noise > 0.75 { resolution_rad * dice.uniform(0.3, 1.0) } else { 0.0 },
-                flicker: if read_noise < 0.25 { dice.uniform(0.1, 0.5) } else { 0.0 },
-                lost: if dice.chance(0.25) { dice.uniform(0.003, 0.03) } else { 0.0 },
-            },
+            sensor: Sensor::draw(round(step), period_s, dice),
             kp: round(kp),
             kd: round(2.0 * dice.uniform(0.2, 1.0) * (kp * i).sqrt()),
             setpoint_every: dice.pick(&[1, 1, 2, 4]),
@@ -157,7 +133,9 @@ mod tests {
             let zeta = joint.viscous_nm_s_rad / (2.0 * (joint.inertia_kg_m2 * peak).sqrt());
             assert!((0.0199..0.501).contains(&zeta), "{joint:?}");
             assert!((2.99..12.01).contains(&(joint.kp / peak)));
-            assert!(joint.sensor.noise_rad() > joint.sensor.resolution_rad / 4.0);
+            let sensor = &joint.sensor;
+            assert!(sensor.noise_rad() > sensor.resolution_rad / 4.0 && sensor.jitter_s <= 0.2 * sensor.period_s);
+            assert!((0.999 * FINEST_RAD..1.001 * COARSEST_RAD).contains(&sensor.resolution_rad));
         }
     }
 }

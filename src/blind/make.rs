@@ -1,20 +1,20 @@
 //! Makes a study and keeps its answer.
 
-use super::cause::{Cause, CauseFilter, OutsideId, simulable};
-use super::dice::{Dice, significant};
-use super::joint::{DIGITS, Joint};
-use super::plan::{LogPlan, one_sided, plan};
+use super::cause::{Cause, CauseFilter};
+use super::dice::Dice;
+use super::draw::draw_cause;
+use super::joint::Joint;
+use super::plan::{Driven, LogPlan, one_sided, plan};
 use super::sim::{Drive, Machine, Trace};
-use super::size::{all_logs, coarse, rms_rad};
-use super::truth::{FourNumbers, Truth};
+use super::size::{all_logs, coarse, rms_rad, rms_speed_rad_s};
+use super::truth::{FourNumbers, Gains, Truth};
 use super::write::files;
-use crate::gap::Verdict;
-use crate::joint::{EffectId, Stage};
+use crate::joint::EffectId;
 
 /// Step of the logs that are written \[s\].
 const FINE_S: f64 = 2.5e-5;
 /// Studies that are drawn until one shows its cause; the last is taken as it is.
-const ATTEMPTS: usize = 40;
+const ATTEMPTS: usize = 25;
 /// No log goes beyond this angle \[rad\]: a joint that turns over is another experiment.
 const WIDEST_RAD: f64 = 2.7;
 
@@ -29,69 +29,22 @@ pub struct Made {
 
 /// Makes study `trial` of a run, with a cause drawn at random.
 pub fn make(seed: u64, trial: u64) -> Made {
-    make_filtered(seed, trial, CauseFilter::Any)
+    make_filtered(seed, trial, &CauseFilter::Any)
 }
 
 /// Makes study `trial` of a run, with a cause drawn from a kind.
-pub fn make_filtered(seed: u64, trial: u64, filter: CauseFilter) -> Made {
+pub fn make_filtered(seed: u64, trial: u64, filter: &CauseFilter) -> Made {
     let mut dice = Dice::new(seed, trial);
     let cause = draw_cause(filter, &mut dice);
-    made(seed, trial, cause, dice)
+    made(seed, trial, &cause, dice)
 }
 
 /// Makes study `trial` of a run, with a given cause.
 pub fn make_with(seed: u64, trial: u64, cause: Cause) -> Made {
-    make_filtered(seed, trial, CauseFilter::Only(cause))
+    make_filtered(seed, trial, &CauseFilter::Only(cause))
 }
 
-/// Of a hundred studies 12 have nothing, 12 wrong numbers, 48 one effect, 14 two, 14 something outside the catalogue.
-fn draw_cause(filter: CauseFilter, dice: &mut Dice) -> Cause {
-    let filter = match filter {
-        CauseFilter::Any => match dice.uniform(0.0, 1.0) {
-            x if x < 0.12 => CauseFilter::Nothing,
-            x if x < 0.24 => CauseFilter::Calibration,
-            x if x < 0.72 => CauseFilter::AnyEffect,
-            x if x < 0.86 => CauseFilter::AnyPair,
-            _ => CauseFilter::AnyOutside,
-        },
-        given => given,
-    };
-    match filter {
-        CauseFilter::Any | CauseFilter::Nothing => Cause::Nothing,
-        CauseFilter::Calibration => Cause::Calibration,
-        CauseFilter::AnyEffect => Cause::One(dice.pick(&simulable())),
-        CauseFilter::AnyOutside => Cause::Outside(dice.pick(OutsideId::ALL)),
-        CauseFilter::AnyPair => {
-            let first = dice.pick(&simulable());
-            let others: Vec<EffectId> = simulable().into_iter().filter(|other| can_pair(first, *other)).collect();
-            Cause::Two(first, dice.pick(&others))
-        }
-        CauseFilter::Only(cause) => cause,
-    }
-}
-
-/// Effects of a pair are of two kinds, and not one effect by another name: a spring with a constant torque is a spring
-/// that is slack elsewhere.
-fn can_pair(first: EffectId, second: EffectId) -> bool {
-    use EffectId::{AsymmetricFriction, JointSpring};
-    let one_spring = [(JointSpring, AsymmetricFriction), (AsymmetricFriction, JointSpring)];
-    kind(first) != kind(second) && !one_spring.contains(&(first, second))
-}
-
-/// Effects of one kind do much the same.
-fn kind(effect: EffectId) -> u8 {
-    use EffectId::*;
-    match effect {
-        Stribeck | LoadFriction | GearFriction | QuadraticDrag | AsymmetricFriction | PositionFriction
-        | FrictionDrift => 0,
-        Backlash | EndStop | Compliance => 1,
-        JointSpring | AngleOffset | SensorGain => 2,
-        Delay | SetpointHold | SetpointProfile | SensorDelay => 3,
-        TorqueLimit | SpeedLimit | MotorGain | DeadBand => 4,
-    }
-}
-
-fn made(seed: u64, trial: u64, cause: Cause, mut dice: Dice) -> Made {
+fn made(seed: u64, trial: u64, cause: &Cause, mut dice: Dice) -> Made {
     loop {
         for attempt in 1..=ATTEMPTS {
             if let Some(made) =
@@ -110,71 +63,82 @@ pub(super) struct Draft {
     pub plain: Machine,
     /// By the catalogue's definitions, to the letter.
     pub textbook: bool,
+    /// How much a servo's motor brakes by its voltage \[N m s/rad\].
+    pub back_emf_nm_s_rad: f64,
 }
 
 impl Draft {
-    fn draw(cause: Cause, dice: &mut Dice) -> Self {
-        let joint = Joint::draw(dice);
-        let driven = dice.chance(0.6) || cause.needs_motor();
+    fn draw(cause: &Cause, dice: &mut Dice) -> Self {
+        let mut joint = Joint::draw(dice);
+        let driven = match cause {
+            Cause::Servo if dice.chance(0.5) => Driven::All,
+            _ if cause.needs_motor() || dice.chance(0.6) => Driven::Some,
+            _ => Driven::None,
+        };
         let mut plans = plan(&joint, driven, dice);
         let (is_one_sided, side) = (dice.chance(0.25), dice.sign());
-        let has_stop = match cause {
-            Cause::One(effect) => effect == EffectId::EndStop,
-            Cause::Two(first, second) => first == EffectId::EndStop || second == EffectId::EndStop,
-            _ => false,
-        };
-        if is_one_sided || has_stop {
+        if is_one_sided || cause.has(EffectId::EndStop) {
             one_sided(&mut plans, side);
         }
         let textbook = dice.chance(0.5);
         let mut plain =
             Machine::plain(joint.inertia_kg_m2, joint.peak_gravity_nm(), joint.coulomb_nm, joint.viscous_nm_s_rad);
         plain.drive = Drive { kp: joint.kp, kd: joint.kd, ..Drive::default() };
+        let mut back_emf_nm_s_rad = 0.0;
+        if *cause == Cause::Servo {
+            // the drive of a servo knows no torque
+            joint.tau_column = false;
+            back_emf_nm_s_rad = joint.kd * dice.log_uniform(0.1, 1.0);
+            plain.drive.back_emf_nm_s_rad = back_emf_nm_s_rad;
+        }
         let presliding = dice.chance(0.5);
         let bristle_rad = joint.sensor.noise_rad() * dice.uniform(0.1, 0.5);
         if !textbook && presliding {
             presliding_within_noise(&mut plain, &plans, joint.sensor.noise_rad(), bristle_rad);
         }
-        Self { joint, plans, plain, textbook }
+        Self { joint, plans, plain, textbook, back_emf_nm_s_rad }
     }
 
     /// Puts the cause in and writes the logs; `None` where it would not show as it should, unless it is `forced`.
-    fn finish(self, (seed, trial): (u64, u64), cause: Cause, forced: bool, dice: &mut Dice) -> Option<Made> {
+    fn finish(self, (seed, trial): (u64, u64), cause: &Cause, forced: bool, dice: &mut Dice) -> Option<Made> {
         let plain = coarse(&self.plain, &self.plans);
         if !tame(&plain) {
             return None;
         }
-        let matter = self.matter(cause, plain, forced, dice)?;
+        let noise_rad = self.joint.sensor.noise_at_rad(rms_speed_rad_s(&plain, &self.plans));
+        let matter = self.matter(cause, plain, noise_rad, forced, dice)?;
         let traces = all_logs(&matter.machine, &self.plans, FINE_S);
         if !tame(&traces) {
             return None;
         }
-        let study = files(&self.joint, &matter.nominal, &self.plans, &traces, dice);
-        let (verdict, effect, second, outside, stage): (_, Option<&'static str>, _, _, Option<Stage>) = match cause {
-            Cause::Nothing => (Verdict::None, None, None, None, None),
-            Cause::Calibration => (Verdict::Calibration, matter.number, None, None, None),
-            Cause::One(effect) => (Verdict::Effect, Some(effect.id()), None, None, Some(effect.stage())),
-            Cause::Two(first, second) => (Verdict::Effect, Some(first.id()), Some(second), None, Some(first.stage())),
-            Cause::Outside(id) => (Verdict::Unexplained, None, None, Some(id), Some(id.stage())),
-        };
+        let study = files(&self.joint, &matter.belief, &self.plans, &traces, dice);
         let driven_logs = self.plans.iter().filter(|plan| plan.is_driven()).count();
         let truth = Truth {
             seed,
             trial,
-            verdict,
-            effect,
-            second,
-            outside,
-            stage,
+            verdict: matter.verdict,
+            causes: matter.causes,
+            servo: *cause == Cause::Servo,
+            numbers: matter.numbers,
+            within: matter.within,
+            outside: if let Cause::Outside(id) = cause { Some(*id) } else { None },
+            location: matter.location,
+            stage: matter.mechanisms.iter().find(|mechanism| mechanism.counts).map(|mechanism| mechanism.stage),
             mechanisms: matter.mechanisms,
             ratio: matter.ratio,
             left: matter.left,
             nearest: matter.nearest,
             joint: self.numbers(),
-            nominal: matter.nominal,
+            nominal: matter.belief.nominal,
+            gains: (driven_logs > 0).then(|| self.gains()),
+            nominal_gains: (driven_logs > 0).then_some(matter.belief.gains),
+            believed: matter.belief.believed,
             family: self.joint.family,
             textbook: self.textbook,
-            noise_rad: self.joint.sensor.noise_rad(),
+            noise: self.joint.sensor.noise,
+            stamps: self.joint.sensor.stamps,
+            holes: self.joint.sensor.holes,
+            noise_rad,
             free_logs: self.plans.len() - driven_logs,
             driven_logs,
             loaded_logs: self.plans.iter().filter(|plan| plan.load.is_some()).count(),
@@ -188,14 +152,9 @@ impl Draft {
         FourNumbers::of([j.inertia_kg_m2, j.moment_kg_m, j.coulomb_nm, j.viscous_nm_s_rad])
     }
 
-    /// Half of the nominal values are right, the others off by 3 to 15 % each.
-    pub(super) fn believed(&self, dice: &mut Dice) -> FourNumbers {
-        if dice.chance(0.5) {
-            return self.numbers();
-        }
-        let off =
-            |value: f64, dice: &mut Dice| significant(value * (1.0 + dice.sign() * dice.uniform(0.03, 0.15)), DIGITS);
-        FourNumbers::of(self.numbers().list().map(|value| off(value, dice)))
+    /// The gains as they are; what a motor brakes by its voltage adds to `kd`.
+    pub(super) fn gains(&self) -> Gains {
+        Gains { kp: self.joint.kp, kd: self.joint.kd + self.back_emf_nm_s_rad }
     }
 }
 
@@ -227,6 +186,7 @@ fn tame(traces: &[Trace]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gap::Verdict;
     use crate::log::{Outputs, Role, read_study, read_study_logs};
 
     #[test]
@@ -256,18 +216,25 @@ mod tests {
                 assert!(log.len() > 150 && log.ignored_columns.is_empty());
             }
             let truth = &made.truth;
-            assert_eq!(truth.joint == truth.nominal, truth.verdict == Verdict::None || truth.joint == truth.nominal);
-            let expected = if truth.verdict == Verdict::None { 0.0..=0.0 } else { 1.3..=5000.0 };
+            assert_eq!(study.uncertain == crate::log::Uncertain::default(), !truth.believed.written);
+            let exact = truth.joint == truth.nominal && truth.gains == truth.nominal_gains;
+            assert!(!(exact && (truth.within || !truth.numbers.is_empty())), "{truth:?}");
+            assert_eq!(truth.verdict == Verdict::Effect, !truth.causes.is_empty());
+            let expected = match truth.verdict {
+                Verdict::None => 0.0..=1e6,
+                Verdict::Calibration => 2.0..=1e6,
+                Verdict::Effect | Verdict::Unexplained => 1.3..=5000.0,
+            };
             assert!(expected.contains(&truth.ratio), "{truth:?}");
         }
     }
 
     #[test]
     fn sizes_lie_where_they_are_sought() {
-        for (trial, effect) in simulable().iter().enumerate() {
-            let truth = make_with(12, trial as u64, Cause::One(*effect)).truth;
+        for (trial, effect) in EffectId::ALL.iter().enumerate() {
+            let truth = make_with(12, trial as u64, Cause::Effects(vec![*effect])).truth;
             let mechanism = &truth.mechanisms[0];
-            assert_eq!((mechanism.id, truth.effect), (effect.id(), Some(effect.id())));
+            assert_eq!((mechanism.id, truth.effects()), (effect.id(), vec![effect.id()]));
             assert!((1.3..300.0).contains(&mechanism.ratio) && mechanism.left >= 0.4, "{mechanism:?}");
             assert!(mechanism.left <= mechanism.ratio * 1.001, "{mechanism:?}");
             assert!(!super::super::cause::needs_motor(*effect) || truth.driven_logs >= 2);
@@ -275,13 +242,21 @@ mod tests {
     }
 
     #[test]
-    fn pairs_are_of_two_kinds_and_every_part_shows() {
-        for trial in 0..4 {
-            let truth = make_filtered(13, trial, CauseFilter::AnyPair).truth;
-            assert_eq!(truth.mechanisms.len(), 2);
-            assert!(truth.mechanisms.iter().all(|m| m.ratio >= 2.0), "{truth:?}");
+    fn of_several_effects_every_one_shows() {
+        for count in 2..=4 {
+            let truth = make_filtered(13, count, &CauseFilter::Effects(count as usize)).truth;
+            assert_eq!((truth.mechanisms.len(), truth.causes.len()), (count as usize, count as usize));
+            assert!(truth.mechanisms.iter().all(|m| m.ratio >= 2.5 && m.left >= 0.8), "{truth:?}");
         }
-        assert!(can_pair(EffectId::Delay, EffectId::Stribeck) && !can_pair(EffectId::Delay, EffectId::SetpointHold));
-        assert!(!can_pair(EffectId::JointSpring, EffectId::AsymmetricFriction));
+    }
+
+    #[test]
+    fn a_servo_is_several_things_and_says_which() {
+        for trial in 0..3 {
+            let truth = make_with(14, trial, Cause::Servo).truth;
+            assert!(truth.servo && truth.causes.len() >= 2 && truth.driven_logs >= 2, "{truth:?}");
+            let braked = truth.gains.is_some_and(|gains| gains.kd > 0.0);
+            assert!(braked && truth.mechanisms.len() == 5, "{truth:?}");
+        }
     }
 }

@@ -9,8 +9,10 @@
 //! catalogue does not have ([`OutsideId`]).
 
 mod answer;
+mod belief;
 mod cause;
 mod dice;
+mod draw;
 mod joint;
 mod make;
 mod matter;
@@ -21,8 +23,10 @@ mod record;
 pub mod robot;
 mod score;
 mod seal;
+mod sensor;
 mod sim;
 mod size;
+mod together;
 mod trial;
 mod truth;
 mod write;
@@ -32,7 +36,10 @@ pub use cause::{Cause, CauseFilter, OutsideId, UnknownCause};
 pub use joint::Family;
 pub use make::{Made, make, make_filtered, make_with};
 pub use record::{RunRecord, TrialRecord};
-pub use score::{Bin, ByCause, BySize, Coverage, Judgement, Rate, Score, Stated, Table, WallTime, score};
+pub use score::{
+    Bin, ByCause, ByNoise, BySet, BySize, Coverage, Covered, Judgement, Rate, Score, Stated, Table, WallTime, score,
+};
 pub use seal::{Sealed, TRUTHS_FILE};
+pub use sensor::{Noise, Stamps};
 pub use trial::Trial;
-pub use truth::{FourNumbers, Nearest, TrueMechanism, TrueNumber, Truth};
+pub use truth::{Believed, FourNumbers, Gains, Nearest, TrueMechanism, TrueNumber, TrueWhere, Truth};

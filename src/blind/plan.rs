@@ -34,7 +34,7 @@ impl Extra {
 /// One log to be made.
 #[derive(Clone, Debug)]
 pub(super) struct LogPlan {
-    /// Sample times \[s\].
+    /// When samples are taken \[s\].
     pub times_s: Vec<f64>,
     /// Angle of a free joint at the start; added to where the drive holds a driven one \[rad\].
     pub start_rad: f64,
@@ -65,10 +65,23 @@ impl LogPlan {
     }
 }
 
+/// Which logs a motor drives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Driven {
+    None,
+    /// Two to four.
+    Some,
+    All,
+}
+
 /// Draws the logs of a study.
-pub(super) fn plan(joint: &Joint, driven: bool, dice: &mut Dice) -> Vec<LogPlan> {
+pub(super) fn plan(joint: &Joint, driven: Driven, dice: &mut Dice) -> Vec<LogPlan> {
     let count = dice.whole(5, 9);
-    let driven = if driven { dice.whole(2, 4).min(count - 2) } else { 0 };
+    let driven = match driven {
+        Driven::None => 0,
+        Driven::Some => dice.whole(2, 4).min(count - 2),
+        Driven::All => count,
+    };
     let extras = extras(joint, dice);
     let held_first = dice.chance(0.4);
     let drive_column = dice.chance(0.5);
@@ -77,7 +90,8 @@ pub(super) fn plan(joint: &Joint, driven: bool, dice: &mut Dice) -> Vec<LogPlan>
             let is_driven = i < driven;
             let period = joint.sensor.period_s;
             let samples = (dice.uniform(3.0, 8.0) / period).round() as usize;
-            let times_s: Vec<f64> = (0..samples).map(|k| significant(k as f64 * period, 9)).collect();
+            let times_s: Vec<f64> =
+                (0..samples).map(|k| joint.sensor.comes_s(significant(k as f64 * period, 9), dice)).collect();
             let hung = if is_driven { 0.2 } else { 0.6 };
             let load = if !extras.is_empty() && dice.chance(hung) { Some(dice.pick(&extras)) } else { None };
             let peak_nm = joint.peak_gravity_nm() + load.map_or(0.0, |extra| extra.load().peak_gravity_nm);
@@ -112,15 +126,15 @@ pub(super) fn one_sided(logs: &mut [LogPlan], side: f64) {
     }
 }
 
-/// Two logs are held back; of a study with driven logs one is driven.
+/// Two logs are held back; of a study with free and driven logs one of each.
 fn hold_back(logs: &mut [LogPlan], driven: usize, dice: &mut Dice) {
     let free = logs.len() - driven;
     let mut held: Vec<usize> = Vec::new();
-    if driven > 0 {
+    if driven > 0 && free > 0 {
         held.push(dice.whole(0, driven - 1));
         held.push(driven + dice.whole(0, free - 1));
     } else {
-        held.extend(dice.some_of(2, free));
+        held.extend(dice.some_of(2, logs.len()));
     }
     for i in held {
         logs[i].validate = true;

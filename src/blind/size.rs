@@ -34,6 +34,19 @@ pub(super) fn rms_rad(a: &[Trace], b: &[Trace], plans: &[LogPlan]) -> f64 {
     (sum / count.max(1) as f64).sqrt()
 }
 
+/// RMS speed of a motion after the release \[rad/s\].
+pub(super) fn rms_speed_rad_s(traces: &[Trace], plans: &[LogPlan]) -> f64 {
+    let (mut sum, mut count) = (0.0, 0_usize);
+    for (trace, plan) in traces.iter().zip(plans) {
+        let steps = plan.times_s.windows(2).zip(trace.q_rad.windows(2)).skip(plan.first_free());
+        for (t, q) in steps {
+            sum += ((q[1] - q[0]) / (t[1] - t[0])).powi(2);
+            count += 1;
+        }
+    }
+    (sum / count.max(1) as f64).sqrt()
+}
+
 /// A joint with which nothing is the matter, as the measure of what is.
 pub(super) struct Yardstick<'a> {
     plans: &'a [LogPlan],
@@ -77,6 +90,11 @@ impl<'a> Yardstick<'a> {
             by_number: [nudged(0), nudged(1), nudged(2), nudged(3)],
             by_start: [started(0), started(1)],
         }
+    }
+
+    /// Moves a joint through the logs, in steps good enough to judge by.
+    pub(super) fn move_all(&self, machine: &Machine) -> Vec<Trace> {
+        coarse(machine, self.plans)
     }
 
     /// RMS difference of two motions after the release, over the noise.
@@ -164,7 +182,7 @@ impl<'a> Yardstick<'a> {
             mechanism.install(size, &mut other);
             self.ratio(&coarse(&other, self.plans), &self.plain)
         };
-        let is_allowed = |ratio: f64| ratio >= allowed[0] && ratio <= allowed[1];
+        let is_allowed = |ratio: f64| within(ratio, allowed);
         let [mut low, mut high] = mechanism.range;
         let natural = dice.log_uniform(low, high);
         let target = dice.log_uniform(wanted[0], wanted[1]);
@@ -200,6 +218,11 @@ impl<'a> Yardstick<'a> {
         }
         best.map(|(size, _)| size)
     }
+}
+
+/// Whether a ratio lies in a range, its ends included.
+pub(super) fn within(ratio: f64, [low, high]: [f64; 2]) -> bool {
+    ratio >= low && ratio <= high
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

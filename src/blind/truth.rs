@@ -2,7 +2,8 @@
 
 use super::cause::OutsideId;
 use super::joint::Family;
-use crate::gap::Verdict;
+use super::sensor::{Noise, Stamps};
+use crate::gap::{Variable, Verdict};
 use crate::joint::{EffectId, Stage};
 use serde::Serialize;
 
@@ -28,13 +29,16 @@ impl TrueNumber {
 pub struct TrueMechanism {
     /// Id of an effect or of a mechanism outside the catalogue.
     pub id: &'static str,
+    /// It shows, and is asked for; what is there but too small is neither.
+    pub counts: bool,
     /// Stage of the chain on which it sits.
     pub stage: Stage,
     /// Its numbers; for effects by the catalogue's names, for variants as near as they come.
     pub parameters: Vec<TrueNumber>,
-    /// RMS angle that it changes in the logs, over the standard deviation of a reading.
+    /// RMS angle by which the logs would differ without it, over the standard deviation of a reading.
     pub ratio: f64,
-    /// What of that is left when inertia, moment, frictions and starts are adapted to it, to first order.
+    /// What of that is left when inertia, moment, frictions and starts, and sizes of the other mechanisms, are adapted
+    /// to it, to first order.
     pub left: f64,
 }
 
@@ -76,6 +80,51 @@ pub struct Nearest {
     pub left: f64,
 }
 
+/// Gains of a position drive.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Gains {
+    /// \[N m/rad\]
+    pub kp: f64,
+    /// \[N m s/rad\]
+    pub kd: f64,
+}
+
+impl Gains {
+    /// Their names, in order.
+    pub const NAMES: [&'static str; 2] = ["kp", "kd"];
+
+    /// As a list, in that order.
+    pub fn list(&self) -> [f64; 2] {
+        [self.kp, self.kd]
+    }
+}
+
+/// Relative standard deviations of what the study states.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Believed {
+    /// Of the inertia.
+    pub inertia: f64,
+    /// Of the moment.
+    pub moment: f64,
+    /// Of Coulomb and viscous friction.
+    pub friction: f64,
+    /// Of `kp` and `kd`.
+    pub gain: f64,
+    /// The study says so itself; else they are the defaults of `[uncertain]`.
+    pub written: bool,
+}
+
+/// Where a mechanism outside the catalogue sits.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TrueWhere {
+    /// Stage of the chain.
+    pub stage: Stage,
+    /// What it depends on: each of these is a right answer.
+    pub variables: &'static [Variable],
+    /// Between which values of the first of them it acts, in its unit; `None`: everywhere.
+    pub range: Option<[f64; 2]>,
+}
+
 /// What is true of a made study.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Truth {
@@ -85,13 +134,20 @@ pub struct Truth {
     pub trial: u64,
     /// The right kind of answer.
     pub verdict: Verdict,
-    /// The effect; for wrong numbers only the one that accounts for most.
-    pub effect: Option<&'static str>,
-    /// The second effect of a pair.
-    pub second: Option<EffectId>,
+    /// Effects that are there and show, in no order.
+    pub causes: Vec<EffectId>,
+    /// The whole is a servo.
+    pub servo: bool,
+    /// Numbers that are off by more than three of the standard deviations that the study states; without effects the
+    /// one that accounts for most comes first.
+    pub numbers: Vec<&'static str>,
+    /// Nothing is wrong, but numbers are off within what the study states: to refit them is no mistake.
+    pub within: bool,
     /// The mechanism outside the catalogue.
     pub outside: Option<OutsideId>,
-    /// The stage on which the cause sits: of a pair, the first's.
+    /// Where that sits.
+    pub location: Option<TrueWhere>,
+    /// The stage on which the cause sits: of several, the first's.
     pub stage: Option<Stage>,
     /// Everything that was put in.
     pub mechanisms: Vec<TrueMechanism>,
@@ -105,11 +161,23 @@ pub struct Truth {
     pub joint: FourNumbers,
     /// The joint as the study states it.
     pub nominal: FourNumbers,
+    /// The drive's gains as they are; `None` where nothing drives.
+    pub gains: Option<Gains>,
+    /// The drive's gains as the study states them.
+    pub nominal_gains: Option<Gains>,
+    /// How sure the study is.
+    pub believed: Believed,
     /// What kind of joint.
     pub family: Family,
     /// By the catalogue's definitions, to the letter.
     pub textbook: bool,
-    /// Standard deviation of a reading \[rad\].
+    /// Noise of the readings.
+    pub noise: Noise,
+    /// How samples are stamped.
+    pub stamps: Stamps,
+    /// Stretches of 4 to 30 periods without samples.
+    pub holes: usize,
+    /// Standard deviation of a reading, with what wrong stamps add to it \[rad\].
     pub noise_rad: f64,
     /// Free logs.
     pub free_logs: usize,
@@ -117,4 +185,18 @@ pub struct Truth {
     pub driven_logs: usize,
     /// Logs with an extra mass.
     pub loaded_logs: usize,
+}
+
+impl Truth {
+    /// Ids of the effects of the catalogue that are there and show.
+    pub fn effects(&self) -> Vec<&'static str> {
+        self.causes.iter().map(|effect| effect.id()).collect()
+    }
+
+    /// True value of a joint's number or a drive's gain.
+    pub(super) fn number(&self, name: &str) -> Option<f64> {
+        let gains = self.gains.iter().flat_map(|gains| Gains::NAMES.into_iter().zip(gains.list()));
+        let numbers = FourNumbers::NAMES.into_iter().zip(self.joint.list());
+        numbers.chain(gains).find(|(known, _)| *known == name).map(|(_, value)| value)
+    }
 }

@@ -30,11 +30,13 @@ use std::time::Instant;
 /// another integrator and step than the diagnosis, masses, friction and floor off by some percent. Writes studies,
 /// sealed.sha256, diagnoses, truths.json, score.json, report.html and the figures as SVG.
 #[derive(Args, Debug)]
-#[command(after_help = "Causes: any, none, calibration, effect, pair, outside; the id of an effect, as delay; two of \
-them, as delay+stribeck; a mechanism that the catalogue does not have, as cogging. Of robots also payload, \
+#[command(
+    after_help = "Causes: any, none, calibration, effect, pair, three, four, servo, outside; the id of an effect, as \
+delay; up to four of them, as delay+stribeck; a mechanism that the catalogue does not have, as cogging. Of robots also payload, \
 floor_friction, floor_slope, floor_stiffness, coulomb, viscous.\n\n\
 Check of the seal: sha256sum --check sealed.sha256, in the output folder.\n\n\
-Example: aibo-fit blind --trials 20 --seed 7")]
+Example: aibo-fit blind --trials 20 --seed 7"
+)]
 pub(super) struct BlindArgs {
     /// Studies to make
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
@@ -71,7 +73,7 @@ pub(super) fn run(args: &BlindArgs) -> Result<u8, CliError> {
     }
     let filter: CauseFilter = args.cause.parse().map_err(|error: UnknownCause| CliError::Usage(error.to_string()))?;
     let make = |seed: u64, trial: u64| {
-        let Made { study, truth } = make_filtered(seed, trial, filter);
+        let Made { study, truth } = make_filtered(seed, trial, &filter);
         Ok((study, truth))
     };
     run_with(args, "blind", &make, |run, truths, progress| {
@@ -102,24 +104,38 @@ fn run_with<T: Serialize + Send>(
     let progress = Progress::new(args.common.quiet);
     let seed = args.seed.unwrap_or_else(rand::random);
     if let Some(folder) = &args.make_only {
+        let began = Instant::now();
         let (_, truths) = args.common.on_threads(|| make_all(args, seed, folder, make, &progress))??;
+        let each_s = began.elapsed().as_secs_f64() / f64::from(args.trials);
         let mut outputs = Outputs::default();
         for (trial, truth) in truths.iter().enumerate() {
             outputs.add(folder.join("truth").join(format!("{trial:03}.json")), json_text(truth)?);
         }
         outputs.write()?;
         drop(progress);
-        say(args, &format!("{} studies, seed {seed}, in {}\n", args.trials, folder.display()));
+        say(args, &format!("{} studies, seed {seed}, {each_s:.2} s each, in {}\n", args.trials, folder.display()));
         return Ok(0);
     }
     let folder = args.common.folder(name);
+    let began = Instant::now();
     let (made, truths) = args.common.on_threads(|| make_all(args, seed, &folder, make, &progress))??;
+    let each_s = began.elapsed().as_secs_f64() / f64::from(args.trials);
     let sealed = Sealed::new(&truths).map_err(encode)?;
     forget_earlier(&folder)?;
     let mut seal = Outputs::default();
     seal.add(folder.join(SEAL_FILE), sealed.line());
     seal.write()?;
-    progress.pause(|| say(args, &format!("{} answers sealed: SHA-256 {}\n", truths.len(), sealed.sha256)));
+    progress.pause(|| {
+        say(
+            args,
+            &format!(
+                "{} studies made, {each_s:.2} s each\n{} answers sealed: SHA-256 {}\n",
+                truths.len(),
+                truths.len(),
+                sealed.sha256
+            ),
+        )
+    });
     let run = Run { args, seed, folder: &folder, made: &made, sealed: &sealed };
     let (text, page) = rest(&run, &truths, &progress)?;
     drop(progress);

@@ -7,6 +7,7 @@ use super::explore::{explore, one_of_each};
 use super::floor::noise_rad;
 use super::folds::Folds;
 use super::grow::Growth;
+use super::held_out::HeldOut;
 use super::model::GapModel;
 use super::score::Measure;
 use super::trial::Trial;
@@ -37,8 +38,6 @@ pub(super) struct Attribution {
     pub noise_rad: f64,
     /// How many successive residuals of the best hypothesis count as one.
     pub correlation: f64,
-    /// Deviance that the best effect gains by chance, in one study of two hundred in which nothing is missing.
-    pub chance: f64,
 }
 
 /// Sets that are carried over from short parts of the logs.
@@ -53,6 +52,8 @@ const AGAIN: Budget = Budget { evaluations: 24 };
 /// too long for it to begin with.
 const FAR: f64 = 0.5;
 const VERY_FAR: f64 = 4.0;
+/// A set from short parts that leaves less than this share of the squares on whole logs is in the right place.
+const CLOSES_MOST: f64 = 0.15;
 /// Held-out logs show more where they exceed the noise by this many times as much as the fitted ones.
 const SHOWS_MORE: f64 = 6.0;
 /// A hypothesis whose squared residuals exceed the noise by this share leaves something to explain.
@@ -61,19 +62,18 @@ pub(super) const LEFT_OVER: f64 = 0.02;
 const NEAR: f64 = 60.0;
 /// Standard deviations by which a cause has to predict logs better that were not fitted.
 const PREDICTS: f64 = 0.5;
+/// Up to so many logs each is also predicted whole by the others, and a cause may not do that worse by so many standard
+/// deviations.
+const FEW_LOGS: usize = 4;
+const ELSEWHERE: f64 = 0.5;
+/// Standard deviations from which on it clearly does.
+const CLEARLY: f64 = 2.0;
 
 impl Attribution {
     /// Fits all hypotheses about a study; `effects` is the catalogue that is considered.
     ///
     /// Everything is tried on fewer samples first; only what comes near the best is fitted to all of them.
     pub fn of(evidence: &Evidence, effects: &[EffectId], progress: &(dyn Fn(&str) + Sync)) -> Self {
-        let began = std::time::Instant::now();
-        let progress = |what: &str| {
-            if std::env::var_os("GAP_DEBUG").is_some() {
-                eprintln!("{:7.2} {what}", began.elapsed().as_secs_f64());
-            }
-            progress(what);
-        };
         let coarse = evidence.coarse();
         let baseline = evidence.baseline();
         progress("the joint as given");
@@ -94,20 +94,12 @@ impl Attribution {
             let carried = in_short_parts(&coarse, &growth, &calibrated);
             if let Some(t) = carried.first() {
                 best = growth.from(t).0;
-                if std::env::var_os("GAP_DEBUG").is_some() {
-                    eprintln!(
-                        "  carried {:?} {:.2} -> {:?} {:.2}",
-                        t.effects(),
-                        1e3 * (t.fit_loss(&coarse) / samples).sqrt(),
-                        best.effects(),
-                        1e3 * (best.fit_loss(&coarse) / samples).sqrt()
-                    );
-                }
             }
         }
         let noise = noise_rad(&coarse, &[&given, &calibrated, &best]);
         let growth = Growth { enough: enough(noise), ..growth };
-        if best.effects().is_empty() || beyond(&best, FAR, noise) {
+        let closes_most = best.fit_loss(&coarse) < CLOSES_MOST * calibrated.fit_loss(&coarse);
+        if best.effects().is_empty() || (beyond(&best, FAR, noise) && !closes_most) {
             progress("looking at whole logs");
             let (other, singles) = growth.from(&calibrated);
             firsts = singles;
@@ -137,6 +129,7 @@ impl Attribution {
         } else {
             growth.exchanged(best)
         };
+        let best = growth.formed(best);
         if best.effects().len() == 1 && !firsts.iter().any(|t| t.effects() == best.effects()) {
             firsts.push(best.clone());
         }
@@ -151,7 +144,6 @@ impl Attribution {
             firsts,
             noise_rad: noise,
             correlation: 1.0,
-            chance,
             best,
         };
         progress("the serious ones on all samples");
@@ -260,7 +252,7 @@ impl Attribution {
             return false;
         }
         let [held, fitted] = self.excess_apart(evidence, &self.best);
-        held > SHOWS_MORE * (fitted.max(0.0) + LEFT_OVER)
+        fitted < FAR && held > SHOWS_MORE * (fitted.max(0.0) + LEFT_OVER)
     }
 
     /// How many standard deviations `a` explains all logs worse than `b`.
@@ -297,36 +289,22 @@ fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance:
         let measure = Measure::by(evidence, &best);
         let deviance = |t: &Trial| measure.deviance(evidence, t);
         let folds = Folds::of(evidence);
-        let held = folds.residuals(evidence, &best);
+        let held = folds.residuals(&best);
+        // Few logs are as many conditions: what holds in one has to hold in the others.
+        let logs = (2..=FEW_LOGS).contains(&evidence.fit.len()).then(|| HeldOut::in_turn(evidence));
+        let by_log = logs.as_ref().map(|logs| logs.residuals(evidence, &best));
         let worth = |t: &Trial| {
             let gained = deviance(t) - deviance(&best);
-            let lost = folds.difference(&folds.residuals(evidence, t), &held);
-            let predicts = lost.sum > PREDICTS * lost.sd;
-            if predicts { gained - chance } else { f64::NEG_INFINITY }
+            let lost = folds.difference(&folds.residuals(t), &held);
+            // What predicts clearly need not exceed chance by itself, but its charge.
+            let needed = if lost.z() > CLEARLY { measure.charge(&best) - measure.charge(t) } else { chance };
+            let elsewhere = match (&logs, &by_log) {
+                (Some(logs), Some(with)) => logs.difference(&logs.residuals(evidence, t), with).z(),
+                _ => 0.0,
+            };
+            if lost.sum > PREDICTS * lost.sd && elsewhere > -ELSEWHERE { gained - needed } else { f64::NEG_INFINITY }
         };
         let worths: Vec<f64> = without.par_iter().map(worth).collect();
-        if std::env::var_os("GAP_DEBUG").is_some() {
-            let n = folds.experiments.iter().map(|e| e.compared()).sum::<usize>() as f64;
-            let rms = |r: &[Vec<f64>]| 1e3 * (r.iter().flatten().map(|r| r * r).sum::<f64>() / n).sqrt();
-            eprintln!(
-                "  proving {:?} held {:.2} eff {:.0} chance {chance:.1}",
-                best.effects(),
-                rms(&held),
-                measure.effective
-            );
-            for (k, t) in without.iter().enumerate() {
-                let r = folds.residuals(evidence, t);
-                let lost = folds.difference(&r, &held);
-                eprintln!(
-                    "    {:?} gained {:.1} held without {:.2} z {:.2} strain {:.1}",
-                    best.effects()[k],
-                    deviance(t) - deviance(&best),
-                    rms(&r),
-                    lost.z(),
-                    t.strain()
-                );
-            }
-        }
         let worst = (0..worths.len()).min_by(|a, b| worths[*a].total_cmp(&worths[*b]));
         match worst {
             Some(k) if worths[k] < 0.0 => {
@@ -340,7 +318,10 @@ fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance:
             _ => break,
         }
     }
-    best
+    // Where all of them together do not exceed chance, none is there.
+    let measure = Measure::by(evidence, &best);
+    let bare = best.keeping(evidence, &[], AGAIN);
+    if measure.deviance(evidence, &bare) - measure.deviance(evidence, &best) > chance { best } else { bare }
 }
 
 /// The numbers refitted within their beliefs, from several starts: as given, from smoothed accelerations and short parts

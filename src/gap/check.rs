@@ -76,7 +76,6 @@ pub fn check(case: &Case) -> Result<Checkup, GapError> {
         rivals: Vec::new(),
         firsts: Vec::new(),
         noise_rad: floor_rad,
-        chance: 0.0,
     };
     let detectable = detectable(&evidence, &nothing_tried, &looked_at, EffectId::ALL);
     Ok(Checkup { given_rad, calibrated_rad, floor_rad, parameters, beliefs, undetermined, detectable })

@@ -59,7 +59,7 @@ pub(super) fn block_samples(e: &Experiment) -> usize {
 }
 
 /// What a model lacks comes back with every stroke; it is not noise that hangs together for longer than this \[s\].
-const LONGEST_S: f64 = 0.1;
+const LONGEST_S: f64 = 0.2;
 
 /// How many successive residuals count as one, over all fitted logs of a trial; each sample by how much it counts.
 pub(super) fn correlation_length(evidence: &Evidence, trial: &Trial) -> f64 {

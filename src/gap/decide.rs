@@ -84,7 +84,9 @@ impl<'a> Judge<'a, '_> {
         // What has no shape is noise, however large: no model could take it up.
         let shape = (1.0 + excess) * (a.noise_rad / rough_rad(evidence, simple).max(a.noise_rad)).powi(2) - 1.0;
         // A rest that does not show where the joint has to be predicted is no alarm either.
-        let alarm = shape >= NO_ALARM && self.held.rms_rad(&self.held.residuals(evidence, simple)) > a.noise_rad;
+        let alarm = shape >= NO_ALARM
+            && self.held.rms_rad(&self.held.residuals(evidence, simple)) > a.noise_rad
+            && self.exceeds_a_step(simple);
         let verdict = match (pays, alarm) {
             (false, false) => Verdict::None,
             (true, false) => Verdict::Calibration,
@@ -112,7 +114,7 @@ impl<'a> Judge<'a, '_> {
         let answer = &a.best;
         let excess = a.excess(self.evidence, answer);
         let closes = self.closed(&a.calibrated, answer).unwrap_or(0.0);
-        let explained = excess < EXPLAINED || closes > CLOSES;
+        let explained = excess < EXPLAINED || closes > CLOSES || !self.exceeds_a_step(answer);
         let mut effects = answer.effects().to_vec();
         let (mut equivalent, margin) = equivalent_of(self.evidence, a, 0);
         let mut chosen = answer;
@@ -137,6 +139,12 @@ impl<'a> Judge<'a, '_> {
             margin,
             finding: moved_most(chosen),
         }
+    }
+
+    /// Whether what a hypothesis leaves is more than one step of the encoder: less may be noise of any colour.
+    fn exceeds_a_step(&self, trial: &Trial) -> bool {
+        let rms_rad = (1.0 + self.a.excess(self.evidence, trial)).max(0.0).sqrt() * self.a.noise_rad;
+        rms_rad > self.evidence.reach.resolution_rad
     }
 
     /// Deviance on the fitted logs, with what the beliefs ask.

@@ -16,9 +16,9 @@ const BRIEF_POINTS: usize = 2;
 const BRIEF: Budget = Budget { evaluations: 8 };
 /// Effects that are refitted at all, by what they promise; and the same for a second effect.
 const PROMISING: usize = 9;
-const PROMISING_SECONDS: usize = 5;
+const PROMISING_SECONDS: usize = 4;
 /// Evaluations of the searches that are carried to the end.
-const FULL: Budget = Budget { evaluations: 30 };
+const FULL: Budget = Budget { evaluations: 24 };
 /// A brief fit is carried on where its criterion is below the best brief one times this, or it is among the best few.
 const SERIOUS: f64 = 1.15;
 const AT_LEAST: usize = 2;

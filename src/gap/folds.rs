@@ -1,117 +1,113 @@
-//! Predictions of logs, or parts of one, by fits to the others.
+//! Predictions of parts of logs by fits to the rest, for choosing among hypotheses.
 //!
-//! A fit without one log lies near the fit to all: one Gauss-Newton step without that log's rows leads there (the
-//! infinitesimal jackknife, Jaeckel 1972, carried to the whole step). The log's own start is then found with everything
-//! else held.
+//! A fit without a part lies near the fit to all: one Gauss-Newton step without that part's rows leads there (the
+//! jackknife of Jaeckel 1972, carried to the whole step). What it says of the part is what the log's own motion shows
+//! there. So a prediction costs one simulation, and choosing costs little more than fitting.
 
 use super::compare::{Difference, blocks};
 use super::evidence::Evidence;
-use super::trial::{Trial, predicted};
-use crate::fit::{Block, Normal, Residuals};
-use crate::identify::{Experiment, Found, Problem};
+use super::model::GapModel;
+use super::trial::{Trial, residual};
+use crate::fit::{Block, Coordinate, Normal, Residuals};
+use crate::identify::{Experiment, Problem};
 use rayon::prelude::*;
+use std::ops::Range;
 
-/// Logs or parts that are predicted from one another.
-pub(super) struct Folds {
-    pub experiments: Vec<Experiment>,
-    /// Parts of one log have starts of their own, which a fit to the whole log does not know.
-    cut: bool,
+/// Parts in all, at the least, and of each log.
+const PARTS: usize = 8;
+const OF_EACH: usize = 2;
+
+/// Shares of the step that are tried.
+const SHARES: [f64; 4] = [1.0, 0.5, 0.2, 0.0];
+
+/// A part of a log that is predicted by the rest: the log, and its rows.
+struct Fold {
+    log: usize,
+    rows: Range<usize>,
 }
 
-/// Folds at the least: fewer logs are cut into parts.
-const FEWEST: usize = 6;
-/// Parts are no shorter than this \[s\].
-const SHORTEST_S: f64 = 0.8;
+/// Parts of the fitted logs.
+pub(super) struct Folds<'a> {
+    evidence: &'a Evidence,
+    folds: Vec<Fold>,
+}
 
-impl Folds {
-    /// Each fitted log in turn; parts of them where they are few.
-    pub fn of(evidence: &Evidence) -> Self {
-        let all = &evidence.fit;
-        if all.len() >= FEWEST {
-            return Self { experiments: all.clone(), cut: false };
-        }
-        let parts = FEWEST.div_ceil(all.len().max(1)) as f64;
-        let cut = |e: &Experiment| {
-            let duration_s = e.t_s[e.t_s.len() - 1] - e.t_s[0];
-            e.parts((duration_s / parts).max(SHORTEST_S))
+impl<'a> Folds<'a> {
+    pub fn of(evidence: &'a Evidence) -> Self {
+        let each = PARTS.div_ceil(evidence.fit.len().max(1)).max(OF_EACH);
+        let of_log = |(log, e): (usize, &Experiment)| {
+            let n = e.compared();
+            (0..each).map(move |part| Fold { log, rows: part * n / each..(part + 1) * n / each }).collect::<Vec<_>>()
         };
-        Self { experiments: all.iter().flat_map(cut).collect(), cut: true }
+        Self { evidence, folds: evidence.fit.iter().enumerate().flat_map(of_log).collect() }
     }
 
-    /// Each log in turn, whole; the parts of a single one.
-    pub fn of_logs(evidence: &Evidence) -> Self {
-        match &evidence.fit[..] {
-            [_] => Self::of(evidence),
-            all => Self { experiments: all.to_vec(), cut: false },
-        }
-    }
-
-    /// Whether these are parts of one log.
-    pub fn are_parts(&self) -> bool {
-        self.cut
-    }
-
-    /// Model less reading of each, by a fit to the others \[rad\].
-    pub fn residuals(&self, evidence: &Evidence, trial: &Trial) -> Vec<Vec<f64>> {
-        let values = self.values(trial);
-        (0..self.experiments.len())
-            .into_par_iter()
-            .map(|k| {
-                let near = (!self.cut).then(|| trial.found.starts.get(k).copied()).flatten();
-                let values = values.get(k).unwrap_or(&trial.found.values);
-                let here = predicted(&trial.model, &self.experiments[k], values, near).1;
-                if here.iter().all(|r| r.is_finite()) || evidence.fit.is_empty() {
-                    here
-                } else {
-                    predicted(&trial.model, &self.experiments[k], &trial.found.values, near).1
-                }
-            })
-            .collect()
-    }
-
-    /// Values of a hypothesis fitted without each of these in turn.
-    pub fn values(&self, trial: &Trial) -> Vec<Vec<f64>> {
-        let problem = Problem::new(&trial.model, &self.experiments);
-        let starts = if self.cut {
-            let own = |e: &Experiment| predicted(&trial.model, e, &trial.found.values, None).0;
-            self.experiments.par_iter().map(own).collect()
-        } else {
-            trial.found.starts.clone()
-        };
-        let x = problem.coordinates_from(&Found { starts, ..trial.found.clone() });
-        let free = trial.model.free();
-        let Ok(all) = problem.linearise(&x) else { return Vec::new() };
-        if free == 0 || self.experiments.len() < 2 {
-            return Vec::new();
+    /// Model less reading of each fitted log \[rad\], every part as the rest predicts it.
+    pub fn residuals(&self, trial: &Trial) -> Vec<Vec<f64>> {
+        let problem = Problem::new(&trial.model, &self.evidence.fit);
+        let x = problem.coordinates_from(&trial.found);
+        let Ok(all) = problem.linearise(&x) else { return trial.fit.clone() };
+        let mut predicted = trial.fit.clone();
+        if trial.model.free() == 0 {
+            return predicted;
         }
         let coordinates = problem.coordinates();
-        (0..self.experiments.len())
-            .map(|k| {
-                let others: Vec<Block> =
-                    all.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, b)| b.clone()).collect();
-                let normal = Normal::of(&others, x.len());
-                let open = normal.unblocked(&x, coordinates);
-                let mut there = x.clone();
-                if let Some(step) = normal.step(&open, coordinates, 1e-9) {
-                    for (i, c) in coordinates.iter().enumerate() {
-                        let step = step[i].clamp(-c.scale, c.scale);
-                        there[i] = (x[i] + step).max(c.lower).min(c.upper);
-                    }
-                }
-                let mut values = trial.found.values.clone();
-                let fitted = problem.values(&there);
-                for (i, p) in crate::identify::JointModel::parameters(&trial.model).iter().enumerate() {
-                    if !p.fixed {
-                        values[i] = fitted[i];
-                    }
-                }
-                values
-            })
-            .collect()
+        let whole = Normal::of(&all, x.len());
+        let of_fold = |fold: &Fold| {
+            let mut normal = whole.clone();
+            let own = Normal::of(std::slice::from_ref(&rows_of(&all[fold.log], &fold.rows)), x.len());
+            normal.jtj -= own.jtj;
+            normal.jtr -= own.jtr;
+            normal.criterion -= own.criterion;
+            normal.residuals -= own.residuals;
+            let open = normal.unblocked(&x, coordinates);
+            let step = normal.step(&open, coordinates, 1e-6)?;
+            let part = |share: f64| -> Vec<f64> {
+                let moved = |(i, c): (usize, &Coordinate)| {
+                    (x[i] + (share * step[i]).clamp(-0.3 * c.scale, 0.3 * c.scale)).max(c.lower).min(c.upper)
+                };
+                coordinates.iter().enumerate().map(moved).collect()
+            };
+            // Where joints stick the model has kinks, and a whole step may go too far: the rest of the logs says so.
+            let rest = |there: &[f64]| self.rest(&problem, there, fold);
+            let tried = SHARES.map(|share| (rest(&part(share)), share));
+            let (_, share) = tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+            let there = part(share);
+            let r = residual(&problem, &there, fold.log);
+            r[fold.rows.clone()].iter().all(|r| r.is_finite()).then(|| r[fold.rows.clone()].to_vec())
+        };
+        let parts: Vec<Option<Vec<f64>>> = self.folds.par_iter().map(of_fold).collect();
+        for (fold, part) in self.folds.iter().zip(parts) {
+            if let Some(part) = part {
+                predicted[fold.log][fold.rows.clone()].copy_from_slice(&part);
+            }
+        }
+        predicted
+    }
+
+    /// Criterion of a point on everything but a part.
+    fn rest(&self, problem: &Problem<'_, GapModel>, x: &[f64], fold: &Fold) -> f64 {
+        let own = |(k, e): (usize, &Experiment)| {
+            let squares = residual(problem, x, k).into_iter().zip(&e.weights_s).map(|(r, w)| w * r * r);
+            let inside = |i: &usize| k != fold.log || !fold.rows.contains(i);
+            squares.enumerate().filter(|(i, _)| inside(i)).map(|(_, s)| s).sum::<f64>()
+        };
+        let readings: f64 = self.evidence.fit.iter().enumerate().map(own).sum();
+        readings + problem.beliefs(x).iter().flat_map(|b| &b.residual).map(|r| r * r).sum::<f64>()
     }
 
     /// How much worse residuals `a` predict than `b`.
     pub fn difference(&self, a: &[Vec<f64>], b: &[Vec<f64>]) -> Difference {
-        Difference::of(&blocks(&self.experiments, a, b).collect::<Vec<f64>>())
+        Difference::of(&blocks(&self.evidence.fit, a, b).collect::<Vec<f64>>())
+    }
+}
+
+/// Some rows of a block.
+fn rows_of(block: &Block, rows: &Range<usize>) -> Block {
+    let width = block.columns.len();
+    Block {
+        columns: block.columns.clone(),
+        residual: block.residual[rows.clone()].to_vec(),
+        jacobian: block.jacobian[rows.start * width..rows.end * width].to_vec(),
     }
 }

@@ -6,12 +6,13 @@
 
 use super::evidence::Evidence;
 use super::explore::{explore, one_of_each, refitted};
+use super::model::COULOMB;
 use super::pairs::pairs;
 use super::score::Measure;
 use super::sight::Sight;
 use super::trial::Trial;
 use crate::fit::Budget;
-use crate::joint::EffectId;
+use crate::joint::{EffectForm, EffectId};
 use rayon::prelude::*;
 
 /// Most causes of an answer.
@@ -52,7 +53,7 @@ impl Growth<'_> {
                 singles = others;
             }
             let Some(grown) = grown.filter(|grown| self.lowers(&best, grown)) else { break };
-            let mut grown = grown.settled(self.evidence, SETTLE);
+            let mut grown = self.shaken(grown.settled(self.evidence, SETTLE));
             if grown.effects().len() > 2 {
                 grown = self.pruned(grown);
             }
@@ -61,12 +62,23 @@ impl Growth<'_> {
                 break;
             }
             best = grown;
-            if std::env::var_os("GAP_DEBUG").is_some() {
-                let n: f64 = self.evidence.fit.iter().map(|e| super::evidence::counts(e).sum::<f64>()).sum();
-                eprintln!("  {:?} {:.3} mrad", best.effects(), 1e3 * (best.fit_loss(self.evidence) / n).sqrt());
-            }
         }
         (best, singles)
+    }
+
+    /// The best of a fit and of those that begin with other friction: where a joint sticks the criterion has a kink for
+    /// every stop that comes or goes, and between two kinks there may be a minimum of its own.
+    fn shaken(&self, fitted: Trial) -> Trial {
+        if fitted.fit_loss(self.evidence) < SHAKE * self.enough {
+            return fitted;
+        }
+        let again = |factor: &f64| {
+            let mut values = fitted.found.values.clone();
+            values[COULOMB] = values[COULOMB].max(1e-3 * self.evidence.reach.torque_nm) * factor;
+            Trial::solved(self.evidence, fitted.model.clone(), &values, fitted.found.starts.clone(), AGAIN)
+        };
+        let others: Vec<Trial> = FACTORS.par_iter().map(again).collect();
+        others.into_iter().fold(fitted, |best, t| if t.criterion() < best.criterion() { t } else { best })
     }
 
     /// The best hypothesis with one effect more, or two, and all that were tried with one more.
@@ -158,6 +170,27 @@ impl Growth<'_> {
         }
     }
 
+    /// The same causes in the forms that explain the logs best: the formula is a detail that the evidence picks.
+    pub fn formed(&self, mut best: Trial) -> Trial {
+        for k in 0..best.effects().len() {
+            let measure = Measure::by(self.evidence, &best);
+            let own = best.model.forms()[k];
+            let others: Vec<EffectForm> = best.effects()[k].forms().filter(|form| *form != own).collect();
+            let tried = others.into_par_iter().filter(|_| own.is_default()).map(|form| {
+                let (model, values) = best.model.reformed(&best.found.values, k, form, self.evidence);
+                Trial::solved(self.evidence, model, &values, best.found.starts.clone(), AGAIN)
+            });
+            let tried: Vec<Trial> = tried.collect();
+            let score = |t: &Trial| measure.score(self.evidence, t);
+            if let Some(other) = tried.into_iter().min_by(|a, b| score(a).total_cmp(&score(b)))
+                && score(&other) < score(&best) - FORM
+            {
+                best = other;
+            }
+        }
+        best
+    }
+
     /// Sets carried over from other samples or parts of the same logs, fitted again here.
     pub fn carried(&self, base: &Trial, found: &[Trial]) -> Vec<Trial> {
         let candidates = found.iter().map(|t| (t.effects().to_vec(), t.found.values.clone())).collect();
@@ -165,5 +198,10 @@ impl Growth<'_> {
     }
 }
 
+/// Factors on the Coulomb friction that are tried, where a fit leaves more than this many times what is enough.
+const FACTORS: [f64; 4] = [0.4, 0.75, 1.35, 2.5];
+const SHAKE: f64 = 3.0;
+/// Score by which another form has to be better to be stated.
+const FORM: f64 = 6.0;
 /// Score by which an exchange has to be better to be worth another round.
 const EXCHANGE: f64 = 2.0;

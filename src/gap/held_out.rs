@@ -3,10 +3,12 @@
 use super::compare::{Difference, block_samples, blocks};
 use super::evidence::Evidence;
 use super::folds::Folds;
-use super::trial::Trial;
+use super::trial::{Trial, predicted};
+use crate::fit::Budget;
 use crate::identify::Experiment;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 
 /// Logs, or parts of one, that were held out, in the order of the residuals below.
 pub(super) struct HeldOut {
@@ -26,6 +28,9 @@ enum From {
     Pooled(usize),
 }
 
+/// Evaluations of a fit without the held-out log; it begins where the fit with it ended.
+const AGAIN: Budget = Budget { evaluations: 10 };
+
 impl HeldOut {
     pub fn of(evidence: &Evidence) -> Self {
         if !evidence.held.is_empty() {
@@ -37,13 +42,17 @@ impl HeldOut {
             let how = "not at all; these logs were fitted with the others, which do not show what these show";
             return Self { experiments: all[from..].to_vec(), how, from: From::Pooled(from) };
         }
-        let folds = Folds::of_logs(evidence);
-        let how = if folds.are_parts() {
-            "each part of the only log predicted by a fit to its other parts; every part has a free start"
+        let how = if all.len() == 1 {
+            "each part of the only log predicted by a fit to its other parts"
         } else {
             "each log predicted by a fit to all others"
         };
-        Self { experiments: folds.experiments, how, from: From::InTurn }
+        Self { experiments: all.clone(), how, from: From::InTurn }
+    }
+
+    /// The fitted logs, each predicted by the others.
+    pub fn in_turn(evidence: &Evidence) -> Self {
+        Self { experiments: evidence.fit.clone(), how: "each log predicted by a fit to all others", from: From::InTurn }
     }
 
     /// Whether no choice was made on these logs.
@@ -58,7 +67,20 @@ impl HeldOut {
             From::Pooled(from) => return trial.fit[from..].to_vec(),
             From::InTurn => {}
         }
-        Folds::of_logs(evidence).residuals(evidence, trial)
+        let all = &evidence.fit;
+        if all.len() == 1 {
+            return Folds::of(evidence).residuals(trial);
+        }
+        (0..all.len())
+            .into_par_iter()
+            .map(|k| {
+                let others = (0..all.len()).filter(|i| *i != k);
+                let starts = others.clone().map(|i| trial.found.starts[i]).collect();
+                let without = evidence.with_logs(others.map(|i| all[i].clone()).collect(), Vec::new());
+                let fitted = Trial::solved(&without, trial.model.clone(), &trial.found.values, starts, AGAIN);
+                predicted(&trial.model, &all[k], &fitted.found.values, Some(trial.found.starts[k])).1
+            })
+            .collect()
     }
 
     /// Root of the mean squared residual over all held-out samples \[rad\].

@@ -2,7 +2,7 @@
 //! each effect's parameters.
 
 use super::evidence::Evidence;
-use crate::identify::{Experiment, JointModel, Parameter, Search, Signal};
+use crate::identify::{Belief, Experiment, JointModel, Parameter, Search, Signal};
 use crate::joint::{Chain, EffectForm, EffectId, Friction, Link, Motor, Reach, Real, Scan};
 use crate::log::{Nominal, Uncertain};
 
@@ -104,6 +104,8 @@ impl GapModel {
                 ..Parameter::positive(p.name, p.name, p.unit, None, p.lower)
             }
         }));
+        let first = more.parameters.len() - form.searched_count();
+        more.parameters[first].belief = plausible(form.id);
         more
     }
 
@@ -137,6 +139,23 @@ impl GapModel {
         (model, left)
     }
 
+    /// The model with effect number `k` in another form, and values from which to fit it.
+    pub(super) fn reformed(&self, values: &[f64], k: usize, form: EffectForm, evidence: &Evidence) -> (Self, Vec<f64>) {
+        let mut model = evidence.baseline().in_unit(self.unit_rad2_s);
+        let mut there = values[..BASELINE].to_vec();
+        for (i, &own) in self.forms.iter().enumerate() {
+            let as_it_was = &values[self.place(i)];
+            if i == k {
+                model = model.with(form, &evidence.reach);
+                there.extend(form.from_default(as_it_was, &evidence.reach));
+            } else {
+                model = model.with(own, &evidence.reach);
+                there.extend(as_it_was);
+            }
+        }
+        (model, there)
+    }
+
     /// The effects, in the order in which they were added.
     pub(super) fn effects(&self) -> &[EffectId] {
         &self.effects
@@ -157,6 +176,19 @@ impl GapModel {
     pub(super) fn free(&self) -> usize {
         self.parameters.iter().filter(|p| !p.fixed).count()
     }
+}
+
+/// What any engineer believes of an effect's size before a log is seen, where that says something: encoders are not wrong
+/// by halves, and drives do not wait for tenths of seconds.
+fn plausible(effect: EffectId) -> Option<Belief> {
+    let sd = match effect {
+        EffectId::SensorGain => 0.05,
+        EffectId::MotorGain => 0.4,
+        EffectId::AngleOffset => 0.15,
+        EffectId::Delay | EffectId::SensorDelay => 0.05,
+        _ => return None,
+    };
+    Some(Belief { at: 0.0, sd })
 }
 
 impl JointModel for GapModel {

@@ -35,7 +35,7 @@ pub(super) fn numbers(evidence: &Evidence, trial: &Trial) -> (Vec<Estimate>, Vec
             }
         })
         .collect();
-    let effects = trial.effects().iter().enumerate().map(|(k, &effect)| {
+    let effects = trial.model.forms().iter().enumerate().map(|(k, &effect)| {
         let place = trial.model.place(k);
         let named = |values: &[f64]| effect.named(&values[place.clone()], values[COULOMB]);
         let values = named(&trial.found.values);
@@ -44,7 +44,7 @@ pub(super) fn numbers(evidence: &Evidence, trial: &Trial) -> (Vec<Estimate>, Vec
             let [interval, interval_naive] = spread.intervals(&|v| named(v)[i], f64::NEG_INFINITY, f64::INFINITY);
             Number { name: p.name.into(), value: values[i], unit: p.unit.into(), interval, interval_naive }
         };
-        (effect, (0..values.len()).map(of).collect())
+        (effect.id, (0..values.len()).map(of).collect())
     });
     (joint, effects.collect())
 }

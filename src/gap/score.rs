@@ -30,7 +30,7 @@ impl Measure {
 
     /// What a hypothesis is charged for its effects and their parameters (Schwarz 1978, and the choice).
     pub fn charge(self, trial: &Trial) -> f64 {
-        let searched: usize = trial.effects().iter().map(|e| e.searched_count()).sum();
+        let searched: usize = trial.model.forms().iter().map(|form| form.searched_count()).sum();
         searched as f64 * self.effective.ln() + trial.effects().len() as f64 * FOR_THE_CHOICE
     }
 

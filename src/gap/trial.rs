@@ -153,7 +153,7 @@ pub(super) fn loss(e: &Experiment, residual: &[f64]) -> f64 {
 }
 
 /// Model less reading along the compared samples; infinite where the motion runs away.
-fn residual(problem: &Problem<'_, GapModel>, x: &[f64], k: usize) -> Vec<f64> {
+pub(super) fn residual(problem: &Problem<'_, GapModel>, x: &[f64], k: usize) -> Vec<f64> {
     let e = &problem.experiments[k];
     let mut r = Vec::with_capacity(e.compared());
     let motion = problem.motion(x, k, |i, s| {

@@ -154,9 +154,11 @@ mod tests {
         assert_eq!((read.t_s, read.q_rad, read.drive), (good.t_s, good.q_rad, None));
     }
 
+    type Fault = fn(&mut ArrayLog);
+
     #[test]
     fn each_fault_is_one_error_that_names_array_and_index() {
-        let faults: [(fn(&mut ArrayLog), &str); 10] = [
+        let faults: [(Fault, &str); 10] = [
             (|l| l.q_rad.truncate(5), "swing: array `q`: 5 values, expected 20 as in `t`"),
             (|l| l.on = Some(vec![true]), "swing: array `drive`: 1 values"),
             (|l| l.q_rad[7] = f64::NAN, "swing: array `q`[7]: NaN, expected a finite number [rad]"),

@@ -4,6 +4,7 @@ use super::{Mechanism, Scene};
 use crate::blind::dice::Dice;
 use crate::blind::sim::{Coupling, Stop};
 use crate::blind::truth::TrueNumber;
+use std::f64::consts::TAU;
 
 /// Size: `b`. The variant's flanks spring and damp.
 pub(super) fn backlash(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
@@ -21,6 +22,29 @@ pub(super) fn backlash(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
     Mechanism::new([least, 0.08], move |play_rad, machine| {
         machine.coupling = Some(Coupling { rotor, friction, play_rad, stiffness, damping, spring: false });
         vec![TrueNumber::new("b", "rad", play_rad), TrueNumber::new("rotor", "", rotor)]
+    })
+}
+
+/// Size: the spring's softness \[rad/(N m)\]. The variant has another share of the inertia on the motor side.
+pub(super) fn compliance(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
+    let rotor = if scene.textbook { 0.3 } else { dice.uniform(0.15, 0.6) };
+    let (friction, damping_ratio) = (dice.uniform(0.9, 1.0), dice.uniform(0.01, 0.1));
+    let reduced = rotor * (1.0 - rotor) * scene.joint.inertia_kg_m2;
+    // 2.5 to 25 Hz
+    let softness = |hz: f64| 1.0 / (reduced * (TAU * hz).powi(2));
+    Mechanism::new([softness(25.0), softness(2.5)], move |softness, machine| {
+        let stiffness = 1.0 / softness;
+        let damping = 2.0 * damping_ratio * (stiffness * reduced).sqrt();
+        machine.coupling = Some(Coupling { rotor, friction, play_rad: 0.0, stiffness, damping, spring: true });
+        vec![TrueNumber::new("k", "N m/rad", stiffness), TrueNumber::new("d", "N m s/rad", damping)]
+    })
+}
+
+/// Size: `T`.
+pub(super) fn late() -> Mechanism {
+    Mechanism::new([0.001, 0.03], move |late_s, machine| {
+        machine.reading.late_s = late_s;
+        vec![TrueNumber::new("T", "s", late_s)]
     })
 }
 

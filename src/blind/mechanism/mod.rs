@@ -7,6 +7,7 @@ mod link;
 mod motor;
 mod outside;
 mod outside_drive;
+pub(super) mod servo;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
@@ -27,12 +28,19 @@ type Install = Box<dyn Fn(f64, &mut Machine) -> Vec<TrueNumber>>;
 pub(super) struct Mechanism {
     /// Smallest and largest plausible size; growing sizes have growing consequences.
     pub range: [f64; 2],
+    /// Between which values of what it depends on it acts; `None`: everywhere.
+    pub place: Option<[f64; 2]>,
     install: Install,
 }
 
 impl Mechanism {
     fn new(range: [f64; 2], install: impl Fn(f64, &mut Machine) -> Vec<TrueNumber> + 'static) -> Self {
-        Self { range, install: Box::new(install) }
+        Self { range, place: None, install: Box::new(install) }
+    }
+
+    /// Acts only between these values of what it depends on.
+    fn between(self, place: [f64; 2]) -> Self {
+        Self { place: Some(place), ..self }
     }
 
     /// Puts it in.
@@ -127,13 +135,13 @@ pub(super) fn effect(id: EffectId, scene: &Scene<'_>, dice: &mut Dice) -> Mechan
         EndStop => link::stop(scene, dice),
         AngleOffset => link::offset(dice),
         SensorGain => link::gain(dice),
-        Compliance => outside::flexible(scene, dice),
-        SetpointProfile => outside_drive::slew(scene),
-        DeadBand => outside_drive::dead_zone(),
-        // Never drawn: this simulator has no late reading.
-        Delay | SensorDelay => motor::delay(scene, dice),
+        Delay => motor::delay(scene, dice),
         SetpointHold => motor::hold(scene, dice),
         TorqueLimit => motor::torque_limit(scene, dice),
+        Compliance => link::compliance(scene, dice),
+        SensorDelay => link::late(),
+        SetpointProfile => motor::profile(scene, dice),
+        DeadBand => motor::dead_band(scene, dice),
         SpeedLimit => motor::speed_limit(scene, dice),
         MotorGain => motor::gain(dice),
     }
@@ -144,7 +152,6 @@ pub(super) fn outside(id: OutsideId, scene: &Scene<'_>, dice: &mut Dice) -> Mech
     use OutsideId::*;
     match id {
         Cogging => outside::cogging(scene, dice),
-        FlexibleJoint => outside::flexible(scene, dice),
         SoftPresliding => outside::soft(scene),
         EncoderHarmonic => outside::harmonic(dice),
         FrictionMemory => outside::memory(scene, dice),
@@ -155,7 +162,9 @@ pub(super) fn outside(id: OutsideId, scene: &Scene<'_>, dice: &mut Dice) -> Mech
         HystereticSpring => outside::cable(scene, dice),
         Knocks => outside::knocks(scene, dice),
         SupplySag => outside_drive::sag(),
-        DeadZone => outside_drive::dead_zone(),
-        SetpointSlew => outside_drive::slew(scene),
+        EncoderDrift => outside::drift(dice),
+        TorqueRipple => outside_drive::ripple(dice),
+        ProgressiveGain => outside_drive::progressive(scene),
+        HiddenIntegral => outside_drive::integral(),
     }
 }

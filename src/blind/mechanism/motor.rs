@@ -64,3 +64,36 @@ pub(super) fn gain(dice: &mut Dice) -> Mechanism {
         vec![TrueNumber::new("c", "", c)]
     })
 }
+
+/// Size: how many times six times the typical speed exceeds `v_max`, as a logarithm. The variant does not limit the
+/// acceleration.
+pub(super) fn profile(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
+    let fast = 6.0 * scene.typical.driven_speed_rad_s;
+    let (speeds_up_s, textbook) = (dice.log_uniform(0.02, 0.2), scene.textbook);
+    Mechanism::new([0.05, 3.0], move |size, machine| {
+        let v_max = fast * (-size).exp();
+        machine.drive.slew_rad_s = v_max;
+        let mut numbers = vec![TrueNumber::new("v_max", "rad/s", v_max)];
+        if textbook {
+            machine.drive.slew_rad_s2 = v_max / speeds_up_s;
+            numbers.push(TrueNumber::new("a_max", "rad/s^2", v_max / speeds_up_s));
+        }
+        numbers
+    })
+}
+
+/// Size: `tau_0`. Of the variants half lose less of larger commands, half ignore small errors instead of small commands.
+pub(super) fn dead_band(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
+    let takes = if scene.textbook { 1.0 } else { dice.uniform(0.0, 0.8) };
+    let (of_errors, kp) = (!scene.textbook && dice.chance(0.5), scene.joint.kp);
+    let typical_nm = scene.typical.torque_nm;
+    Mechanism::new([0.005 * typical_nm, 0.5 * typical_nm], move |torque_nm, machine| {
+        if of_errors {
+            machine.drive.dead_zone_rad = torque_nm / kp;
+        } else {
+            machine.drive.dead_band_nm = torque_nm;
+            machine.drive.dead_band_takes = takes;
+        }
+        vec![TrueNumber::new("tau_0", "N m", torque_nm)]
+    })
+}

@@ -2,7 +2,7 @@
 
 use super::{Mechanism, Scene};
 use crate::blind::dice::Dice;
-use crate::blind::sim::{Coupling, Curve, Knock, Stribeck};
+use crate::blind::sim::{Curve, Knock, Stribeck};
 use crate::blind::truth::TrueNumber;
 use std::f64::consts::TAU;
 
@@ -13,21 +13,6 @@ pub(super) fn cogging(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
     Mechanism::new([0.01 * peak, 0.6 * peak], move |torque_nm, machine| {
         machine.link.cogging = Some([torque_nm, n, phi]);
         vec![TrueNumber::new("torque", "N m", torque_nm), TrueNumber::new("periods", "", n)]
-    })
-}
-
-/// Size: the spring's softness \[rad/(N m)\].
-pub(super) fn flexible(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
-    let (rotor, damping_ratio) = (dice.uniform(0.25, 0.6), dice.uniform(0.01, 0.1));
-    let (inertia, friction) = (scene.joint.inertia_kg_m2, dice.uniform(0.7, 1.0));
-    let reduced = rotor * (1.0 - rotor) * inertia;
-    // 3 to 25 Hz
-    let softness = |hz: f64| 1.0 / (reduced * (TAU * hz).powi(2));
-    Mechanism::new([softness(25.0), softness(2.5)], move |softness, machine| {
-        let stiffness = 1.0 / softness;
-        let damping = 2.0 * damping_ratio * (stiffness * reduced).sqrt();
-        machine.coupling = Some(Coupling { rotor, friction, play_rad: 0.0, stiffness, damping, spring: true });
-        vec![TrueNumber::new("stiffness", "N m/rad", stiffness), TrueNumber::new("rotor", "", rotor)]
     })
 }
 
@@ -109,6 +94,7 @@ pub(super) fn detent(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
         machine.link.detent = Some([torque_nm, place, width]);
         vec![TrueNumber::new("torque", "N m", torque_nm), TrueNumber::new("place", "rad", place)]
     })
+    .between([place - 2.0 * width, place + 2.0 * width])
 }
 
 /// Size: the torque at which it slips.
@@ -137,5 +123,14 @@ pub(super) fn knocks(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
         machine.link.knock_nm = torque_nm;
         machine.link.knocks.clone_from(&knocks);
         vec![TrueNumber::new("torque", "N m", torque_nm)]
+    })
+}
+
+/// Size: how far the encoder's zero has wandered when a log ends.
+pub(super) fn drift(dice: &mut Dice) -> Mechanism {
+    let sign = dice.sign();
+    Mechanism::new([0.001, 0.2], move |size_rad, machine| {
+        machine.reading.drift_rad = sign * size_rad;
+        vec![TrueNumber::new("drift", "rad", sign * size_rad)]
     })
 }

@@ -1,7 +1,9 @@
 //! Mechanisms between setpoint and motor that the catalogue does not have.
 
 use super::{Mechanism, Scene};
+use crate::blind::dice::Dice;
 use crate::blind::truth::TrueNumber;
+use std::f64::consts::TAU;
 
 /// Size: the share of the torque that is gone at the end of a log.
 pub(super) fn sag() -> Mechanism {
@@ -11,20 +13,28 @@ pub(super) fn sag() -> Mechanism {
     })
 }
 
-/// Size: the error below which the controller does nothing.
-pub(super) fn dead_zone() -> Mechanism {
-    Mechanism::new([0.002, 0.2], move |zone_rad, machine| {
-        machine.drive.dead_zone_rad = zone_rad;
-        vec![TrueNumber::new("zone", "rad", zone_rad)]
+/// Size: the share of the torque that swings.
+pub(super) fn ripple(dice: &mut Dice) -> Mechanism {
+    let (n, phi) = (dice.whole(6, 24) as f64, dice.uniform(0.0, TAU));
+    Mechanism::new([0.02, 0.9], move |share, machine| {
+        machine.drive.ripple = Some([share, n, phi]);
+        vec![TrueNumber::new("share", "", share), TrueNumber::new("periods", "", n)]
     })
 }
 
-/// Size: how many times six times the typical speed exceeds the setpoint's fastest motion, as a logarithm.
-pub(super) fn slew(scene: &Scene<'_>) -> Mechanism {
-    let fast = 6.0 * scene.typical.driven_speed_rad_s;
-    Mechanism::new([0.05, 3.0], move |size, machine| {
-        let rate = fast * (-size).exp();
-        machine.drive.slew_rad_s = rate;
-        vec![TrueNumber::new("rate", "rad/s", rate)]
+/// Size: by how much the gain has grown at the error that the typical torque needs.
+pub(super) fn progressive(scene: &Scene<'_>) -> Mechanism {
+    let typical_rad = scene.typical.torque_nm / scene.joint.kp;
+    Mechanism::new([0.05, 3.0], move |growth, machine| {
+        machine.drive.progressive_1_rad2 = growth / (typical_rad * typical_rad);
+        vec![TrueNumber::new("growth", "", growth)]
+    })
+}
+
+/// Size: the integral gain over the proportional one.
+pub(super) fn integral() -> Mechanism {
+    Mechanism::new([0.02, 2.0], move |rate_1_s, machine| {
+        machine.drive.integral_1_s = rate_1_s;
+        vec![TrueNumber::new("rate", "1/s", rate_1_s)]
     })
 }

@@ -1,13 +1,13 @@
 //! Every mechanism on a joint: it does nothing at no size, and something at its largest.
 
 use super::*;
-use crate::blind::plan::{one_sided, plan};
+use crate::blind::plan::{Driven, one_sided, plan};
 use crate::blind::sim::{Drive, simulate};
 
 pub(super) fn drawn(trial: u64, textbook: bool, mut check: impl FnMut(&Scene<'_>, &Machine, &mut Dice)) {
     let mut dice = Dice::new(99, trial);
     let joint = Joint::draw(&mut dice);
-    let mut plans = plan(&joint, true, &mut dice);
+    let mut plans = plan(&joint, Driven::Some, &mut dice);
     one_sided(&mut plans, 1.0);
     let mut machine =
         Machine::plain(joint.inertia_kg_m2, joint.peak_gravity_nm(), joint.coulomb_nm, joint.viscous_nm_s_rad);
@@ -35,7 +35,7 @@ fn every_mechanism_vanishes_with_its_size_and_grows_with_it() {
         drawn(trial, textbook, |scene, machine, dice| {
             let resolution = scene.joint.sensor.resolution_rad;
             let mut all: Vec<(&str, Mechanism)> =
-                crate::blind::cause::simulable().iter().map(|id| (id.id(), effect(*id, scene, dice))).collect();
+                EffectId::ALL.iter().map(|id| (id.id(), effect(*id, scene, dice))).collect();
             all.extend(OutsideId::ALL.iter().map(|id| (id.id(), outside(*id, scene, dice))));
             for (id, mechanism) in &all {
                 let [least, most] = mechanism.range;
@@ -44,9 +44,11 @@ fn every_mechanism_vanishes_with_its_size_and_grows_with_it() {
                     // a setpoint that is held for less than its own step is not held
                     "setpoint_hold" => 1e-3 * scene.joint.sensor.period_s,
                     // the size of these is a logarithm, and they vanish where nothing reaches the limit
-                    "torque_limit" | "setpoint_slew" => -9.0,
+                    "torque_limit" => -9.0,
+                    // so fast that it is there within one of these steps
+                    "setpoint_profile" => -16.0,
                     // stiffer ones would need shorter steps
-                    "flexible_joint" => 1e-4 * most,
+                    "compliance" => 1e-4 * most,
                     _ => 1e-6 * most,
                 };
                 let none = change(mechanism, tiny, scene, machine);

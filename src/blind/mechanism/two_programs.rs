@@ -6,7 +6,7 @@ use crate::blind::plan::Load;
 use crate::blind::sim::simulate;
 use crate::joint::{Chain, Friction, Link, Motor};
 use crate::log::{Hold, MotorSpec};
-use crate::pendulum::{Input, Start, rollout};
+use crate::pendulum::{Input, Start, readings};
 
 /// Readings of the fit's program, with one effect at the catalogue's values.
 fn fitted(id: EffectId, named: &[f64], scene: &Scene<'_>, plan: &LogPlan, first_rad: f64) -> Vec<f64> {
@@ -31,9 +31,10 @@ fn fitted(id: EffectId, named: &[f64], scene: &Scene<'_>, plan: &LogPlan, first_
         Input::Off
     };
     let release_s = (plan.release_s > 0.0).then_some(plan.release_s);
-    let start = Start { angle_rad: first_rad / chain.sensor_gain, rate_rad_s: 0.0, release_s };
+    let start = Start { angle_rad: first_rad, rate_rad_s: 0.0, release_s };
     let mut read = Vec::new();
-    rollout(&chain, input, &plan.times_s, start, |_, state| read.push(state.angle_rad * chain.sensor_gain)).unwrap();
+    let moved = readings(&chain, input, &plan.times_s, start, 1.0, |_, state| read.push(state.angle_rad));
+    moved.unwrap_or_else(|error| panic!("{id} {named:?}: {error:?}"));
     read
 }
 
@@ -42,7 +43,7 @@ fn both_programs_move_the_same_joint_the_same_way() {
     for trial in 0..4 {
         drawn(trial, true, |scene, plain, dice| {
             let noise_rad = scene.joint.sensor.noise_rad();
-            for id in &crate::blind::cause::simulable() {
+            for id in EffectId::ALL {
                 let mechanism = effect(*id, scene, dice);
                 let size = (mechanism.range[0] * mechanism.range[1]).sqrt();
                 let mut machine = plain.clone();
@@ -53,8 +54,14 @@ fn both_programs_move_the_same_joint_the_same_way() {
                 }
                 // after impacts on a stop small differences grow
                 let most = if *id == EffectId::EndStop { 1.5 } else { 0.2 };
-                for (i, plan) in scene.plans.iter().enumerate() {
+                // a late reading of a free swing is the same swing later, which the maker leaves out
+                let told = |plan: &LogPlan| *id != EffectId::SensorDelay || plan.is_driven();
+                for (i, plan) in scene.plans.iter().enumerate().filter(|(_, plan)| told(plan)) {
                     let made = simulate(&machine, plan, i, 2.5e-5);
+                    // a loop that rings itself up is no study, and no two programs agree on it
+                    if made.q_rad.iter().any(|q| q.abs() > 2.7) {
+                        continue;
+                    }
                     let other = fitted(*id, &named, scene, plan, made.q_rad[0]);
                     let squares: f64 = made.q_rad.iter().zip(&other).map(|(a, b)| (a - b).powi(2)).sum();
                     let ratio = (squares / other.len() as f64).sqrt() / noise_rad;

@@ -74,7 +74,7 @@ pub(in crate::blind) fn taken_for(wrong: impl Iterator<Item = String>) -> Option
 
 /// Single effects, by what recalibration leaves of them.
 pub(super) fn by_size(judged: &[(&Trial, Judgement)]) -> Vec<BySize> {
-    let single = |trial: &Trial| trial.truth.verdict == Verdict::Effect && trial.truth.second.is_none();
+    let single = |trial: &Trial| trial.truth.causes.len() == 1;
     let group = |edge: &[f64]| {
         let items = || judged.iter().filter(|(t, _)| single(t) && edge[0] <= t.truth.left && t.truth.left < edge[1]);
         BySize {
@@ -91,7 +91,7 @@ pub(super) fn by_size(judged: &[(&Trial, Judgement)]) -> Vec<BySize> {
 fn cause(trial: &Trial) -> (u8, String) {
     let truth = &trial.truth;
     match truth.verdict {
-        Verdict::Effect => (u8::from(truth.second.is_some()), truth.effects().join("+")),
+        Verdict::Effect => (u8::from(truth.causes.len() > 1), truth.effects().join("+")),
         Verdict::Unexplained => (2, truth.outside.map_or_else(String::new, |id| id.to_string())),
         Verdict::Calibration | Verdict::None => (3, truth.verdict.name().to_owned()),
     }

@@ -7,8 +7,8 @@ use crate::gap::Verdict;
 use crate::joint::EffectId;
 use serde::Serialize;
 
-/// Two effects at once.
-const PAIR: &str = "two effects";
+/// More than one effect at once.
+const SEVERAL: &str = "several effects";
 /// Something that the catalogue does not have.
 const OUTSIDE: &str = "outside";
 /// No answer.
@@ -29,7 +29,7 @@ impl Table {
     /// Counts trials.
     pub fn of(trials: &[Trial]) -> Self {
         let cells = trials.iter().map(|trial| (row(&trial.truth), column(&trial.answer))).collect();
-        let names: Vec<&'static str> = EffectId::ALL.iter().map(|effect| effect.id()).chain([PAIR]).collect();
+        let names: Vec<&'static str> = EffectId::ALL.iter().map(|effect| effect.id()).chain([SEVERAL]).collect();
         Self::count(cells, &names)
     }
 
@@ -65,8 +65,8 @@ fn row(truth: &Truth) -> &'static str {
         Verdict::None => "none",
         Verdict::Calibration => "calibration",
         Verdict::Unexplained => OUTSIDE,
-        Verdict::Effect if truth.second.is_some() => PAIR,
-        Verdict::Effect => truth.effect.unwrap_or(OUTSIDE),
+        Verdict::Effect if truth.causes.len() > 1 => SEVERAL,
+        Verdict::Effect => truth.causes.first().map_or(OUTSIDE, |effect| effect.id()),
     }
 }
 
@@ -76,10 +76,7 @@ fn column(answer: &Result<Answered, String>) -> &'static str {
         Verdict::None => "none",
         Verdict::Calibration => "calibration",
         Verdict::Unexplained => "unexplained",
-        Verdict::Effect if answer.second.is_some() => PAIR,
-        Verdict::Effect => {
-            let named = answer.effect.as_deref().and_then(|effect| effect.parse::<EffectId>().ok());
-            named.map_or(FAILED, EffectId::id)
-        }
+        Verdict::Effect if answer.causes.len() > 1 => SEVERAL,
+        Verdict::Effect => answer.causes.first().map_or(FAILED, |effect| effect.id()),
     }
 }

@@ -3,8 +3,8 @@
 use super::Trial;
 use super::judge::Judgement;
 use super::rate::Rate;
-use crate::blind::answer::StatedNumber;
-use crate::blind::truth::FourNumbers;
+use crate::blind::answer::{Answered, StatedNumber};
+use crate::blind::truth::{FourNumbers, Gains, Truth};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -45,6 +45,10 @@ impl Counts {
         }
     }
 
+    fn some(&self) -> bool {
+        !(self.textbook.is_empty() && self.variant.is_empty())
+    }
+
     fn coverage(self, name: String) -> Coverage {
         Coverage {
             name,
@@ -55,32 +59,80 @@ impl Counts {
     }
 }
 
-/// Coverage of the four numbers, in their order, then of the effects' parameters by name.
+/// Coverage of the numbers, in their order, then of the effects' parameters by name, where the causes are right.
 pub fn coverage(trials: &[Trial]) -> Vec<Coverage> {
-    let mut joint: [Counts; 4] = Default::default();
+    let names = || FourNumbers::NAMES.into_iter().chain(Gains::NAMES);
+    let mut joint: [Counts; 6] = Default::default();
     let mut effects: BTreeMap<String, Counts> = BTreeMap::new();
-    for trial in trials.iter().filter(|trial| Judgement::of(trial).top) {
-        let Ok(answer) = &trial.answer else { continue };
+    for (truth, answer) in right(trials) {
         // what is unexplained is in the numbers too, and the answer says so
         if !answer.intervals_trusted {
             continue;
         }
-        let truth = &trial.truth;
-        for (k, (name, value)) in FourNumbers::NAMES.iter().zip(truth.joint.list()).enumerate() {
-            if let Some(stated) = answer.joint.iter().find(|stated| stated.name == *name) {
+        for (k, name) in names().enumerate() {
+            let stated = answer.joint.iter().find(|stated| stated.name == name);
+            if let (Some(stated), Some(value)) = (stated, truth.number(name)) {
                 joint[k].see(stated, value, truth.textbook, false);
             }
         }
-        for stated in &answer.effects {
-            let id = stated.effect.id();
-            let Some(mechanism) = truth.mechanisms.iter().find(|m| m.id == id) else { continue };
-            for parameter in &stated.parameters {
-                let Some(number) = mechanism.parameters.iter().find(|n| n.name == parameter.name) else { continue };
-                let counts = effects.entry(format!("{id}.{}", number.name)).or_default();
-                counts.see(parameter, number.value, truth.textbook, number.name == "phi");
-            }
+        for (name, stated, value) in parameters(truth, answer) {
+            let turns = name.ends_with(".phi");
+            effects.entry(name).or_default().see(stated, value, truth.textbook, turns);
         }
     }
-    let joint = FourNumbers::NAMES.iter().zip(joint).map(|(name, counts)| counts.coverage((*name).to_owned()));
+    let joint = names().zip(joint).filter(|(name, counts)| FourNumbers::NAMES.contains(name) || counts.some());
+    let joint = joint.map(|(name, counts)| counts.coverage(name.to_owned()));
     joint.chain(effects.into_iter().map(|(name, counts)| counts.coverage(name))).collect()
+}
+
+/// Coverage of all numbers together and of all effects' parameters together, where the causes are right: of answers
+/// that say their intervals are to be trusted, and of all.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Covered {
+    /// Numbers, of answers that trust them.
+    pub numbers: Rate,
+    /// Effects' parameters, of answers that trust them.
+    pub parameters: Rate,
+    /// Numbers, of all answers.
+    pub numbers_of_all: Rate,
+    /// Effects' parameters, of all answers.
+    pub parameters_of_all: Rate,
+}
+
+/// All together.
+pub(super) fn covered(trials: &[Trial]) -> Covered {
+    let rates = |all: bool| {
+        let (mut numbers, mut others) = (Counts::default(), Counts::default());
+        for (truth, answer) in right(trials).filter(|(_, answer)| all || answer.intervals_trusted) {
+            for stated in &answer.joint {
+                if let Some(value) = truth.number(&stated.name) {
+                    numbers.see(stated, value, true, false);
+                }
+            }
+            for (name, stated, value) in parameters(truth, answer) {
+                others.see(stated, value, true, name.ends_with(".phi"));
+            }
+        }
+        [numbers, others].map(|counts| Rate::over(counts.textbook))
+    };
+    let ([numbers, parameters], [numbers_of_all, parameters_of_all]) = (rates(false), rates(true));
+    Covered { numbers, parameters, numbers_of_all, parameters_of_all }
+}
+
+/// Trials whose answer is wholly right.
+fn right(trials: &[Trial]) -> impl Iterator<Item = (&Truth, &Answered)> {
+    let right = trials.iter().filter(|trial| Judgement::of(trial).top);
+    right.filter_map(|trial| Some((&trial.truth, trial.answer.as_ref().ok()?)))
+}
+
+/// Parameters of effects that are there, with their names, as they are stated and as they are.
+fn parameters<'a>(truth: &'a Truth, answer: &'a Answered) -> impl Iterator<Item = (String, &'a StatedNumber, f64)> {
+    answer.effects.iter().flat_map(move |stated| {
+        let id = stated.effect.id();
+        let mechanism = truth.mechanisms.iter().find(|m| m.id == id);
+        stated.parameters.iter().filter_map(move |parameter| {
+            let number = mechanism?.parameters.iter().find(|n| n.name == parameter.name)?;
+            Some((format!("{id}.{}", number.name), parameter, number.value))
+        })
+    })
 }

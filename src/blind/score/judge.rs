@@ -2,24 +2,32 @@
 
 use super::Trial;
 use crate::blind::answer::Answered;
-use crate::blind::truth::Truth;
+use crate::blind::truth::TrueWhere;
 use crate::gap::Verdict;
-use crate::joint::EffectId;
 use serde::Serialize;
 
 /// What is right about an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Judgement {
-    /// The kind of answer is right.
+    /// The kind of answer is right; where numbers are off within what the study states, also to have refitted them.
     pub verdict: bool,
     /// The whole answer is right: the kind, and of effects exactly those that are there, in any order.
     pub top: bool,
     /// As `top`, or every effect that is there is among those that the answer could not tell apart or names.
     pub set: bool,
+    /// Every effect that is there is named, whatever else is; `None` where there is none.
+    pub all: Option<bool>,
+    /// At least half of the effects that are there are named; `None` where there is none.
+    pub half: Option<bool>,
     /// At least one of the effects that are there is named; `None` where there is none.
     pub any: Option<bool>,
-    /// The stage is right, of two effects either's; `None` where there is no stage.
+    /// Effects that are named and not there, not even too small to be asked for.
+    pub needless: u32,
+    /// The stage is right, of several effects any's; `None` where there is no stage.
     pub stage: Option<bool>,
+    /// Stage and variable of a cause outside the catalogue are right, and where it acts in a range only, that is met;
+    /// `None` where there is no such cause.
+    pub located: Option<bool>,
     /// An effect, or something unexplained, was seen where there is nothing; `None` where there is something.
     pub false_alarm: Option<bool>,
     /// Something was taken for nothing or for wrong numbers; `None` where there is nothing.
@@ -32,28 +40,39 @@ impl Judgement {
         let truth = &trial.truth;
         let nothing = matches!(truth.verdict, Verdict::None | Verdict::Calibration);
         let there = truth.effects();
+        let of_effects = |is: bool| (!there.is_empty()).then_some(is);
         let Ok(answer) = &trial.answer else {
             return Self {
                 verdict: false,
                 top: false,
                 set: false,
-                any: (!there.is_empty()).then_some(false),
+                all: of_effects(false),
+                half: of_effects(false),
+                any: of_effects(false),
+                needless: 0,
                 stage: truth.stage.map(|_| false),
+                located: truth.location.as_ref().map(|_| false),
                 false_alarm: nothing.then_some(false),
                 missed: (!nothing).then_some(true),
             };
         };
-        let verdict = answer.verdict == truth.verdict;
+        let verdict = answer.verdict == truth.verdict || (truth.within && answer.verdict == Verdict::Calibration);
         let named = answer.named();
-        let mut sorted = [named.clone(), there.clone()];
-        sorted.iter_mut().for_each(|list| list.sort_unstable());
+        let right = there.iter().filter(|effect| named.contains(effect)).count();
+        let small = |id: &str| truth.mechanisms.iter().any(|m| !m.counts && m.id == id);
+        let needless = named.iter().filter(|id| !there.contains(id) && !small(id)).count() as u32;
+        let top = verdict && right == there.len() && needless == 0;
         let calls_something = matches!(answer.verdict, Verdict::Effect | Verdict::Unexplained);
         Self {
             verdict,
-            top: verdict && sorted[0] == sorted[1],
-            set: verdict && (sorted[0] == sorted[1] || in_set(answer, &there)),
-            any: (!there.is_empty()).then(|| there.iter().any(|effect| named.contains(effect))),
-            stage: truth.stage.map(|_| truth.mechanisms.iter().any(|m| Some(m.stage) == answer.stage)),
+            top,
+            set: top || (verdict && in_set(answer, &there)),
+            all: of_effects(right == there.len()),
+            half: of_effects(2 * right >= there.len()),
+            any: of_effects(right > 0),
+            needless,
+            stage: truth.stage.map(|_| truth.mechanisms.iter().any(|m| m.counts && Some(m.stage) == answer.stage)),
+            located: truth.location.as_ref().map(|place| is_located(answer, place)),
             false_alarm: nothing.then_some(calls_something),
             missed: (!nothing).then_some(!calls_something),
         }
@@ -67,12 +86,14 @@ fn in_set(answer: &Answered, there: &[&str]) -> bool {
     !there.is_empty() && named.len() <= there.len() && there.iter().all(known)
 }
 
-impl Truth {
-    /// The effects of the catalogue that are there.
-    pub fn effects(&self) -> Vec<&'static str> {
-        if self.verdict != Verdict::Effect {
-            return Vec::new();
+fn is_located(answer: &Answered, place: &TrueWhere) -> bool {
+    let variable = answer.variable.is_some_and(|variable| place.variables.contains(&variable));
+    let meets = match (place.range, answer.range) {
+        (Some([from, to]), Some([low, high])) if place.variables.first() == answer.variable.as_ref() => {
+            low <= to && from <= high
         }
-        self.effect.into_iter().chain(self.second.map(EffectId::id)).collect()
-    }
+        (Some(_), None) => false,
+        _ => true,
+    };
+    answer.stage == Some(place.stage) && variable && meets
 }

@@ -4,6 +4,7 @@ use super::friction::{Contact, stopped};
 use super::link::Pose;
 use super::{Coupling, Machine};
 use crate::blind::plan::Load;
+use std::collections::VecDeque;
 
 /// One body's motion.
 #[derive(Clone, Copy, Debug)]
@@ -31,13 +32,15 @@ impl Motion {
 #[derive(Clone, Debug)]
 pub(super) struct State {
     pub t_s: f64,
-    pub q_rad: f64,
     link: Motion,
     motor: Motion,
     bristle: f64,
     cable: f64,
     slow_speed_rad_s: f64,
-    setpoint_rad: f64,
+    /// Setpoint that the controller sees, and its speed where that is limited \[rad, rad/s\].
+    setpoint: (f64, f64),
+    /// Integral of the controller's error \[rad s\].
+    integral_rad_s: f64,
 }
 
 impl State {
@@ -45,13 +48,13 @@ impl State {
     pub(super) fn new(q_rad: f64, v_rad_s: f64, flank_rad: f64, setpoint_rad: f64) -> Self {
         Self {
             t_s: 0.0,
-            q_rad,
             link: Motion { q_rad, v_rad_s, a_rad_s2: 0.0 },
             motor: Motion { q_rad: q_rad + flank_rad, v_rad_s, a_rad_s2: 0.0 },
             bristle: 0.0,
             cable: 0.0,
             slow_speed_rad_s: 0.0,
-            setpoint_rad,
+            setpoint: (setpoint_rad, 0.0),
+            integral_rad_s: 0.0,
         }
     }
 }
@@ -65,6 +68,8 @@ pub(super) struct Run<'a> {
     arrivals: Option<&'a [(f64, f64)]>,
     next: usize,
     end_s: f64,
+    /// Instants, angles and speeds of the link that are not yet too old to be read; empty unless readings are late.
+    past: VecDeque<(f64, f64, f64)>,
 }
 
 /// Torques of one instant.
@@ -90,6 +95,7 @@ impl<'a> Run<'a> {
             arrivals,
             next: 0,
             end_s,
+            past: VecDeque::new(),
         }
     }
 
@@ -117,31 +123,67 @@ impl<'a> Run<'a> {
             self.next += 1;
         }
         let (_, wanted) = list.get(self.next)?;
-        let slew = self.machine.drive.slew_rad_s;
-        if slew.is_finite() {
-            state.setpoint_rad += (wanted - state.setpoint_rad).clamp(-slew * step_s, slew * step_s);
+        let drive = &self.machine.drive;
+        if drive.slew_rad_s.is_finite() || drive.slew_rad_s2.is_finite() {
+            state.setpoint = drive.moved(state.setpoint, *wanted, step_s);
         } else {
-            state.setpoint_rad = *wanted;
+            state.setpoint.0 = *wanted;
         }
-        Some(state.setpoint_rad)
+        Some(state.setpoint.0)
+    }
+
+    /// Reading and its rate at an instant, of the link as it is or was \[rad, rad/s\].
+    pub(super) fn read(&mut self, state: &State, t_s: f64) -> (f64, f64) {
+        self.read_of(t_s, (state.link.q_rad, state.link.v_rad_s))
+    }
+
+    fn is_late(&self) -> bool {
+        self.machine.reading.late_s > 0.0 && self.arrivals.is_some()
+    }
+
+    fn read_of(&mut self, t_s: f64, now: (f64, f64)) -> (f64, f64) {
+        let reading = &self.machine.reading;
+        let (q, v) = if self.is_late() { self.earlier(t_s - reading.late_s, now) } else { now };
+        (reading.angle(q, t_s / self.end_s), reading.slope(q) * v)
+    }
+
+    /// Where the link was at an instant, and its speed; instants are asked for in their order.
+    fn earlier(&mut self, t_s: f64, now: (f64, f64)) -> (f64, f64) {
+        while self.past.get(1).is_some_and(|(at_s, ..)| *at_s <= t_s) {
+            self.past.pop_front();
+        }
+        match (self.past.front(), self.past.get(1)) {
+            // it was held until the log began
+            (Some((from_s, q, _)), _) if t_s < *from_s => (*q, 0.0),
+            (Some((from_s, q, v)), Some((to_s, later_q, later_v))) => {
+                let share = (t_s - from_s) / (to_s - from_s);
+                (q + share * (later_q - q), v + share * (later_v - v))
+            }
+            (Some((_, q, v)), None) => (*q, *v),
+            (None, _) => (now.0, 0.0),
+        }
     }
 
     /// Commanded torque at a sample, which already sees the sample's setpoint \[N m\].
     pub(super) fn commanded_nm(&mut self, state: &mut State) -> f64 {
         // the setpoint of an instant is there at the instant
         let Some(setpoint) = self.follow(state, state.t_s + 1e-9, 0.0) else { return 0.0 };
-        let (reading, q) = (&self.machine.reading, state.link.q_rad);
-        self.machine.drive.commanded_nm(setpoint, reading.angle(q), reading.slope(q) * state.link.v_rad_s)
+        let read = self.read(state, state.t_s);
+        self.machine.drive.commanded_nm(setpoint, read, state.integral_rad_s)
     }
 
     fn torques(&mut self, state: &mut State, t_s: f64, (q, v): (f64, f64), step_s: f64) -> Torques {
         let machine = self.machine;
         let at = Pose { t_s, q_rad: q, v_rad_s: v, log: self.log };
-        let motor_nm = self.follow(state, t_s, step_s).map_or(0.0, |setpoint| {
-            let reading = &machine.reading;
-            let commanded = machine.drive.commanded_nm(setpoint, reading.angle(q), reading.slope(q) * v);
-            machine.drive.delivered_nm(commanded, v, t_s / self.end_s)
-        });
+        let motor_nm = match self.follow(state, t_s, step_s) {
+            None => 0.0,
+            Some(setpoint) => {
+                let read = self.read_of(t_s, (q, v));
+                state.integral_rad_s += step_s * (setpoint - read.0);
+                let commanded = machine.drive.commanded_nm(setpoint, read, state.integral_rad_s);
+                machine.drive.delivered_nm(commanded, q, v, t_s / self.end_s)
+            }
+        };
         let gravity_nm = machine.link.gravity_nm(&at, self.peak_nm);
         let cable = machine.link.cable_nm(&mut state.cable, v * step_s);
         Torques { motor_nm, link_nm: gravity_nm + machine.link.other_nm(&at) + cable, gravity_nm }
@@ -169,12 +211,17 @@ impl<'a> Run<'a> {
 
     /// One step.
     pub(super) fn step(&mut self, state: &mut State, step_s: f64) {
+        if self.is_late() && self.past.is_empty() {
+            self.past.push_back((state.t_s, state.link.q_rad, state.link.v_rad_s));
+        }
         match self.machine.coupling {
             None => self.step_one(state, step_s),
             Some(coupling) => self.step_two(state, coupling, step_s),
         }
         state.t_s += step_s;
-        state.q_rad = state.link.q_rad;
+        if self.is_late() {
+            self.past.push_back((state.t_s, state.link.q_rad, state.link.v_rad_s));
+        }
     }
 
     fn step_one(&mut self, state: &mut State, h: f64) {

@@ -29,10 +29,24 @@ pub(in crate::blind) struct Drive {
     pub limit_power: f64,
     /// No-load speed and stall torque \[rad/s, N m\].
     pub speed: Option<[f64; 2]>,
+    /// Commands below this deliver nothing \[N m\] ...
+    pub dead_band_nm: f64,
+    /// ... and those above it so much less, as a share of it.
+    pub dead_band_takes: f64,
+    /// Torque against the motion of a motor that is fed by voltage, over the speed \[N m s/rad\].
+    pub back_emf_nm_s_rad: f64,
+    /// The torque swings as `1 + a sin(n q + phi)`: a, n, phi \[rad\].
+    pub ripple: Option<[f64; 3]>,
+    /// Integral gain over the proportional one, that the study does not know of \[1/s\].
+    pub integral_1_s: f64,
+    /// The proportional gain grows as `1 + p e^2` \[1/rad^2\].
+    pub progressive_1_rad2: f64,
     /// Errors below this are ignored \[rad\].
     pub dead_zone_rad: f64,
-    /// Fastest motion of the setpoint \[rad/s\].
+    /// Fastest motion of the setpoint \[rad/s\] ...
     pub slew_rad_s: f64,
+    /// ... and how fast that speed may change \[rad/s^2\].
+    pub slew_rad_s2: f64,
 }
 
 impl Default for Drive {
@@ -50,8 +64,15 @@ impl Default for Drive {
             limit_nm: f64::INFINITY,
             limit_power: 0.0,
             speed: None,
+            dead_band_nm: 0.0,
+            dead_band_takes: 0.0,
+            back_emf_nm_s_rad: 0.0,
+            ripple: None,
+            integral_1_s: 0.0,
+            progressive_1_rad2: 0.0,
             dead_zone_rad: 0.0,
             slew_rad_s: f64::INFINITY,
+            slew_rad_s2: f64::INFINITY,
         }
     }
 }
@@ -89,18 +110,49 @@ impl Drive {
         taken
     }
 
-    /// Torque that the controller commands \[N m\].
-    pub(in crate::blind) fn commanded_nm(&self, setpoint_rad: f64, read_rad: f64, read_rad_s: f64) -> f64 {
+    /// Moves a setpoint and its speed towards where it is wanted, within the limits, for a step.
+    pub(in crate::blind) fn moved(&self, (at_rad, v_rad_s): (f64, f64), wanted_rad: f64, step_s: f64) -> (f64, f64) {
+        let away = wanted_rad - at_rad;
+        if self.slew_rad_s2.is_infinite() {
+            return (at_rad + away.clamp(-self.slew_rad_s * step_s, self.slew_rad_s * step_s), 0.0);
+        }
+        let change = self.slew_rad_s2 * step_s;
+        if away.abs() <= change * step_s && v_rad_s.abs() <= 2.0 * change {
+            return (wanted_rad, 0.0);
+        }
+        // the speed from which it can still stop there; half a step is gone before the speed has changed
+        let braking = (2.0 * self.slew_rad_s2 * away.abs() + 0.25 * change * change).sqrt() - 0.5 * change;
+        let best = self.slew_rad_s.min(braking).copysign(away);
+        let v = v_rad_s + (best - v_rad_s).clamp(-change, change);
+        (at_rad + v * step_s, v)
+    }
+
+    /// Torque that the controller commands \[N m\], for an integral of the error \[rad s\].
+    pub(in crate::blind) fn commanded_nm(
+        &self,
+        setpoint_rad: f64,
+        (read_rad, read_rad_s): (f64, f64),
+        integral_rad_s: f64,
+    ) -> f64 {
         let mut error = setpoint_rad - read_rad;
         if self.dead_zone_rad > 0.0 {
             error = (error.abs() - self.dead_zone_rad).max(0.0).copysign(error);
         }
+        let error = error * (1.0 + self.progressive_1_rad2 * error * error) + self.integral_1_s * integral_rad_s;
         self.kp * error - self.kd * read_rad_s
     }
 
-    /// Torque that arrives \[N m\]; `share` is how much of the log is over \[0 to 1\].
-    pub(in crate::blind) fn delivered_nm(&self, commanded_nm: f64, v_rad_s: f64, share: f64) -> f64 {
-        let mut torque = commanded_nm * self.gain * (1.0 - self.sag * share);
+    /// Torque that arrives on a joint \[N m\]; `share` is how much of the log is over \[0 to 1\].
+    pub(in crate::blind) fn delivered_nm(&self, commanded_nm: f64, q_rad: f64, v_rad_s: f64, share: f64) -> f64 {
+        let mut torque = commanded_nm;
+        if self.dead_band_nm > 0.0 {
+            let lost = self.dead_band_takes * self.dead_band_nm;
+            torque = if torque.abs() < self.dead_band_nm { 0.0 } else { (torque.abs() - lost).copysign(torque) };
+        }
+        torque *= self.gain * (1.0 - self.sag * share);
+        if let Some([a, n, phi]) = self.ripple {
+            torque *= 1.0 + a * (n * q_rad + phi).sin();
+        }
         if let Some([no_load, stall]) = self.speed {
             let driving = v_rad_s * torque.signum();
             let most = if driving > 0.0 { stall * (1.0 - driving / no_load).max(0.0) } else { stall };
@@ -113,7 +165,7 @@ impl Drive {
                 torque.clamp(-self.limit_nm, self.limit_nm)
             };
         }
-        torque
+        torque - self.back_emf_nm_s_rad * v_rad_s
     }
 }
 
@@ -140,11 +192,35 @@ mod tests {
     #[test]
     fn limits_clip_when_driving() {
         let drive = Drive { speed: Some([10.0, 2.0]), ..Drive::default() };
-        assert_eq!(drive.delivered_nm(5.0, 5.0, 0.0), 1.0);
-        assert_eq!(drive.delivered_nm(-5.0, 5.0, 0.0), -2.0);
-        assert_eq!(drive.delivered_nm(5.0, 20.0, 0.0), 0.0);
+        assert_eq!(drive.delivered_nm(5.0, 0.0, 5.0, 0.0), 1.0);
+        assert_eq!(drive.delivered_nm(-5.0, 0.0, 5.0, 0.0), -2.0);
+        assert_eq!(drive.delivered_nm(5.0, 0.0, 20.0, 0.0), 0.0);
         let round = Drive { limit_nm: 1.0, limit_power: 4.0, ..Drive::default() };
-        assert!((0.8..1.0).contains(&round.delivered_nm(1.0, 0.0, 0.0)));
-        assert!((0.99..1.0).contains(&round.delivered_nm(9.0, 0.0, 0.0)));
+        assert!((0.8..1.0).contains(&round.delivered_nm(1.0, 0.0, 0.0, 0.0)));
+        assert!((0.99..1.0).contains(&round.delivered_nm(9.0, 0.0, 0.0, 0.0)));
+    }
+
+    #[test]
+    fn small_commands_are_lost_and_a_voltage_brakes() {
+        let all = Drive { dead_band_nm: 1.0, ..Drive::default() };
+        let rest = Drive { dead_band_takes: 1.0, ..all.clone() };
+        assert_eq!([0.9, -1.5].map(|tau| all.delivered_nm(tau, 0.0, 0.0, 0.0)), [0.0, -1.5]);
+        assert_eq!([0.9, -1.5].map(|tau| rest.delivered_nm(tau, 0.0, 0.0, 0.0)), [0.0, -0.5]);
+        // the voltage that is left over the speed: the line of a motor from stall to no load
+        let fed = Drive { limit_nm: 2.0, back_emf_nm_s_rad: 0.2, ..Drive::default() };
+        assert_eq!([0.0, 5.0, 10.0].map(|v| fed.delivered_nm(9.0, 0.0, v, 0.0)), [2.0, 1.0, 0.0]);
+    }
+
+    #[test]
+    fn a_setpoint_goes_to_its_end_in_the_time_of_the_textbook() {
+        let drive = Drive { slew_rad_s: 2.0, slew_rad_s2: 10.0, ..Drive::default() };
+        let (mut at, mut steps) = ((0.0, 0.0), 0);
+        while at != (1.0, 0.0) && steps < 100_000 {
+            let next = drive.moved(at, 1.0, 1e-4);
+            assert!(next.1 <= 2.0 + 1e-12 && (next.1 - at.1).abs() <= 2e-3 && next.0 < 1.001);
+            (at, steps) = (next, steps + 1);
+        }
+        // v/a to speed up and to slow down, and the rest at v
+        assert!((f64::from(steps) * 1e-4 - 0.7).abs() < 0.01, "{steps}");
     }
 }

@@ -35,21 +35,28 @@ pub(super) struct Coupling {
     pub spring: bool,
 }
 
-/// What the encoder makes of the angle: `gain q + a sin(n q + phi)`.
+/// What the encoder makes of the angle: `gain q + a sin(n q + phi) + drift share`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reading {
     pub gain: f64,
+    /// How far the zero has wandered at the end of a log \[rad\].
+    pub drift_rad: f64,
+    /// Age of the angle that is read, logged and seen by the controller alike \[s\]; of driven logs, for a free one is
+    /// the same swing later.
+    pub late_s: f64,
     pub a_rad: f64,
     pub n: f64,
     pub phi_rad: f64,
 }
 
 impl Reading {
-    fn angle(&self, q_rad: f64) -> f64 {
+    /// `share` is how much of the log is over \[0 to 1\].
+    fn angle(&self, q_rad: f64, share: f64) -> f64 {
+        let straight_rad = self.gain * q_rad + self.drift_rad * share;
         if self.a_rad == 0.0 {
-            return self.gain * q_rad;
+            return straight_rad;
         }
-        self.gain * q_rad + self.a_rad * (self.n * q_rad + self.phi_rad).sin()
+        straight_rad + self.a_rad * (self.n * q_rad + self.phi_rad).sin()
     }
 
     fn slope(&self, q_rad: f64) -> f64 {
@@ -84,15 +91,17 @@ impl Machine {
             link: Link::default(),
             drive: Drive::default(),
             coupling: None,
-            reading: Reading { gain: 1.0, a_rad: 0.0, n: 0.0, phi_rad: 0.0 },
+            reading: Reading { gain: 1.0, drift_rad: 0.0, late_s: 0.0, a_rad: 0.0, n: 0.0, phi_rad: 0.0 },
         }
     }
 
     /// Torque on the joint at rest, without friction \[N m\].
     fn static_nm(&self, q_rad: f64, setpoint_rad: f64, peak_nm: f64, log: usize) -> f64 {
         let at = Pose { t_s: 0.0, q_rad, v_rad_s: 0.0, log };
-        let commanded = self.drive.commanded_nm(setpoint_rad, self.reading.angle(q_rad), 0.0);
-        self.drive.delivered_nm(commanded, 0.0, 0.0) + self.link.gravity_nm(&at, peak_nm) + self.link.other_nm(&at)
+        let commanded = self.drive.commanded_nm(setpoint_rad, (self.reading.angle(q_rad, 0.0), 0.0), 0.0);
+        self.drive.delivered_nm(commanded, q_rad, 0.0, 0.0)
+            + self.link.gravity_nm(&at, peak_nm)
+            + self.link.other_nm(&at)
     }
 
     /// Where the drive holds the joint without friction \[rad\]: halving the range around the setpoint.
@@ -147,7 +156,7 @@ pub(super) fn simulate(machine: &Machine, plan: &LogPlan, log: usize, longest_s:
             }
             state.t_s = t_s;
         }
-        trace.q_rad.push(machine.reading.angle(state.q_rad));
+        trace.q_rad.push(run.read(&state, state.t_s).0);
         trace.tau_nm.push(run.commanded_nm(&mut state));
     }
     trace

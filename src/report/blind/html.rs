@@ -35,6 +35,23 @@ pub fn blind_html(report: &BlindReport) -> Result<String, ReportError> {
             }
         })
         .collect();
+    let sets: Vec<Value> = score
+        .sets
+        .iter()
+        .map(|set| {
+            context! {
+                what => set.what, exact => counts(&set.exact), all => counts(&set.all), half => counts(&set.half),
+                clean => counts(&set.clean), stage => counts(&set.stage), needless => format!("{:.2}", set.needless),
+            }
+        })
+        .collect();
+    let noises: Vec<Value> = score
+        .noises
+        .iter()
+        .map(|noise| {
+            context! { what => noise.what, alarms => counts(&noise.false_alarms), top => counts(&noise.top) }
+        })
+        .collect();
     let sizes: Vec<Value> = score
         .sizes
         .iter()
@@ -80,6 +97,8 @@ pub fn blind_html(report: &BlindReport) -> Result<String, ReportError> {
         numbers => numbers(score),
         figures => figure_views(blind_figures(report)?),
         causes,
+        sets,
+        noises,
         sizes,
         bins,
         coverage,

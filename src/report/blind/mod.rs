@@ -56,7 +56,7 @@ pub fn blind_figures(report: &BlindReport) -> Result<Vec<Figure>, ReportError> {
         figure(
             "confusion.svg",
             "Confusion",
-            "Framed cells are right answers. Of two effects at once the table tells only that two were named.",
+            "Framed cells are right answers. Of several effects at once the table tells only that several were named.",
             map,
         ),
         figure("reliability.svg", "Reliability", caption, top),

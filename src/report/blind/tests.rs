@@ -1,7 +1,9 @@
 //! The report of trials made by hand.
 
 use super::*;
-use crate::blind::{Answered, Family, FourNumbers, GapNumbers, TrueMechanism, TrueNumber, Truth, score};
+use crate::blind::{
+    Answered, Believed, Family, FourNumbers, GapNumbers, Noise, Stamps, TrueMechanism, TrueNumber, Truth, score,
+};
 use crate::gap::Verdict;
 use crate::joint::EffectId;
 
@@ -9,6 +11,7 @@ fn truth(trial: u64, verdict: Verdict, effect: Option<EffectId>) -> Truth {
     let numbers = FourNumbers { inertia: 1.0, moment: 2.0, coulomb: 3.0, viscous: 4.0 };
     let mechanism = |effect: EffectId| TrueMechanism {
         id: effect.id(),
+        counts: true,
         stage: effect.stage(),
         parameters: vec![TrueNumber { name: "T", unit: "s", value: 0.01 }],
         ratio: 12.0,
@@ -18,9 +21,12 @@ fn truth(trial: u64, verdict: Verdict, effect: Option<EffectId>) -> Truth {
         seed: 7,
         trial,
         verdict,
-        effect: effect.map(EffectId::id),
-        second: None,
+        causes: effect.into_iter().collect(),
+        servo: false,
+        numbers: vec![],
+        within: false,
         outside: None,
+        location: None,
         stage: effect.map(EffectId::stage),
         mechanisms: effect.map(mechanism).into_iter().collect(),
         ratio: 12.0,
@@ -28,8 +34,14 @@ fn truth(trial: u64, verdict: Verdict, effect: Option<EffectId>) -> Truth {
         nearest: None,
         joint: numbers,
         nominal: numbers,
+        gains: None,
+        nominal_gains: None,
+        believed: Believed { inertia: 0.1, moment: 0.05, friction: 0.5, gain: 0.1, written: false },
         family: Family::Leg,
         textbook: true,
+        noise: Noise::Rounding,
+        stamps: Stamps::Regular,
+        holes: 0,
         noise_rad: 1e-3,
         free_logs: 4,
         driven_logs: 2,
@@ -41,7 +53,7 @@ fn answered(verdict: Verdict, effect: Option<EffectId>, probability: f64) -> Ans
     Answered {
         verdict,
         effect: effect.map(|effect| effect.id().to_owned()),
-        second: None,
+        causes: effect.into_iter().collect(),
         equivalent: effect.into_iter().chain([EffectId::MotorGain]).collect(),
         probability,
         standing: String::new(),
@@ -49,6 +61,7 @@ fn answered(verdict: Verdict, effect: Option<EffectId>, probability: f64) -> Ans
         intervals_trusted: true,
         stage: effect.map(EffectId::stage),
         variable: None,
+        range: None,
         gap: GapNumbers {
             before: 0.03,
             calibrated: 0.02,

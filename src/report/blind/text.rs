@@ -24,6 +24,10 @@ pub fn blind_text(report: &BlindReport) -> String {
         confusion_table(&score.confusion),
     ];
     blocks.push(cause_table(&score.causes, "stage"));
+    if !score.sets.is_empty() {
+        blocks.push(sets(score));
+    }
+    blocks.push(noises(score));
     if !score.sizes.is_empty() {
         blocks.push(sizes(score));
     }
@@ -80,6 +84,26 @@ pub(super) fn cause_table(causes: &[ByCause], stage: &str) -> String {
             number(counts(&cause.set)),
             number(if cause.stage.of > 0 { counts(&cause.stage) } else { String::new() }),
         ]);
+    }
+    finish(&mut table)
+}
+
+fn sets(score: &Score) -> String {
+    let headings = ["all, only they", "all", "half", "none needless", "stage", "needless"];
+    let mut table = table(WIDTH, &["there at once; named"], &headings);
+    for set in &score.sets {
+        let mut row = vec![Cell::new(set.what)];
+        row.extend([&set.exact, &set.all, &set.half, &set.clean, &set.stage].map(|rate| number(counts(rate))));
+        row.push(number(format!("{:.2}", set.needless)));
+        table.add_row(row);
+    }
+    finish(&mut table)
+}
+
+fn noises(score: &Score) -> String {
+    let mut table = table(WIDTH, &["noise of the logs"], &["false alarms", "wholly right"]);
+    for noise in &score.noises {
+        table.add_row([Cell::new(noise.what), number(counts(&noise.false_alarms)), number(counts(&noise.top))]);
     }
     finish(&mut table)
 }
