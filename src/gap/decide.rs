@@ -32,6 +32,9 @@ const CLOSES: f64 = 0.75;
 const EQUAL_DEVIANCE: f64 = 9.0;
 const EQUAL_Z: f64 = 1.7;
 
+/// Standard deviations from which on the drive's gain has clearly moved.
+const GAIN_SD: f64 = 1.5;
+
 /// The verdict with the hypotheses it rests on.
 pub(super) struct Decision<'a> {
     pub verdict: Verdict,
@@ -205,12 +208,14 @@ pub(super) fn equivalent_of(evidence: &Evidence, a: &Attribution, k: usize) -> (
     (set, margin)
 }
 
-/// The number that was moved by most of its standard deviations, if that is a finding, or the one that moved most.
+/// The number that was moved by most of its standard deviations. The drive's gain is one only from a clear move on: that
+/// is a statement about the motor.
 fn moved_most(trial: &Trial) -> Option<usize> {
     let parameters = trial.model.parameters();
     let moved = |i: &usize| {
         let p = &parameters[*i];
         if p.fixed { 0.0 } else { p.moved_sd(trial.found.values[*i]).map_or(0.0, f64::abs) }
     };
-    (0..BASELINE).filter(|i| moved(i) > 0.0).max_by(|a, b| moved(a).total_cmp(&moved(b)))
+    let candidates = (0..BASELINE).filter(|i| moved(i) > if *i == GAIN { GAIN_SD } else { 0.0 });
+    candidates.max_by(|a, b| moved(a).total_cmp(&moved(b)))
 }

@@ -3,9 +3,12 @@
 use super::attribute::Attribution;
 use super::decide::{Decision, decide};
 use super::detect::detectable;
-use super::diagnosis::{Answer, Candidate, Diagnosis, Gap, GapOptions, LogGap, LogTraces, ResidualTorque, Verdict};
+use super::diagnosis::{
+    Answer, Candidate, Diagnosis, Gap, GapOptions, LogGap, LogTraces, Number, ResidualTorque, Verdict,
+};
 use super::evidence::Evidence;
 use super::held_out::{HeldOut, closed, rms};
+use super::model::GAIN;
 use super::next::next;
 use super::numbers::numbers;
 use super::place::place;
@@ -15,7 +18,7 @@ use super::trial::{Trial, loss};
 use super::twins::measure;
 use super::undetermined::undetermined;
 use super::waterfall::{beliefs, causes};
-use crate::identify::{Case, Experiment, JointModel, Signal};
+use crate::identify::{Case, Estimate, Experiment, JointModel, Signal};
 use crate::joint::EffectId;
 use crate::log::Role;
 
@@ -57,7 +60,10 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &(dyn Fn(&str) + Sy
     progress("what these logs could have shown");
     let around = if decision.answer.effects().is_empty() { &attribution.calibrated } else { decision.answer };
     let detectable = detectable(&evidence, &attribution, around, &effects);
-    let (parameters, effect_parameters) = numbers(&evidence, around);
+    let (parameters, mut effect_parameters) = numbers(&evidence, around);
+    if around.effects().is_empty() && decision.effect() == Some(EffectId::MotorGain) {
+        effect_parameters.push((EffectId::MotorGain, vec![gain_as_effect(&parameters)]));
+    }
     let parameter = (decision.verdict == Verdict::Calibration)
         .then(|| decision.finding.map(|i| decision.answer.model.parameters()[i].name.clone()))
         .flatten();
@@ -110,6 +116,18 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &(dyn Fn(&str) + Sy
         notes: notes(&evidence, &decision, intervals_trusted),
         withheld: EffectId::ALL.iter().copied().filter(|e| !effects.contains(e)).collect(),
     })
+}
+
+/// The drive's gain, a number that is believed to be 1, as the effect that it is once it is not.
+fn gain_as_effect(parameters: &[Estimate]) -> Number {
+    let gain = &parameters[GAIN];
+    Number {
+        name: EffectId::MotorGain.named_parameters()[0].name.to_owned(),
+        value: gain.value,
+        unit: gain.unit.clone(),
+        interval: gain.interval,
+        interval_naive: gain.interval_naive,
+    }
 }
 
 /// All hypotheses fitted: to the logs that the study says, or to all where only the held-out ones show what is missing.

@@ -3,6 +3,7 @@
 use super::decide::Decision;
 use super::diagnosis::{Gap, Number, Verdict};
 use crate::joint::EffectId;
+use crate::number::{mrad, quantity, share};
 
 /// Words for an effect.
 pub(super) fn words(effect: EffectId) -> &'static str {
@@ -31,18 +32,15 @@ pub(super) fn words(effect: EffectId) -> &'static str {
     }
 }
 
-fn mrad(rad: f64) -> String {
-    if rad >= 0.0995 { format!("{:.0} mrad", 1e3 * rad) } else { format!("{:.2} mrad", 1e3 * rad) }
-}
-
-fn share(gap: &Gap) -> String {
-    match (gap.closed, gap.closed_interval) {
-        (Some(closed), Some([low, high])) => {
-            format!("{:.0} % [{:.0}, {:.0}] of the gap", 100.0 * closed, 100.0 * low, 100.0 * high)
-        }
-        (Some(closed), None) => format!("{:.0} % of the gap", 100.0 * closed),
-        _ => "the gap".into(),
+/// What causes close of the gap that recalibration leaves.
+fn closing(gap: &Gap) -> String {
+    let (from, to) = (mrad(gap.calibrated), mrad(gap.after));
+    let left = gap.calibrated - gap.floor;
+    if !(left > 0.0) {
+        return format!("with it {to} stay of {} as given", mrad(gap.before));
     }
+    let closed = share(((gap.calibrated - gap.after) / left).clamp(0.0, 1.0));
+    format!("it closes {closed} of what recalibrated numbers leave, {from} to {to} ({} as given)", mrad(gap.before))
 }
 
 /// The sentence of a decision.
@@ -55,10 +53,11 @@ pub(super) fn sentence(
 ) -> String {
     let size = |effect: EffectId| {
         let number = effects.iter().find(|(e, _)| *e == effect).and_then(|(_, numbers)| numbers.first());
-        number.map_or(String::new(), |n| {
-            let unit = if n.unit.is_empty() { String::new() } else { format!(" {}", n.unit) };
-            format!(" ({} = {:.3e}{unit})", n.name, n.value)
-        })
+        number.map_or(String::new(), |n| format!(" ({} = {})", n.name, quantity(n.value, n.interval, &n.unit)))
+    };
+    let all = || {
+        let each: Vec<String> = decision.effects.iter().map(|&e| format!("{}{}", words(e), size(e))).collect();
+        each.join(", together with ")
     };
     match (decision.verdict, decision.effect()) {
         (Verdict::None, _) => format!(
@@ -67,34 +66,25 @@ pub(super) fn sentence(
             mrad(gap.floor)
         ),
         (Verdict::Calibration, _) => format!(
-            "{joint}: the structure is right and the numbers are off, the {} most of all; refitting them closes {}, from {} to {}.",
+            "{joint}: the structure is right and the numbers are off, the {} most of all; refitting them within what is believed of them takes the error from {} to {} (noise {}).",
             parameter.unwrap_or("inertia"),
-            share(gap),
             mrad(gap.before),
-            mrad(gap.after)
+            mrad(gap.after),
+            mrad(gap.floor)
         ),
         (Verdict::Effect, Some(effect)) => {
-            let mut text = format!("{joint}: the gap is {}{}", words(effect), size(effect));
-            for &further in decision.effects.iter().skip(1) {
-                text += &format!(", together with {}{}", words(further), size(further));
-            }
-            text += &format!("; adding it closes {}, from {} to {}.", share(gap), mrad(gap.before), mrad(gap.after));
+            let mut text = format!("{joint}: the gap is {}; {}.", all(), closing(gap));
             let others: Vec<&str> = decision.equivalent.iter().filter(|e| **e != effect).map(|e| words(*e)).collect();
             if !others.is_empty() {
-                text += &format!(" These logs cannot tell it apart from {}.", others.join(", nor from "));
+                text += &format!(" These logs cannot tell the first apart from {}.", others.join(", nor from "));
             }
             text
         }
         (_, partial) => {
-            let nearest = partial.map_or(String::new(), |effect| {
-                format!(
-                    " The nearest is {}, which closes {} and leaves structure in the rest.",
-                    words(effect),
-                    share(gap)
-                )
-            });
+            let nearest =
+                partial.map_or(String::new(), |_| format!(" What is known so far is {}; {}.", all(), closing(gap)));
             format!(
-                "{joint}: none of the effects I know explains this gap; {} stay above the sensor's {}.{nearest}",
+                "{joint}: the effects I know do not explain this gap; {} stay above the sensor's {}.{nearest}",
                 mrad(gap.after),
                 mrad(gap.floor)
             )

@@ -74,6 +74,9 @@ fn sentence(evidence: &Evidence, parts: &[&str]) -> String {
         [first, last] => format!("{first} and {last}"),
         [most @ .., last] => format!("{} and {last}", most.join(", ")),
     };
+    if parts.iter().all(|name| matches!(*name, "coulomb" | "viscous")) {
+        return format!("These logs cannot tell {listed} apart; slow and fast motions beside one another would.");
+    }
     let remedy = match (by_setpoint, driven) {
         (true, _) => {
             "no torque of these position-driven logs is known; weigh the link, hang on a known mass, or log the current"

@@ -191,15 +191,7 @@ impl EffectId {
         use EffectId::*;
         matches!(
             self,
-            GearFriction
-                | Delay
-                | SetpointHold
-                | SetpointProfile
-                | DeadBand
-                | TorqueLimit
-                | SpeedLimit
-                | MotorGain
-                | SensorDelay
+            GearFriction | Delay | SetpointHold | SetpointProfile | DeadBand | TorqueLimit | SpeedLimit | MotorGain
         )
     }
 

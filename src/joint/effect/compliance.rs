@@ -33,7 +33,7 @@ impl Effect for Term {
             let stiffness = share * reach.torque_nm;
             vec![stiffness, 0.1 * (stiffness * MOTOR_SHARE * reach.inertia_kg_m2).sqrt()]
         };
-        [40.0, 150.0, 12.0, 4.0].map(start).to_vec()
+        [30.0, 8.0].map(start).to_vec()
     }
 
     fn apply<T: Real>(self, values: &[T], bare_kg_m2: T, chain: &mut Chain<T>) {
