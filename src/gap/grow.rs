@@ -27,6 +27,8 @@ const STEP_DEVIANCE: f64 = 24.0;
 const STEP_SAMPLES: f64 = 10.0;
 /// Where the best single effect lowers the square sum to no less than this share, pairs are tried too.
 const FEEBLE: f64 = 0.5;
+/// Steps that are made once motor side and link move apart.
+const APART: usize = 1;
 /// Rivals that are kept for each member.
 const RIVALS: usize = 4;
 
@@ -47,7 +49,9 @@ impl Growth<'_> {
     pub fn from(&self, start: &Trial) -> (Trial, Vec<Trial>) {
         let mut best = start.clone();
         let mut singles = Vec::new();
-        while best.effects().len() < MOST && best.fit_loss(self.evidence) > self.enough {
+        let mut apart = 0;
+        while best.effects().len() < MOST && best.fit_loss(self.evidence) > self.enough && apart < APART {
+            apart += usize::from(best.model.has_two_bodies());
             let (grown, others) = self.step(&best);
             if best.effects().is_empty() {
                 singles = others;
@@ -142,6 +146,9 @@ impl Growth<'_> {
     pub fn rivals(&self, best: &Trial, without: &[Trial]) -> Vec<Vec<Trial>> {
         let of = |(k, without): (usize, &Trial)| {
             let member = best.effects()[k];
+            if without.model.has_two_bodies() {
+                return Vec::new();
+            }
             let others: Vec<EffectId> = self.others(best);
             let sights = self.sights(without, &others);
             let mut found = explore(self.evidence, without, &sights);

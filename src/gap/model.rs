@@ -161,6 +161,11 @@ impl GapModel {
         &self.effects
     }
 
+    /// Whether motor side and link move apart: such a motion takes many short steps.
+    pub(super) fn has_two_bodies(&self) -> bool {
+        self.effects.iter().any(|e| matches!(e, EffectId::Backlash | EffectId::Compliance))
+    }
+
     /// The forms in which they are there.
     pub(super) fn forms(&self) -> &[EffectForm] {
         &self.forms

@@ -37,6 +37,8 @@ pub(super) struct Point {
 
 /// What is left is folded to at most about so many rows.
 const ROWS: usize = 2000;
+/// Starting points of each effect that are looked at where motor side and link move apart.
+const FEW_STARTS: usize = 2;
 /// Blocks of fewer rows are not folded.
 const FEW_ROWS: usize = 32;
 /// To first order an effect may be up to so many times the size of its starting point.
@@ -71,10 +73,15 @@ impl Sight {
             .par_iter()
             .flat_map_iter(|&effect| {
                 let model = base.model.with(effect, &evidence.reach);
-                let starts = match effect {
+                let mut starts = match effect {
                     EffectId::SetpointHold => hold_scan(evidence, &base.model, from, &absent, projector),
                     _ => effect.starts(&evidence.reach),
                 };
+                if base.model.has_two_bodies() {
+                    // Each costs many times as much: a few, spread over all.
+                    let every = starts.len().div_ceil(FEW_STARTS).max(1);
+                    starts = starts.into_iter().step_by(every).collect();
+                }
                 let point = |start: Vec<f64>| {
                     let values: Vec<f64> = from.iter().chain(&start).copied().collect();
                     let model = model.clone().at(&values);

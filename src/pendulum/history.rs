@@ -35,14 +35,18 @@ impl<T: Real> History<T> {
     /// What the encoder shows at an instant at which the joint is in a state.
     pub fn at(&self, t_s: T, state: [T; 2]) -> [T; 2] {
         let when_s = t_s - self.delay_s;
-        let mut later = [t_s, state[0], state[1]];
-        for &earlier in self.knots.iter().rev() {
-            if when_s.re() >= earlier[0].re() && later[0].re() > earlier[0].re() {
-                return cubic(&earlier, &later, when_s);
+        let present = [t_s, state[0], state[1]];
+        let mut next = self.knots.partition_point(|knot| knot[0].re() <= when_s.re());
+        while next > 0 {
+            let earlier = &self.knots[next - 1];
+            let later = self.knots.get(next).unwrap_or(&present);
+            if later[0].re() > earlier[0].re() {
+                return cubic(earlier, later, when_s);
             }
-            later = earlier;
+            next -= 1;
         }
-        [later[1] + later[2] * (when_s - later[0]), later[2]]
+        let first = self.knots.front().unwrap_or(&present);
+        [first[1] + first[2] * (when_s - first[0]), first[2]]
     }
 }
 

@@ -43,7 +43,7 @@ const RUNAWAY_RAD: f64 = 1e4;
 /// long before the next sample, so that no log could tell it from a faster one.
 const STEPS_PER_SAMPLE: usize = 60;
 /// The same where motor side and link swing against each other on a stiff spring.
-const STEPS_PER_SAMPLE_ON_A_SPRING: usize = 300;
+const STEPS_PER_SAMPLE_ON_A_SPRING: usize = 120;
 
 /// Integrates a joint through the sample times of a log and shows each sample's state to `visit`.
 ///

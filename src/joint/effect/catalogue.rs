@@ -186,13 +186,14 @@ catalogue! {
 }
 
 impl EffectId {
-    /// Whether only a motor that is on can show it.
+    /// Whether only a motor that is on can show it. A late reading shifts a free log too, but so would another start.
     pub fn is_driven_only(self) -> bool {
         use EffectId::*;
-        matches!(
-            self,
-            GearFriction | Delay | SetpointHold | SetpointProfile | DeadBand | TorqueLimit | SpeedLimit | MotorGain
-        )
+        self == SensorDelay
+            || matches!(
+                self,
+                GearFriction | Delay | SetpointHold | SetpointProfile | DeadBand | TorqueLimit | SpeedLimit | MotorGain
+            )
     }
 
     /// Whether the simulator of whole robots has it too; it does not have a spring before the link or a late reading.

@@ -23,7 +23,7 @@ impl Effect for Term {
     fn parameters(self, reach: &Reach) -> Vec<EffectParameter> {
         let damping = (reach.torque_nm * reach.inertia_kg_m2).sqrt();
         vec![
-            EffectParameter::logarithm("k", "N m/rad", [reach.torque_nm, 1e3 * reach.torque_nm]),
+            EffectParameter::logarithm("k", "N m/rad", [reach.torque_nm, 300.0 * reach.torque_nm]),
             EffectParameter::linear("d", "N m s/rad", [0.0, 20.0 * damping], 0.3 * damping),
         ]
     }
@@ -33,7 +33,7 @@ impl Effect for Term {
             let stiffness = share * reach.torque_nm;
             vec![stiffness, 0.1 * (stiffness * MOTOR_SHARE * reach.inertia_kg_m2).sqrt()]
         };
-        [30.0, 8.0].map(start).to_vec()
+        [40.0, 12.0].map(start).to_vec()
     }
 
     fn apply<T: Real>(self, values: &[T], bare_kg_m2: T, chain: &mut Chain<T>) {
