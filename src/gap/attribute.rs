@@ -200,7 +200,7 @@ impl Attribution {
             order.retain(|k| *k != first);
             order.insert(0, first);
         }
-        let sorted = self.best.keeping(evidence, &order, AGAIN);
+        let sorted = self.best.keeping(evidence, &order, AGAIN).settled(evidence, AGAIN);
         let pick = |all: &[Trial]| order.iter().map(|&k| all[k].clone()).collect::<Vec<_>>();
         (self.alone, self.without) = (pick(&self.alone), pick(&self.without));
         self.rivals = order.iter().map(|&k| self.rivals[k].clone()).collect();

@@ -39,14 +39,17 @@ pub(super) fn undetermined(evidence: &Evidence, trial: &Trial) -> Vec<String> {
     let Some(information) = reduced(&normal.jtj, &believed, &others, unit) else { return Vec::new() };
     let eigen = information.symmetric_eigen();
     let name = |row: usize| parameters[free[believed[row].0]].name.as_str();
-    (0..believed.len())
-        .filter(|&v| eigen.eigenvalues[v] < LITTLE)
-        .map(|v| {
-            let direction: DVector<f64> = eigen.eigenvectors.column(v).into_owned();
-            let parts: Vec<&str> = (0..believed.len()).filter(|&r| direction[r].abs() > PART).map(name).collect();
-            sentence(evidence, &parts)
-        })
-        .collect()
+    let mut sentences: Vec<String> = Vec::new();
+    for v in (0..believed.len()).filter(|&v| eigen.eigenvalues[v] < LITTLE) {
+        let direction: DVector<f64> = eigen.eigenvectors.column(v).into_owned();
+        let parts: Vec<&str> = (0..believed.len()).filter(|&r| direction[r].abs() > PART).map(name).collect();
+        let said = sentence(evidence, &parts);
+        // Two directions may have their parts in the same numbers.
+        if !sentences.contains(&said) {
+            sentences.push(said);
+        }
+    }
+    sentences
 }
 
 /// Information about the believed numbers in units of their beliefs, with everything else free.
