@@ -23,7 +23,7 @@ impl Effect for Term {
 
     fn apply<T: Real>(self, values: &[T], _bare_kg_m2: T, chain: &mut Chain<T>) {
         if let Some(motor) = &mut chain.motor {
-            motor.gain = motor.gain * values[0];
+            motor.gain *= values[0];
         }
     }
 }
