@@ -121,15 +121,12 @@ impl Attribution {
         if firsts.is_empty() {
             firsts = explore(&coarse, &calibrated, &sights);
         }
-        let (best, without, rivals) = growth.exchanged(best);
-        let best = proven(&coarse, best, without, chance);
-        let (best, without, rivals) = if best.effects().len() == rivals.len() {
-            let without = growth.without_each(&best);
-            (best, without, rivals)
-        } else {
-            growth.exchanged(best)
-        };
-        let best = growth.formed(best);
+        let (exchanged, without, rivals) = growth.exchanged(best);
+        let members = exchanged.effects().len();
+        let best = growth.formed(proven(&coarse, exchanged, without, chance));
+        // What was exchanged is proven, and what is proven is not exchanged again: its rivals are looked at only.
+        let without = growth.without_each(&best);
+        let rivals = if best.effects().len() == members { rivals } else { growth.rivals(&best, &without) };
         if best.effects().len() == 1 && !firsts.iter().any(|t| t.effects() == best.effects()) {
             firsts.push(best.clone());
         }

@@ -1,6 +1,6 @@
 //! Before any diagnosis: what the logs of a study can tell about its joint, and what they cannot.
 
-use super::attribute::{Attribution, calibrate};
+use super::attribute::calibrate;
 use super::compare::correlation_length;
 use super::detect::detectable;
 use super::diagnose::GapError;
@@ -64,20 +64,8 @@ pub fn check(case: &Case) -> Result<Checkup, GapError> {
     let [given_rad, calibrated_rad] = [&given, &calibrated].map(|trial| rms_rad(&evidence, trial));
     let (parameters, _) = numbers(&evidence, &calibrated);
     let (beliefs, undetermined) = (beliefs(&calibrated), undetermined(&evidence, &calibrated));
-    let looked_at = calibrated.clone();
-    let nothing_tried = Attribution {
-        given,
-        best: calibrated.clone(),
-        correlation: correlation_length(&evidence, &calibrated),
-        calibrated,
-        ladder: Vec::new(),
-        alone: Vec::new(),
-        without: Vec::new(),
-        rivals: Vec::new(),
-        firsts: Vec::new(),
-        noise_rad: floor_rad,
-    };
-    let detectable = detectable(&evidence, &nothing_tried, &looked_at, EffectId::ALL);
+    let noise = (floor_rad, correlation_length(&evidence, &calibrated));
+    let detectable = detectable(&evidence, noise, &calibrated, EffectId::ALL);
     Ok(Checkup { given_rad, calibrated_rad, floor_rad, parameters, beliefs, undetermined, detectable })
 }
 

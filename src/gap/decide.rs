@@ -10,6 +10,7 @@ use super::evidence::Evidence;
 use super::floor::rough_rad;
 use super::held_out::{HeldOut, closed};
 use super::model::{BASELINE, GAIN};
+use super::score::Measure;
 use super::trial::Trial;
 use crate::identify::JointModel;
 use crate::joint::EffectId;
@@ -52,7 +53,7 @@ pub(super) struct Decision<'a> {
     pub gain: f64,
     /// Score by which the best hypothesis outside the set is worse.
     pub margin: f64,
-    /// The number that had to move most, of those that are findings.
+    /// The number that was moved by most of its standard deviations.
     pub finding: Option<usize>,
 }
 
@@ -152,7 +153,7 @@ impl<'a> Judge<'a, '_> {
 
     /// Deviance on the fitted logs, with what the beliefs ask.
     fn deviance(&self, trial: &Trial) -> f64 {
-        super::score::Measure::by(self.evidence, &self.a.best).deviance(self.evidence, trial)
+        Measure::by(self.evidence, &self.a.best).deviance(self.evidence, trial)
     }
 
     fn score(&self, trial: &Trial) -> f64 {

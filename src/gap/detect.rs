@@ -1,6 +1,5 @@
 //! The smallest size of each effect that these logs would have shown.
 
-use super::attribute::Attribution;
 use super::diagnosis::Detectable;
 use super::evidence::Evidence;
 use super::model::COULOMB;
@@ -18,10 +17,11 @@ const SHOWN: f64 = 25.0;
 /// An effect's size may be extrapolated from its mildest starting point by this factor, either way.
 const REACH: f64 = 30.0;
 
-/// One entry for each effect; the joint is taken as `around` describes it.
+/// One entry for each effect; the joint is taken as `around` describes it, and the readings' noise has this standard
+/// deviation \[rad\], so many successive values of which count as one.
 pub(super) fn detectable(
     evidence: &Evidence,
-    a: &Attribution,
+    (noise_rad, correlation): (f64, f64),
     around: &Trial,
     effects: &[EffectId],
 ) -> Vec<Detectable> {
@@ -34,7 +34,7 @@ pub(super) fn detectable(
     // Weights are times: a sample of the full logs counts for its period.
     let samples: f64 = evidence.fit.iter().map(|e| e.weights_s.iter().sum::<f64>()).sum::<f64>();
     let count: f64 = evidence.fit.iter().map(|e| super::evidence::counts(e).sum::<f64>()).sum();
-    let unit = a.noise_rad.powi(2) * a.correlation * samples / count;
+    let unit = noise_rad.powi(2) * correlation * samples / count;
     effects
         .par_iter()
         .map(|&effect| {

@@ -59,7 +59,8 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &(dyn Fn(&str) + Sy
     let gap = gap(&evidence, &held, &attribution, &decision);
     progress("what these logs could have shown");
     let around = if decision.answer.effects().is_empty() { &attribution.calibrated } else { decision.answer };
-    let detectable = detectable(&evidence, &attribution, around, &effects);
+    let noise = (attribution.noise_rad, attribution.correlation);
+    let detectable = detectable(&evidence, noise, around, &effects);
     let (parameters, mut effect_parameters) = numbers(&evidence, around);
     if around.effects().is_empty() && decision.effect() == Some(EffectId::MotorGain) {
         effect_parameters.push((EffectId::MotorGain, vec![gain_as_effect(&parameters)]));

@@ -4,7 +4,7 @@
 //! themselves and in pairs (neither of which need help alone), and keeps what explains most. Nothing is judged on frozen
 //! numbers.
 
-use super::evidence::Evidence;
+use super::evidence::{Evidence, counts};
 use super::explore::{explore, one_of_each, refitted};
 use super::model::COULOMB;
 use super::pairs::pairs;
@@ -44,8 +44,8 @@ pub(super) struct Growth<'a> {
 }
 
 impl Growth<'_> {
-    /// The set that explains most, grown from a hypothesis; and each effect fitted on its own where that was the first
-    /// step. Every larger set that was reached is among the third.
+    /// The set that explains most, grown from a hypothesis; and each effect fitted on its own, where the hypothesis had
+    /// none and a step was made.
     pub fn from(&self, start: &Trial) -> (Trial, Vec<Trial>) {
         let mut best = start.clone();
         let mut singles = Vec::new();
@@ -117,7 +117,7 @@ impl Growth<'_> {
 
     fn lowers(&self, before: &Trial, after: &Trial) -> bool {
         let (before, after) = (before.fit_loss(self.evidence), after.fit_loss(self.evidence));
-        let samples: f64 = self.evidence.fit.iter().map(|e| super::evidence::counts(e).sum::<f64>()).sum();
+        let samples: f64 = self.evidence.fit.iter().map(|e| counts(e).sum::<f64>()).sum();
         after < STEP * before && samples / STEP_SAMPLES * (before / after.max(1e-300)).ln() > STEP_DEVIANCE
     }
 
