@@ -128,7 +128,7 @@ impl<'a> Along<'a> {
             memory.held = motor.command(setpoint, angle_rad, rate_rad_s, memory.integral_rad_s);
             memory.ticks = ((t_s + SAME_INSTANT_S - self.t_s[0]) / period_s).floor() as u64 + 1;
         }
-        Some((at(memory.ticks), Command::Torque(memory.held)))
+        Some((at(memory.ticks), command.held(memory.held, t_s)))
     }
 
     /// A joint that rests from sample `k` to the next: only the controller's memory moves.
@@ -282,7 +282,7 @@ impl Moving<'_, '_> {
         let (dq, dv) = (ANGLE_STEP, SPEED_STEP * self.direction);
         // The derivatives of a sampled law are taken from the continuous one, which it follows.
         let known = |y: &[f64; 2]| self.known_rad_s2(self.law, t, y);
-        let sampled = matches!((self.law, self.command), (Command::Pid { .. }, Command::Torque(_)));
+        let sampled = matches!((self.law, self.command), (Command::Pid { .. }, Command::Held { .. }));
         let here = if sampled { known(&y) } else { first[1] - self.lack_rad_s2(t) };
         let by_angle = (known(&[y[0] + dq, y[1]]) - here) / dq;
         let by_speed = (known(&[y[0], y[1] + dv]) - here) / dv;

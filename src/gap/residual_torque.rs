@@ -193,8 +193,9 @@ impl<'a> Record<'a> {
 
     /// Torque on a joint that is about to move \[N m\].
     fn pull_nm(&self, k: usize, x: &State) -> f64 {
-        let motor_nm = self.along.resting_nm(self.first + k, x[0]);
-        self.chain.drive_nm(x[0], motor_nm) + x[2] * self.chain.inertia_kg_m2()
+        let sample = self.first + k;
+        let motor_nm = self.along.resting_nm(sample, x[0]);
+        self.chain.drive_nm(self.e.t_s[sample], x[0], motor_nm) + x[2] * self.chain.inertia_kg_m2()
     }
 
     /// The steps about a path that moves in these directions.

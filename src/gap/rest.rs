@@ -137,7 +137,7 @@ impl Calm<'_, '_> {
     fn beyond_nm(&self, k: usize, angle_rad: f64) -> f64 {
         let at = |angle_rad: f64| {
             let motor_nm = self.along.resting_nm(k, angle_rad);
-            let net_nm = self.chain.drive_nm(angle_rad, motor_nm);
+            let net_nm = self.chain.drive_nm(self.e.t_s[k], angle_rad, motor_nm);
             let direction = if net_nm < 0.0 { -1.0 } else { 1.0 };
             let breakaway_nm = self.chain.breakaway_nm(self.e.t_s[k], angle_rad, direction, motor_nm);
             let beyond_nm = net_nm.abs() - breakaway_nm;

@@ -2,7 +2,7 @@
 
 use super::motor::Driven;
 use super::{
-    Compliance, Contact, Eccentric, EndStop, Friction, Link, Motor, Play, Real, Setpoint, SetpointPath, Spring,
+    Compliance, Contact, Eccentric, EndStop, Friction, Law, Link, Motor, Play, Real, Setpoint, SetpointPath, Spring,
     SpringCurve,
 };
 use crate::log::{EncoderSide, MotorSpec};
@@ -38,6 +38,8 @@ pub struct Chain<T: Real> {
     pub eccentric: Option<Eccentric<T>>,
     /// The reading is this old \[s\]; the controller sees it so.
     pub sensor_delay_s: Option<T>,
+    /// Laws without a formula, those of friction included, which act as its terms: [`Chain::add_law`].
+    pub(crate) laws: Vec<Law<T>>,
 }
 
 /// A spring between motor side and link is rigid where the two would swing faster than this against each other
@@ -72,6 +74,7 @@ impl<T: Real> Chain<T> {
             sensor_gain: T::constant(1.0),
             eccentric: None,
             sensor_delay_s: None,
+            laws: Vec::new(),
         }
     }
 
@@ -102,7 +105,7 @@ impl<T: Real> Chain<T> {
         (width_rad.is_some() || compliance.is_some()).then_some(TwoSides { width_rad, compliance, motor_side_kg_m2 })
     }
 
-    /// Torque of spring and stop \[N m\].
+    /// Torque of spring, stop and laws \[N m\], that of time aside.
     #[inline]
     fn elastic_nm(&self, angle_rad: T, rate_rad_s: T) -> T {
         let mut torque_nm = T::nought();
@@ -112,19 +115,28 @@ impl<T: Real> Chain<T> {
         if let Some(stop) = &self.stop {
             torque_nm += stop.torque_nm(angle_rad, rate_rad_s);
         }
+        self.add_laws_of_state(angle_rad, rate_rad_s, &mut torque_nm);
         torque_nm
     }
 
-    /// Torque of gravity, spring and stop \[N m\].
+    /// Torque of gravity, spring, stop and laws \[N m\], that of time aside.
     #[inline]
     pub fn passive_nm(&self, angle_rad: T, rate_rad_s: T) -> T {
         self.link.gravity_nm(angle_rad) + self.elastic_nm(angle_rad, rate_rad_s)
     }
 
+    /// Torque of all that acts on the link beside motor and friction \[N m\].
+    #[inline]
+    pub fn acting_nm(&self, t_s: T, angle_rad: T, rate_rad_s: T) -> T {
+        let mut torque_nm = self.passive_nm(angle_rad, rate_rad_s);
+        self.add_laws_of_time(t_s, &mut torque_nm);
+        torque_nm
+    }
+
     /// Net torque on a resting joint without friction \[N m\] at an angle, for a motor torque.
     #[inline]
-    pub fn drive_nm(&self, angle_rad: T, motor_nm: T) -> T {
-        motor_nm + self.passive_nm(angle_rad, T::nought())
+    pub fn drive_nm(&self, t_s: T, angle_rad: T, motor_nm: T) -> T {
+        motor_nm + self.acting_nm(t_s, angle_rad, T::nought())
     }
 
     /// Torque that resists motion in `direction` \[N m\].
@@ -140,7 +152,8 @@ impl<T: Real> Chain<T> {
         let gravity_nm = self.link.gravity_nm(angle_rad);
         let speed_rad_s = rate_rad_s * direction;
         let at = Contact { t_s, angle_rad, speed_rad_s, direction, gravity_nm, motor_nm };
-        let passive_nm = gravity_nm + self.elastic_nm(angle_rad, rate_rad_s);
+        let mut passive_nm = gravity_nm + self.elastic_nm(angle_rad, rate_rad_s);
+        self.add_laws_of_time(t_s, &mut passive_nm);
         (motor_nm + passive_nm - self.friction.resistance_nm(&at) * direction) / self.inertia_kg_m2()
     }
 
@@ -148,26 +161,33 @@ impl<T: Real> Chain<T> {
     #[inline]
     pub fn reading(&self, angle_rad: T, rate_rad_s: T) -> [T; 2] {
         let [angle_rad, rate_rad_s] = [angle_rad * self.sensor_gain, rate_rad_s * self.sensor_gain];
-        match &self.eccentric {
+        let reading = match &self.eccentric {
             None => [angle_rad, rate_rad_s],
             Some(eccentric) => {
                 let [reading_rad, slope] = eccentric.read(angle_rad);
                 [reading_rad, rate_rad_s * slope]
             }
-        }
+        };
+        if self.has_laws_of_reading() { self.with_laws_of_reading(reading) } else { reading }
     }
 
     /// What the encoder makes of a true angle.
     #[inline]
     pub fn reading_rad(&self, angle_rad: T) -> T {
-        match &self.eccentric {
+        let reading_rad = match &self.eccentric {
             None => angle_rad * self.sensor_gain,
             Some(eccentric) => eccentric.read(angle_rad * self.sensor_gain)[0],
-        }
+        };
+        if self.has_laws_of_reading() { self.with_laws_of_reading([reading_rad, T::nought()])[0] } else { reading_rad }
     }
 
     /// The true angle and rate at which the encoder reads these, its delay aside.
     pub fn read_back(&self, reading_rad: T, reading_rad_s: T) -> [T; 2] {
+        let mut reading = [reading_rad, reading_rad_s];
+        if self.has_laws_of_reading() {
+            reading = self.without_laws_of_reading(reading);
+        }
+        let [reading_rad, reading_rad_s] = reading;
         let [angle_rad, rate_rad_s] = match &self.eccentric {
             None => [reading_rad, reading_rad_s],
             Some(eccentric) => {
@@ -180,7 +200,8 @@ impl<T: Real> Chain<T> {
 
     /// Whether encoder and controller see the true angle at once.
     pub fn reads_true(&self) -> bool {
-        self.sensor_gain.re() == 1.0 && self.eccentric.is_none() && self.sensor_delay_s.is_none()
+        let at_once = self.sensor_delay_s.is_none();
+        at_once && self.sensor_gain.re() == 1.0 && self.eccentric.is_none() && !self.has_laws_of_reading()
     }
 
     /// The torque that the motor's law asks of it and that arrives \[N m\], at a true angle and rate.
@@ -214,24 +235,28 @@ impl<T: Real> Chain<T> {
     pub(crate) fn fastest_rad_s(&self, driven: Driven) -> f64 {
         let (kp, _) = self.stiffness_and_damping(driven);
         let spring = self.spring.as_ref().map_or(0.0, |spring| spring.stiffness_nm_rad.re().abs());
-        ((self.link.peak_gravity_nm() + kp + spring) / self.inertia_kg_m2().re()).sqrt()
+        let [by_laws, _] = self.stiffness_and_damping_of_laws(driven, 0.0);
+        ((self.link.peak_gravity_nm() + kp + spring + by_laws) / self.inertia_kg_m2().re()).sqrt()
     }
 
     /// The step \[s\] that keeps the fourth-order Runge-Kutta error far below a sensor step.
     ///
     /// A tenth of a radian of the fastest oscillation ([`Chain::fastest_rad_s`], which is the same all along a motion),
-    /// or a quarter of the fastest decay: the phase error is then 1e-7 rad per step. Near a stop its stiffness counts.
+    /// or a quarter of the fastest decay: the phase error is then 1e-7 rad per step. Near a stop its stiffness counts, and no
+    /// knot of a law may be stepped over.
     pub(crate) fn longest_step_s(&self, fastest_rad_s: f64, angle_rad: f64, rate_rad_s: f64, driven: Driven) -> f64 {
         let (kp, kd) = self.stiffness_and_damping(driven);
         let speed_rad_s = rate_rad_s.abs();
         let inertia = self.inertia_kg_m2().re();
-        let decay_1_s = (self.friction.slope_nm_s_rad(speed_rad_s) + kd) / inertia;
+        let [_, by_laws] = self.stiffness_and_damping_of_laws(driven, speed_rad_s);
+        let decay_1_s = (self.friction.slope_nm_s_rad(speed_rad_s) + kd + by_laws) / inertia;
         let mut fastest_rad_s = fastest_rad_s;
         if let Some(spring @ Spring { curve: SpringCurve::Stiffening(_), .. }) = &self.spring {
             let stiffness = self.link.peak_gravity_nm() + kp + spring.slope_nm_rad(angle_rad);
             fastest_rad_s = fastest_rad_s.max((stiffness / inertia).sqrt());
         }
-        let step_s = 1.0 / (10.0 * fastest_rad_s).max(4.0 * decay_1_s).max(2.0 * speed_rad_s).max(1.0);
+        let rate_1_s = (10.0 * fastest_rad_s).max(4.0 * decay_1_s).max(2.0 * speed_rad_s).max(1.0);
+        let step_s = 1.0 / rate_1_s.max(self.steps_for_laws_1_s(speed_rad_s));
         match &self.stop {
             Some(stop) => {
                 let contact_s = stop.longest_step_s(inertia);
@@ -243,7 +268,7 @@ impl<T: Real> Chain<T> {
         }
     }
 
-    fn stiffness_and_damping(&self, driven: Driven) -> (f64, f64) {
+    pub(super) fn stiffness_and_damping(&self, driven: Driven) -> (f64, f64) {
         self.motor.as_ref().map_or((0.0, 0.0), |motor| motor.stiffness_and_damping(driven))
     }
 }

@@ -12,6 +12,7 @@ mod effect;
 mod friction;
 mod gain;
 mod gearing;
+mod law;
 mod link;
 mod motor;
 mod passive;
@@ -27,6 +28,7 @@ pub use effect::{
 pub use friction::{Contact, Friction, FrictionTerm, Stribeck, StribeckCurve};
 pub use gain::{Unrepresentable, gain, gain_word};
 pub use gearing::{Compliance, Play};
+pub use law::{BadLaw, Curve, Law, LawActs, LawVariable};
 pub use link::Link;
 pub(crate) use motor::Driven;
 pub use motor::{Knee, Motor, Setpoint, SpeedLine, TorqueLimit};

@@ -10,6 +10,8 @@ mod drive_tests;
 mod events;
 mod extensive;
 mod history;
+#[cfg(test)]
+mod law_tests;
 mod one_body;
 mod play;
 mod profile;

@@ -135,7 +135,7 @@ impl<T: Real> OneBody<'_, T> {
     /// How far the torque on the resting joint is beyond breakaway \[N m\], and its direction.
     fn beyond_breakaway(&self, command: Command<T>, t_s: T, y: &[T; 3]) -> (T, f64) {
         let motor_nm = command.turning_motor_nm(self.chain, t_s, &self.seen_at(t_s, y), y[1]);
-        let net_nm = self.chain.drive_nm(y[0], motor_nm);
+        let net_nm = self.chain.drive_nm(t_s, y[0], motor_nm);
         let direction = if net_nm.re() < 0.0 { -1.0 } else { 1.0 };
         (net_nm * direction - self.chain.breakaway_nm(t_s, y[0], direction, motor_nm), direction)
     }
@@ -155,7 +155,7 @@ impl<T: Real> OneBody<'_, T> {
             self.mode = Mode::Slip(direction);
             return;
         }
-        let steady = command.is_steady(self.chain) && !self.chain.friction.changes_with_time();
+        let steady = command.is_steady(self.chain) && !self.chain.changes_with_time();
         let whole = until - self.t_s;
         let later = |dt: T| {
             let y = self.rested(command, dt);

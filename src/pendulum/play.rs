@@ -78,7 +78,7 @@ impl<'a, T: Real> TwoBodies<'a, T> {
         let (history, angle) = chain.sensor_delay_s.map(late).unzip();
         let angle = angle.unwrap_or(start.angle_rad);
         let width_rad = sides.width_rad.unwrap_or(T::nought());
-        let passive_nm = chain.passive_nm(angle, T::nought());
+        let passive_nm = chain.acting_nm(from_s, angle, T::nought());
         let flank = if passive_nm.re() < 0.0 { -1.0 } else { 1.0 };
         // The start is where the encoder sits.
         let bent = sides.compliance.map_or(T::nought(), |spring| passive_nm / spring.stiffness_nm_rad);
@@ -201,8 +201,8 @@ impl<T: Real> TwoBodies<'_, T> {
 
     /// Torque on the link alone, without friction \[N m\].
     #[inline]
-    fn on_link_nm(&self, y: &[T; 5]) -> T {
-        self.chain.passive_nm(y[0], y[1]) + self.spring_nm(y)
+    fn on_link_nm(&self, t_s: T, y: &[T; 5]) -> T {
+        self.chain.acting_nm(t_s, y[0], y[1]) + self.spring_nm(y)
     }
 
     fn motor_nm(&self, command: Command<T>, t_s: T, y: &[T; 5]) -> T {
@@ -230,7 +230,7 @@ impl<T: Real> TwoBodies<'_, T> {
     fn settle(&mut self, command: Command<T>) {
         let (t_s, y) = (self.t_s, self.y);
         let motor_nm = self.motor_nm(command, t_s, &y);
-        let passive_nm = self.chain.passive_nm(y[0], y[1]);
+        let passive_nm = self.chain.acting_nm(t_s, y[0], y[1]);
         let spring_nm = self.spring_nm(&y);
         let link_alone = self.beyond(passive_nm + spring_nm, LINK_SHARE, t_s, y[0], motor_nm);
         let motor_alone = self.beyond(motor_nm - spring_nm, 1.0 - LINK_SHARE, t_s, y[0], motor_nm);
@@ -265,8 +265,9 @@ impl<T: Real> TwoBodies<'_, T> {
     fn pressing_nm(&self, command: Command<T>, flank: f64, direction: f64, t_s: T, y: &[T; 5]) -> T {
         let motor_nm = self.motor_nm(command, t_s, y);
         let own_nm = self.resistance_nm(t_s, y[0], y[1] * direction, direction, motor_nm) * (LINK_SHARE * direction);
-        let on_link_nm =
-            self.link_kg_m2() * self.together(command, direction, t_s, y) - self.chain.passive_nm(y[0], y[1]) + own_nm;
+        let on_link_nm = self.link_kg_m2() * self.together(command, direction, t_s, y)
+            - self.chain.acting_nm(t_s, y[0], y[1])
+            + own_nm;
         on_link_nm * -flank
     }
 
@@ -286,7 +287,7 @@ impl<T: Real> TwoBodies<'_, T> {
                 };
                 let a_link = match link {
                     Motion::Rest => nought,
-                    Motion::Slip(d) => (self.on_link_nm(y) - friction(y[1], d, LINK_SHARE)) / self.link_kg_m2(),
+                    Motion::Slip(d) => (self.on_link_nm(t_s, y) - friction(y[1], d, LINK_SHARE)) / self.link_kg_m2(),
                 };
                 let a_motor = match motor {
                     Motion::Rest => nought,
@@ -325,10 +326,10 @@ impl<T: Real> TwoBodies<'_, T> {
             (Event::MotorStops, Mode::Apart(_, motion)) => y[3] * direction(motion),
             (Event::LinkMoves, Mode::Engaged(..)) => {
                 let motor_nm = motor_nm();
-                let net_nm = self.chain.passive_nm(y[0], y[1]) + motor_nm;
+                let net_nm = self.chain.acting_nm(t_s, y[0], y[1]) + motor_nm;
                 -self.beyond(net_nm, 1.0, t_s, y[0], motor_nm).0
             }
-            (Event::LinkMoves, _) => -self.beyond(self.on_link_nm(y), LINK_SHARE, t_s, y[0], motor_nm()).0,
+            (Event::LinkMoves, _) => -self.beyond(self.on_link_nm(t_s, y), LINK_SHARE, t_s, y[0], motor_nm()).0,
             (Event::MotorMoves, _) => {
                 let motor_nm = motor_nm();
                 -self.beyond(motor_nm - self.spring_nm(y), 1.0 - LINK_SHARE, t_s, y[0], motor_nm).0

@@ -197,7 +197,7 @@ fn walk<T: Real>(
                 if next_tick < until.re() {
                     (until, event) = (T::constant(next_tick), Event::None);
                 }
-                command = Command::Torque(held);
+                command = command.held(held, now);
             }
             body.advance(until, command)?;
             // An event that falls on a sample must still bear its derivative: the clock takes it over.

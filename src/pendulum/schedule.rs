@@ -32,8 +32,10 @@ pub enum Input<'a> {
 pub(crate) enum Command<T> {
     /// Nothing: the motor is off.
     Off,
-    /// A torque \[N m\], before the motor's gain and limits, or the answer of its law that is held.
+    /// A torque \[N m\], before the motor's gain and limits.
     Torque(T),
+    /// An answer of the control law that is held, a torque \[N m\] or a duty, and the slope that its setpoint had.
+    Held { answer: T, setpoint_rad_s: T },
     /// A setpoint, `setpoint_rad + slope_rad_s (t - from_s)`, through the control law; on a profile it has the `curve`'s rate
     /// and acceleration instead \[rad/s, rad/s^2\].
     Pid { setpoint_rad: T, slope_rad_s: f64, from_s: T, curve: Option<[T; 2]> },
@@ -54,13 +56,30 @@ impl<T: Real> Command<T> {
     /// and the integral of the angle error.
     #[inline]
     pub(crate) fn turning_motor_nm(self, chain: &Chain<T>, t_s: T, seen: &[T; 3], motor_rad_s: T) -> T {
-        match self {
+        let delivered_nm = match self {
             Command::Off => T::nought(),
-            Command::Torque(command) => chain.delivered_nm(command, motor_rad_s),
+            Command::Torque(command) | Command::Held { answer: command, .. } => {
+                chain.delivered_nm(command, motor_rad_s)
+            }
             Command::Pid { .. } => match self.setpoint(t_s) {
                 Some(setpoint) => chain.turning_motor_nm(setpoint, *seen, motor_rad_s),
                 None => T::nought(),
             },
+        };
+        chain.with_laws_of_drive(delivered_nm, || self.setpoint_rad_s(t_s))
+    }
+
+    /// An answer of the control law to this command that is held from `t_s` on.
+    pub(crate) fn held(self, answer: T, t_s: T) -> Self {
+        Command::Held { answer, setpoint_rad_s: self.setpoint_rad_s(t_s) }
+    }
+
+    /// Slope of the setpoint \[rad/s\]; zero where there is none.
+    #[inline]
+    fn setpoint_rad_s(self, t_s: T) -> T {
+        match self {
+            Command::Held { setpoint_rad_s, .. } => setpoint_rad_s,
+            _ => self.setpoint(t_s).map_or(T::nought(), |setpoint| setpoint.rate_rad_s),
         }
     }
 
@@ -84,7 +103,7 @@ impl<T: Real> Command<T> {
     #[inline]
     pub(crate) fn is_still(self) -> bool {
         match self {
-            Command::Off | Command::Torque(_) => true,
+            Command::Off | Command::Torque(_) | Command::Held { .. } => true,
             Command::Pid { slope_rad_s, curve, .. } => slope_rad_s == 0.0 && curve.is_none(),
         }
     }
@@ -94,7 +113,7 @@ impl<T: Real> Command<T> {
     pub(crate) fn driven(self) -> Driven {
         match self {
             Command::Off => Driven::Off,
-            Command::Torque(_) => Driven::Held,
+            Command::Torque(_) | Command::Held { .. } => Driven::Held,
             Command::Pid { .. } => Driven::ByLaw,
         }
     }
@@ -111,7 +130,7 @@ impl<T: Real> Command<T> {
     /// True where the torque on a resting joint does not change by itself.
     pub(crate) fn is_steady(self, chain: &Chain<T>) -> bool {
         match self {
-            Command::Off | Command::Torque(_) => true,
+            Command::Off | Command::Torque(_) | Command::Held { .. } => true,
             Command::Pid { .. } => {
                 self.is_still() && chain.sensor_delay_s.is_none() && !chain.motor.as_ref().is_some_and(|m| m.winds_up())
             }

@@ -79,7 +79,7 @@ impl<'a> Commands<'a> {
                 if is_due {
                     *answer = law(k, self.now[k], *period_s);
                 }
-                self.now[k] = Command::Torque(*answer);
+                self.now[k] = self.now[k].held(*answer, now_s);
             }
         }
     }

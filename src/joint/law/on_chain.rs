@@ -1,0 +1,143 @@
+//! Laws on a chain: where they come into the joint's equations, and how short steps must be for them.
+
+use super::{Law, LawActs, LawVariable, NEAR};
+use crate::joint::{Chain, Driven, Real};
+
+/// Steps that this part of the distance between two knots takes, at least.
+const STEPS_PER_KNOT: f64 = 2.0;
+
+impl<T: Real> Chain<T> {
+    /// Puts a law on the joint, beside those that it has.
+    ///
+    /// Torques of angle, speed, load and time act on the link; those of motor torque and setpoint rate at the motor, behind
+    /// its limits, and friction that depends on the motor's torque sees them. The variable of a law of the motor's torque is
+    /// what the motor alone delivers.
+    pub fn add_law(&mut self, law: Law<T>) {
+        if law.acts == LawActs::Friction {
+            self.friction.terms.push(Box::new(law.clone()));
+        }
+        self.laws.push(law);
+    }
+
+    /// Adds the torques that the joint's angle and rate alone bring about \[N m\].
+    #[inline]
+    pub(in crate::joint) fn add_laws_of_state(&self, angle_rad: T, rate_rad_s: T, torque_nm: &mut T) {
+        for law in self.torques() {
+            *torque_nm += match law.variable {
+                LawVariable::Angle => law.at(angle_rad),
+                LawVariable::Speed => law.at(rate_rad_s),
+                LawVariable::Load => law.at(self.link.gravity_nm(angle_rad)),
+                LawVariable::MotorTorque | LawVariable::Time | LawVariable::SetpointRate => continue,
+            };
+        }
+    }
+
+    /// Adds the torques that time brings about \[N m\].
+    #[inline]
+    pub(in crate::joint) fn add_laws_of_time(&self, t_s: T, torque_nm: &mut T) {
+        for law in self.torques().filter(|law| law.variable == LawVariable::Time) {
+            *torque_nm += law.at(t_s);
+        }
+    }
+
+    /// What arrives of a torque of the motor \[N m\], with the laws of it and of the setpoint's rate.
+    #[inline]
+    pub(crate) fn with_laws_of_drive(&self, delivered_nm: T, setpoint_rad_s: impl Fn() -> T) -> T {
+        let mut torque_nm = delivered_nm;
+        for law in self.torques() {
+            torque_nm += match law.variable {
+                LawVariable::MotorTorque => law.at(delivered_nm),
+                LawVariable::SetpointRate => law.at(setpoint_rad_s()),
+                _ => continue,
+            };
+        }
+        torque_nm
+    }
+
+    /// What the encoder's own laws make of a reading and its rate.
+    #[inline]
+    pub(in crate::joint) fn with_laws_of_reading(&self, [reading_rad, reading_rad_s]: [T; 2]) -> [T; 2] {
+        let (mut shift_rad, mut slope) = (T::nought(), T::constant(1.0));
+        for law in self.laws_of_reading() {
+            let [value, by_angle] = law.curve.value_and_slope(reading_rad);
+            shift_rad += value;
+            slope += by_angle;
+        }
+        [reading_rad + shift_rad, reading_rad_s * slope]
+    }
+
+    /// The reading of which the encoder's own laws make this one, and its rate.
+    pub(in crate::joint) fn without_laws_of_reading(&self, [shown_rad, shown_rad_s]: [T; 2]) -> [T; 2] {
+        let mut reading_rad = shown_rad;
+        let one = T::constant(1.0);
+        for _ in 0..INVERSIONS {
+            let [back_rad, slope] = self.with_laws_of_reading([reading_rad, one]);
+            reading_rad -= (back_rad - shown_rad) / slope;
+        }
+        [reading_rad, shown_rad_s / self.with_laws_of_reading([reading_rad, one])[1]]
+    }
+
+    /// Whether a resting joint may be moved by time alone.
+    pub(crate) fn changes_with_time(&self) -> bool {
+        self.friction.changes_with_time() || self.torques().any(|law| law.variable == LawVariable::Time)
+    }
+
+    /// Whether the encoder has laws of its own.
+    #[inline]
+    pub(in crate::joint) fn has_laws_of_reading(&self) -> bool {
+        self.laws_of_reading().next().is_some()
+    }
+
+    /// What laws add to stiffness at the most, and to damping near a speed \[N m/rad, N m s/rad\], for the choice of the
+    /// step.
+    pub(in crate::joint) fn stiffness_and_damping_of_laws(&self, driven: Driven, speed_rad_s: f64) -> [f64; 2] {
+        if self.laws.is_empty() {
+            return [0.0; 2];
+        }
+        let (kp, kd) = self.stiffness_and_damping(driven);
+        let mut sum = [0.0; 2];
+        for law in &self.laws {
+            let steepest = law.curve.steepest(f64::NEG_INFINITY, f64::INFINITY);
+            let [stiffness, damping] = match (law.acts, law.variable) {
+                (LawActs::Reading, _) | (LawActs::Torque, LawVariable::MotorTorque) => [kp * steepest, kd * steepest],
+                (LawActs::Torque, LawVariable::Angle) => [steepest, 0.0],
+                (LawActs::Torque, LawVariable::Load) => [steepest * self.link.peak_gravity_nm(), 0.0],
+                (LawActs::Torque, LawVariable::Speed) => {
+                    let [slow, fast] = [NEAR * speed_rad_s, speed_rad_s / NEAR];
+                    [0.0, law.curve.steepest(slow, fast).max(law.curve.steepest(-fast, -slow))]
+                }
+                (LawActs::Torque, LawVariable::Time | LawVariable::SetpointRate) | (LawActs::Friction, _) => [0.0; 2],
+            };
+            sum = [sum[0] + stiffness, sum[1] + damping];
+        }
+        sum
+    }
+
+    /// Steps per second that it takes to see every knot of the laws at a speed.
+    pub(in crate::joint) fn steps_for_laws_1_s(&self, speed_rad_s: f64) -> f64 {
+        let of = |law: &Law<T>| {
+            let finest = law.curve.finest();
+            STEPS_PER_KNOT
+                * match law.variable {
+                    LawVariable::Angle => speed_rad_s / finest,
+                    LawVariable::Load => speed_rad_s * self.link.peak_gravity_nm() / finest,
+                    LawVariable::Time => 1.0 / finest,
+                    LawVariable::Speed | LawVariable::MotorTorque | LawVariable::SetpointRate => 0.0,
+                }
+        };
+        self.laws.iter().map(of).fold(0.0, f64::max)
+    }
+
+    #[inline]
+    fn torques(&self) -> impl Iterator<Item = &Law<T>> {
+        self.laws.iter().filter(|law| law.acts == LawActs::Torque)
+    }
+
+    #[inline]
+    fn laws_of_reading(&self) -> impl Iterator<Item = &Law<T>> {
+        self.laws.iter().filter(|law| law.acts == LawActs::Reading)
+    }
+}
+
+/// Steps of Newton's method that find the reading behind another; each doubles the digits.
+const INVERSIONS: usize = 12;
