@@ -7,7 +7,8 @@ use super::explore::{explore, one_of_each};
 use super::floor::noise_rad;
 use super::folds::Folds;
 use super::grow::Growth;
-use super::held_out::HeldOut;
+use super::held_out::predicts_elsewhere;
+use super::laws::lawful;
 use super::model::GapModel;
 use super::score::Measure;
 use super::trial::Trial;
@@ -34,6 +35,8 @@ pub(super) struct Attribution {
     pub rivals: Vec<Vec<Trial>>,
     /// With one effect each, best first.
     pub firsts: Vec<Trial>,
+    /// The best with a law beside its causes, where one predicts what the causes leave.
+    pub law: Option<Trial>,
     /// Standard deviation of the sensor's own noise \[rad\].
     pub noise_rad: f64,
     /// How many successive residuals of the best hypothesis count as one.
@@ -58,6 +61,8 @@ const CLOSES_MOST: f64 = 0.15;
 const SHOWS_MORE: f64 = 6.0;
 /// A hypothesis whose squared residuals exceed the noise by this share leaves something to explain.
 pub(super) const LEFT_OVER: f64 = 0.02;
+/// Squared residuals that exceed the noise by this share are worth a law.
+const WORTH_A_LAW: f64 = 0.3;
 /// Rivals within this score of the best are carried over to all samples.
 const NEAR: f64 = 60.0;
 /// Standard deviations by which a cause has to predict logs better that were not fitted.
@@ -93,12 +98,15 @@ impl Attribution {
             progress("looking at short parts of the logs");
             let carried = in_short_parts(&coarse, &growth, &calibrated);
             if let Some(t) = carried.first() {
-                best = growth.from(t).0;
+                best = t.clone();
             }
         }
         let noise = noise_rad(&coarse, &[&given, &calibrated, &best]);
         let growth = Growth { enough: enough(noise), ..growth };
         let closes_most = best.fit_loss(&coarse) < CLOSES_MOST * calibrated.fit_loss(&coarse);
+        if !best.effects().is_empty() && beyond(&best, FAR, noise) {
+            best = growth.from(&best).0;
+        }
         if best.effects().is_empty() || (beyond(&best, FAR, noise) && !closes_most) {
             progress("looking at whole logs");
             let (other, singles) = growth.from(&calibrated);
@@ -121,9 +129,23 @@ impl Attribution {
         if firsts.is_empty() {
             firsts = explore(&coarse, &calibrated, &sights);
         }
+        super::dbg(&coarse, "PRUNED", &best);
         let (exchanged, without, rivals) = growth.exchanged(best);
+        super::dbg(&coarse, "EXCHANGED", &exchanged);
         let members = exchanged.effects().len();
         let best = growth.formed(proven(&coarse, exchanged, without, chance));
+        progress("looking for a law in what is left");
+        let step_rad = coarse.reach.resolution_rad;
+        let worth_a_law = best.fit_loss(&coarse) > samples * step_rad.max(noise_of_law(noise)).powi(2);
+        let law = if worth_a_law { lawful(&coarse, &best, &calibrated) } else { None };
+        let best = match &law {
+            Some(law) if law.effects().len() < best.effects().len() => {
+                let kept: Vec<usize> =
+                    (0..best.effects().len()).filter(|k| law.effects().contains(&best.effects()[*k])).collect();
+                best.keeping(&coarse, &kept, AGAIN)
+            }
+            _ => best,
+        };
         // What was exchanged is proven, and what is proven is not exchanged again: its rivals are looked at only.
         let without = growth.without_each(&best);
         let rivals = if best.effects().len() == members { rivals } else { growth.rivals(&best, &without) };
@@ -139,6 +161,7 @@ impl Attribution {
             without,
             rivals,
             firsts,
+            law,
             noise_rad: noise,
             correlation: 1.0,
             best,
@@ -172,12 +195,14 @@ impl Attribution {
         let causes = self.best.effects().len();
         self.alone = (0..causes).into_par_iter().map(|k| self.best.keeping(evidence, &[k], AGAIN)).collect();
         there(&mut self.best);
+        self.law.iter_mut().for_each(there);
         self.without.par_iter_mut().for_each(there);
         self.firsts.par_iter_mut().for_each(there);
         self.rivals.par_iter_mut().for_each(|rivals| rivals.iter_mut().for_each(there));
         self.alone.par_iter_mut().for_each(|t| t.predict(evidence, Some(near)));
         self.in_order(evidence);
-        let all: Vec<&Trial> = [&self.given, &self.calibrated, &self.best].into_iter().chain(&self.firsts).collect();
+        let all: Vec<&Trial> =
+            [&self.given, &self.calibrated, &self.best].into_iter().chain(&self.law).chain(&self.firsts).collect();
         self.noise_rad = noise_rad(evidence, &all);
         self.correlation = super::compare::correlation_length(evidence, &self.best);
         let measure = Measure::by(evidence, &self.best);
@@ -203,6 +228,13 @@ impl Attribution {
         self.rivals = order.iter().map(|&k| self.rivals[k].clone()).collect();
         self.best = sorted;
         self.best.predict(evidence, Some(&self.calibrated));
+        if let Some(law) = &mut self.law {
+            let place = |e: &EffectId| self.best.effects().iter().position(|own| own == e);
+            let mut kept: Vec<usize> = (0..law.effects().len()).collect();
+            kept.sort_by_key(|k| place(&law.effects()[*k]));
+            *law = law.keeping(evidence, &kept, AGAIN);
+            law.predict(evidence, Some(&self.calibrated));
+        }
         let between: Vec<usize> = (1..causes).collect();
         self.ladder = between
             .into_par_iter()
@@ -258,6 +290,11 @@ impl Attribution {
     }
 }
 
+/// Where residuals stay below this no law is looked for \[rad\].
+fn noise_of_law(noise_rad: f64) -> f64 {
+    noise_rad * (1.0 + WORTH_A_LAW).sqrt()
+}
+
 /// The hypothesis with the better score.
 fn better(evidence: &Evidence, a: Trial, b: Trial) -> Trial {
     let measure = Measure::by(evidence, if a.fit_loss(evidence) < b.fit_loss(evidence) { &a } else { &b });
@@ -288,20 +325,19 @@ fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance:
         let folds = Folds::of(evidence);
         let held = folds.residuals(&best);
         // Few logs are as many conditions: what holds in one has to hold in the others.
-        let logs = (2..=FEW_LOGS).contains(&evidence.fit.len()).then(|| HeldOut::in_turn(evidence));
-        let by_log = logs.as_ref().map(|logs| logs.residuals(evidence, &best));
+        let few = (2..=FEW_LOGS).contains(&evidence.fit.len());
         let worth = |t: &Trial| {
             let gained = deviance(t) - deviance(&best);
             let lost = folds.difference(&folds.residuals(t), &held);
             // What predicts clearly need not exceed chance by itself, but its charge.
             let needed = if lost.z() > CLEARLY { measure.charge(&best) - measure.charge(t) } else { chance };
-            let elsewhere = match (&logs, &by_log) {
-                (Some(logs), Some(with)) => logs.difference(&logs.residuals(evidence, t), with).z(),
-                _ => 0.0,
-            };
-            if lost.sum > PREDICTS * lost.sd && elsewhere > -ELSEWHERE { gained - needed } else { f64::NEG_INFINITY }
+            let elsewhere = if few { predicts_elsewhere(evidence, t, &best, measure.effective) } else { 0.0 };
+            if std::env::var("GAP_DEBUG").is_ok() { eprintln!("     gained {gained:.1} needed {needed:.1} lost z {:.2} elsewhere {elsewhere:.2}", lost.z()); }
+            if lost.sum > PREDICTS * lost.sd && elsewhere > -super::knob("ELSE", 1.0) { gained - needed } else { f64::NEG_INFINITY }
         };
         let worths: Vec<f64> = without.par_iter().map(worth).collect();
+        super::dbg(evidence, "PROVE", &best);
+        for (w, t) in worths.iter().zip(&without) { super::dbg(evidence, &format!("   worth {w:.1} without"), t); }
         let worst = (0..worths.len()).min_by(|a, b| worths[*a].total_cmp(&worths[*b]));
         match worst {
             Some(k) if worths[k] < 0.0 => {

@@ -68,7 +68,7 @@ pub(super) fn correlation_length(evidence: &Evidence, trial: &Trial) -> f64 {
         let counted: Vec<f64> = counts(e).zip(r).map(|(c, r)| c.sqrt() * r).collect();
         let samples = r.len() as f64;
         let period_s = (e.t_s[e.t_s.len() - 1] - e.t_s[0]) / (e.t_s.len() - 1).max(1) as f64;
-        sum += samples * crate::fit::correlation_length(&counted).min((LONGEST_S / period_s).max(1.0));
+        sum += samples * crate::fit::correlation_length(&counted).min((super::knob("LONGEST", 0.06) / period_s).max(1.0));
         n += samples;
     }
     if n > 0.0 { (sum / n).max(1.0) } else { 1.0 }

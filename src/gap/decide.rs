@@ -100,10 +100,11 @@ impl<'a> Judge<'a, '_> {
         // The gain of the drive as a number is the effect of a motor that delivers more or less than commanded.
         let is_gain = verdict == Verdict::Calibration && finding == Some(GAIN);
         let effects = if is_gain { vec![EffectId::MotorGain] } else { Vec::new() };
+        let answer = if alarm { a.law.as_ref().unwrap_or(simple) } else { simple };
         Decision {
             verdict: if is_gain { Verdict::Effect } else { verdict },
             first: None,
-            answer: simple,
+            answer,
             equivalent: effects.clone(),
             effects,
             excess,
@@ -135,7 +136,8 @@ impl<'a> Judge<'a, '_> {
         Decision {
             verdict: if explained { Verdict::Effect } else { Verdict::Unexplained },
             first: if effects.len() == 1 { Some(chosen) } else { a.ladder.first() },
-            answer: chosen,
+            // A law takes what it explains out of the numbers.
+            answer: a.law.as_ref().filter(|law| law.effects() == chosen.effects()).unwrap_or(chosen),
             effects,
             equivalent,
             excess,

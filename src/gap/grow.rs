@@ -57,15 +57,7 @@ impl Growth<'_> {
                 singles = others;
             }
             let Some(grown) = grown.filter(|grown| self.lowers(&best, grown)) else { break };
-            let mut grown = self.shaken(grown.settled(self.evidence, SETTLE));
-            if grown.effects().len() > 2 {
-                grown = self.pruned(grown);
-            }
-            // What was pruned again at once would be grown again for ever.
-            if !self.lowers(&best, &grown) {
-                break;
-            }
-            best = grown;
+            best = self.shaken(grown.settled(self.evidence, SETTLE));
         }
         (best, singles)
     }
@@ -101,6 +93,8 @@ impl Growth<'_> {
             (loss(t) / before).max(1e-12).ln() / added.sqrt()
         };
         let best = singles.iter().chain(&together).min_by(|a, b| worth(a).total_cmp(&worth(b))).cloned();
+        super::dbg(self.evidence,"step from", from);
+        for t in singles.iter().chain(&together) { super::dbg(self.evidence,"   tried", t); }
         (best, singles)
     }
 

@@ -50,11 +50,6 @@ impl HeldOut {
         Self { experiments: all.clone(), how, from: From::InTurn }
     }
 
-    /// The fitted logs, each predicted by the others.
-    pub fn in_turn(evidence: &Evidence) -> Self {
-        Self { experiments: evidence.fit.clone(), how: "each log predicted by a fit to all others", from: From::InTurn }
-    }
-
     /// Whether no choice was made on these logs.
     pub fn is_outer(&self) -> bool {
         matches!(self.from, From::Study)
@@ -71,16 +66,7 @@ impl HeldOut {
         if all.len() == 1 {
             return Folds::of(evidence).residuals(trial);
         }
-        (0..all.len())
-            .into_par_iter()
-            .map(|k| {
-                let others = (0..all.len()).filter(|i| *i != k);
-                let starts = others.clone().map(|i| trial.found.starts[i]).collect();
-                let without = evidence.with_logs(others.map(|i| all[i].clone()).collect(), Vec::new());
-                let fitted = Trial::solved(&without, trial.model.clone(), &trial.found.values, starts, AGAIN);
-                predicted(&trial.model, &all[k], &fitted.found.values, Some(trial.found.starts[k])).1
-            })
-            .collect()
+        (0..all.len()).into_par_iter().map(|k| without_log(evidence, trial, k).1).collect()
     }
 
     /// Root of the mean squared residual over all held-out samples \[rad\].
@@ -120,6 +106,37 @@ impl HeldOut {
         let at = |share: f64| drawn[((drawn.len() - 1) as f64 * share).round() as usize];
         Some([at(0.025), at(0.975)])
     }
+}
+
+/// How many standard deviations `poor` predicts fitted logs worse than `rich`, each log by fits to the others; 0 where that
+/// says nothing. Where the others do not show what `rich` has more, they cannot tell its size either: such a log is left
+/// out.
+pub(super) fn predicts_elsewhere(evidence: &Evidence, poor: &Trial, rich: &Trial, effective: f64) -> f64 {
+    let logs = evidence.fit.len();
+    let of_log = |k: usize| -> Vec<f64> {
+        let [(poor_left, poor), (rich_left, rich)] = [poor, rich].map(|t| without_log(evidence, t, k));
+        let share = (logs - 1) as f64 / logs as f64;
+        if effective * share * (poor_left / rich_left.max(1e-300)).ln() < SHOWN {
+            return Vec::new();
+        }
+        blocks(std::slice::from_ref(&evidence.fit[k]), &[poor], &[rich]).collect()
+    };
+    let lost: Vec<f64> = (0..logs).into_par_iter().flat_map_iter(of_log).collect();
+    if lost.len() < 2 { 0.0 } else { Difference::of(&lost).z() }
+}
+
+/// Deviance from which on logs show something.
+const SHOWN: f64 = 8.0;
+
+/// What a fit to the other logs leaves of them \[rad^2\], and its residuals on log number `k` \[rad\].
+fn without_log(evidence: &Evidence, trial: &Trial, k: usize) -> (f64, Vec<f64>) {
+    let all = &evidence.fit;
+    let others = (0..all.len()).filter(|i| *i != k);
+    let starts = others.clone().map(|i| trial.found.starts[i]).collect();
+    let without = evidence.with_logs(others.map(|i| all[i].clone()).collect(), Vec::new());
+    let fitted = Trial::solved(&without, trial.model.clone(), &trial.found.values, starts, AGAIN);
+    let residual = predicted(&trial.model, &all[k], &fitted.found.values, Some(trial.found.starts[k])).1;
+    (fitted.fit_loss(&without), residual)
 }
 
 /// Draws of the bootstrap.

@@ -2,6 +2,7 @@
 //! each effect's parameters.
 
 use super::evidence::Evidence;
+use super::law_shape::LawShape;
 use crate::identify::{Belief, Experiment, JointModel, Parameter, Search, Signal};
 use crate::joint::{Chain, EffectForm, EffectId, Friction, Link, Motor, Reach, Real, Scan};
 use crate::log::{Nominal, Uncertain};
@@ -27,6 +28,8 @@ pub(crate) struct GapModel {
     effects: Vec<EffectId>,
     /// The same in the forms that they have here.
     forms: Vec<EffectForm>,
+    /// A cause without a name; its numbers stand last.
+    law: Option<LawShape>,
     unit_rad2_s: f64,
 }
 
@@ -64,7 +67,7 @@ impl GapModel {
             Parameter::positive("gain", "c", "", Some(1.0), 1.0).believed(gain_sd),
             Parameter::angle("rest", "q_rest", Some(rest_rad), rest_rad).fixed(),
         ];
-        Self { parameters, effects: Vec::new(), forms: Vec::new(), unit_rad2_s: 0.0 }
+        Self { parameters, effects: Vec::new(), forms: Vec::new(), law: None, unit_rad2_s: 0.0 }
     }
 
     /// The same model, in which one unit of deviance weighs so much in the criterion \[rad^2 s\].
@@ -73,13 +76,13 @@ impl GapModel {
         self
     }
 
-    /// Deviance of values under the beliefs: squares of how many standard deviations they were moved.
+    /// Deviance of values under the beliefs.
     pub(super) fn strain(&self, values: &[f64]) -> f64 {
-        let moved = self.parameters.iter().zip(values).filter(|(p, _)| !p.fixed).filter_map(|(p, v)| p.moved_sd(*v));
-        moved.map(|sd| sd * sd).sum()
+        let free = self.parameters.iter().zip(values).filter(|(p, _)| !p.fixed);
+        free.filter_map(|(p, v)| Some(p.belief?.strain(p.to_coordinate(*v))[0].powi(2))).sum()
     }
 
-    /// The same joint with one effect more.
+    /// The same joint with one effect more; a joint with a law has all its effects.
     pub(crate) fn with(&self, effect: impl Into<EffectForm>, reach: &Reach) -> Self {
         let (mut more, form) = (self.clone(), effect.into());
         more.effects.push(form.id);
@@ -109,6 +112,32 @@ impl GapModel {
         more
     }
 
+    /// The same joint with a law beside its effects.
+    pub(super) fn with_law(&self, law: LawShape) -> Self {
+        let mut more = self.without_law();
+        more.parameters.extend(law.parameters());
+        Self { law: Some(law), ..more }
+    }
+
+    /// The same joint without its law.
+    pub(super) fn without_law(&self) -> Self {
+        let mut less = self.clone();
+        less.parameters.truncate(self.law_place().start);
+        less.law = None;
+        less
+    }
+
+    /// The law.
+    pub(super) fn law(&self) -> Option<&LawShape> {
+        self.law.as_ref()
+    }
+
+    /// Where the law's numbers stand, behind all others.
+    pub(super) fn law_place(&self) -> std::ops::Range<usize> {
+        let end = self.parameters.len();
+        end - self.law.as_ref().map_or(0, LawShape::count)..end
+    }
+
     /// The same model with parameters held at the values given, by index.
     pub(super) fn holding(mut self, held: &[usize], values: &[f64]) -> Self {
         for &i in held {
@@ -135,6 +164,10 @@ impl GapModel {
         for &k in kept {
             model = model.with(self.forms[k], &evidence.reach);
             left.extend(&values[self.place(k)]);
+        }
+        if let Some(law) = &self.law {
+            model = model.with_law(law.clone());
+            left.extend(&values[self.law_place()]);
         }
         (model, left)
     }
@@ -231,6 +264,9 @@ impl JointModel for GapModel {
             let (own, later) = rest_of.split_at(effect.searched_count());
             effect.apply(own, values[INERTIA], &mut chain);
             rest_of = later;
+        }
+        if let Some(law) = &self.law {
+            law.apply(rest_of, &mut chain);
         }
         chain
     }

@@ -5,7 +5,7 @@ use super::evidence::{Evidence, counts};
 use super::trial::Trial;
 
 /// Charge for having been chosen among the catalogue, in deviance.
-const FOR_THE_CHOICE: f64 = 6.0;
+pub(super) const FOR_THE_CHOICE: f64 = 6.0;
 
 /// The measure that hypotheses of one comparison share.
 #[derive(Clone, Copy, Debug)]
@@ -31,7 +31,8 @@ impl Measure {
     /// What a hypothesis is charged for its effects and their parameters (Schwarz 1978, and the choice).
     pub fn charge(self, trial: &Trial) -> f64 {
         let searched: usize = trial.model.forms().iter().map(|form| form.searched_count()).sum();
-        searched as f64 * self.effective.ln() + trial.effects().len() as f64 * FOR_THE_CHOICE
+        let law = trial.model.law().map_or(0.0, |law| law.charge + FOR_THE_CHOICE);
+        searched as f64 * self.effective.ln() + trial.effects().len() as f64 * FOR_THE_CHOICE + law
     }
 
     /// Deviance and charge: less is better.

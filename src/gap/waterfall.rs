@@ -23,7 +23,8 @@ pub(super) fn causes(
     let calibrated = rms(&a.calibrated);
     let left = calibrated - a.noise_rad;
     let share = |from: f64, to: f64| (left > 0.0).then(|| ((from - to) / left).min(1.0));
-    let after_all = rms(answer);
+    // A law comes behind the causes.
+    let after_all = if answer.model.law().is_some() { rms(&a.best) } else { rms(answer) };
     // Where another effect stands for a single one, the hypotheses about the set are not about it.
     let as_found = answer.effects() == a.best.effects();
     (0..answer.effects().len())

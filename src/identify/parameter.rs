@@ -44,13 +44,28 @@ pub struct Parameter {
     pub belief: Option<Belief>,
 }
 
-/// What is believed of a parameter beforehand: a normal distribution of its search coordinate.
+/// What is believed of a parameter beforehand: a distribution of its search coordinate that is normal near its middle
+/// and has the heavier tails of Student's t, because a number that was written down wrongly is not a little wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Belief {
-    /// Mean, in the search coordinate.
+    /// Middle, in the search coordinate.
     pub at: f64,
     /// Standard deviation, in the search coordinate: for a logarithm the relative one.
     pub sd: f64,
+}
+
+/// Degrees of freedom of a belief.
+const TAIL: f64 = 4.0;
+
+impl Belief {
+    /// Root of what a value of the search coordinate costs in deviance, with its sign: how many standard deviations it
+    /// lies away, less and less of those that are many; and the slope of that.
+    pub fn strain(&self, x: f64) -> [f64; 2] {
+        let away = (x - self.at) / self.sd;
+        let root = (TAIL * (away * away / TAIL).ln_1p()).sqrt();
+        let slope = if root > 1e-6 { away.abs() / (1.0 + away * away / TAIL) / root } else { 1.0 };
+        [root.copysign(away), slope / self.sd]
+    }
 }
 
 /// Search range of a logarithmic parameter, either way of its start: a factor of 150.

@@ -195,8 +195,9 @@ impl<'a, M: JointModel> Problem<'a, M> {
             jacobian: vec![0.0; rows.len() * rows.len()],
         };
         for (row, (k, belief)) in rows.iter().enumerate() {
-            block.residual.push(root * (x[*k] - belief.at) / belief.sd);
-            block.jacobian[row * rows.len() + row] = root / belief.sd;
+            let [strain, slope] = belief.strain(x[*k]);
+            block.residual.push(root * strain);
+            block.jacobian[row * rows.len() + row] = root * slope;
         }
         Some(block)
     }

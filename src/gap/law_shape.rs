@@ -1,0 +1,171 @@
+//! A law as it is searched: smooth waves over the range of its variable, believed to be the smaller the faster they swing.
+
+use super::evidence::Evidence;
+use crate::identify::{Belief, Experiment, Parameter, Search, Signal};
+use crate::joint::{Chain, Law, LawActs, LawVariable, Real};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// A law to be fitted: what it is of, where its knots are, and the waves that add up to it.
+#[derive(Clone, Debug)]
+pub(super) struct LawShape {
+    pub variable: LawVariable,
+    pub acts: LawActs,
+    /// Knots, in the variable's unit.
+    pub at: Arc<[f64]>,
+    /// Values of each wave at the knots.
+    waves: Arc<[Vec<f64>]>,
+    /// Standard deviation that is believed of each wave's size, in the law's unit.
+    sd: Vec<f64>,
+    /// What the freedom of the law is charged, in deviance: how much its data tell of it (logarithm of the ratio of
+    /// what is believed before and after, MacKay 1992).
+    pub charge: f64,
+}
+
+/// Waves of a law of the angle, where teeth and magnets make ripples, and of any other.
+const WAVES_OF_ANGLE: usize = 32;
+const WAVES: usize = 14;
+/// Knots for each wave.
+const KNOTS: usize = 2;
+/// Readings beyond these shares are left out of a variable's range.
+const TAILS: f64 = 0.002;
+/// A range below this share of a full one shows nothing.
+const FLAT: f64 = 1e-9;
+
+impl LawShape {
+    /// Every law that the logs may show, with beliefs of size one.
+    pub fn all(evidence: &Evidence) -> Vec<Self> {
+        use LawActs::{Friction, Reading, Torque};
+        use LawVariable::{Angle, Load, MotorTorque, SetpointRate, Speed, Time};
+        let kinds = [
+            (Torque, Angle),
+            (Torque, Speed),
+            (Torque, MotorTorque),
+            (Torque, SetpointRate),
+            (Torque, Time),
+            (Friction, Speed),
+            (Friction, Angle),
+            (Friction, Load),
+            (Friction, MotorTorque),
+            (Friction, Time),
+            (Reading, Angle),
+        ];
+        kinds.into_iter().filter_map(|(acts, variable)| Self::of(evidence, acts, variable)).collect()
+    }
+
+    fn of(evidence: &Evidence, acts: LawActs, variable: LawVariable) -> Option<Self> {
+        let signed = acts != LawActs::Friction || variable == LawVariable::Angle;
+        let mut seen: Vec<f64> = evidence.fit.iter().flat_map(|e| values_of(evidence, e, variable)).collect();
+        if !signed {
+            seen.iter_mut().for_each(|x| *x = x.abs());
+        }
+        seen.retain(|x| x.is_finite());
+        if seen.is_empty() {
+            return None;
+        }
+        seen.sort_by(f64::total_cmp);
+        let at = |share: f64| seen[((seen.len() - 1) as f64 * share).round() as usize];
+        let (from, to) = (if signed { at(TAILS) } else { 0.0 }, at(1.0 - TAILS));
+        let count = if variable == LawVariable::Angle { WAVES_OF_ANGLE } else { WAVES };
+        (to - from > FLAT * (from.abs() + to.abs())).then(|| Self::between(acts, variable, [from, to], count))
+    }
+
+    /// A law over a range, with so many waves of size one.
+    fn between(acts: LawActs, variable: LawVariable, [from, to]: [f64; 2], count: usize) -> Self {
+        let knots = KNOTS * count;
+        let place = |k: usize| k as f64 / knots as f64;
+        // A constant friction is Coulomb's.
+        let first = usize::from(acts == LawActs::Friction);
+        let wave = |j: usize| (0..=knots).map(|k| (PI * j as f64 * place(k)).cos()).collect::<Vec<f64>>();
+        Self {
+            variable,
+            acts,
+            at: (0..=knots).map(|k| from + (to - from) * place(k)).collect(),
+            waves: (first..count).map(wave).collect(),
+            sd: (first..count).map(|j| 1.0 / j.max(1) as f64).collect(),
+            charge: 0.0,
+        }
+    }
+
+    /// The same law, believed to be so many times as large.
+    pub fn sized(&self, factor: f64) -> Self {
+        Self { sd: self.sd.iter().map(|sd| sd * factor).collect(), ..self.clone() }
+    }
+
+    /// The same law with what its freedom is charged.
+    pub fn charged(self, charge: f64) -> Self {
+        Self { charge, ..self }
+    }
+
+    /// How many numbers it has.
+    pub fn count(&self) -> usize {
+        self.waves.len()
+    }
+
+    /// What is believed of the size of each wave.
+    pub fn sd(&self) -> &[f64] {
+        &self.sd
+    }
+
+    /// Its numbers as parameters of a model.
+    pub fn parameters(&self) -> impl Iterator<Item = Parameter> + '_ {
+        self.sd.iter().enumerate().map(|(j, &sd)| Parameter {
+            search: Search::Linear { scale: sd },
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+            belief: Some(Belief { at: 0.0, sd }),
+            ..Parameter::positive(format!("law {j}"), "f", self.acts.unit(), None, 0.0)
+        })
+    }
+
+    /// Values at the knots for numbers of the law.
+    pub fn values<T: Real>(&self, numbers: &[T]) -> Vec<T> {
+        let at_knot = |k: usize| {
+            numbers.iter().zip(self.waves.iter()).fold(T::nought(), |sum, (number, wave)| sum + *number * wave[k])
+        };
+        (0..self.at.len()).map(at_knot).collect()
+    }
+
+    /// Puts the law on a chain.
+    pub fn apply<T: Real>(&self, numbers: &[T], chain: &mut Chain<T>) {
+        // Numbers that make no curve are refused by the criterion: without the law nothing fits.
+        if let Ok(law) = Law::new(self.variable, self.acts, self.at.clone(), &self.values(numbers)) {
+            chain.add_law(law);
+        }
+    }
+
+    /// A typical size, in the law's unit: all the torque that there is, or a radian.
+    pub fn typical(&self, evidence: &Evidence) -> f64 {
+        match self.acts {
+            LawActs::Reading => 1.0,
+            _ => evidence.reach.torque_nm.max(evidence.reach.driven.map_or(0.0, |driven| driven.command_nm)),
+        }
+    }
+}
+
+/// What a variable was along a log, roughly.
+fn values_of(evidence: &Evidence, e: &Experiment, variable: LawVariable) -> Vec<f64> {
+    let (t, q) = (&e.t_s[e.uncompared..], &e.measured_rad[e.uncompared..]);
+    let slope = |x: &[f64]| -> Vec<f64> {
+        let stride = (x.len() / 200).clamp(1, 4);
+        (stride..x.len()).map(|k| (x[k] - x[k - stride]) / (t[k] - t[k - stride])).collect()
+    };
+    match (variable, &e.signal) {
+        (LawVariable::Angle, _) => q.to_vec(),
+        (LawVariable::Speed, _) => slope(q),
+        (LawVariable::Load, _) => {
+            let nominal = evidence.nominal.moment_kg_m;
+            let load = e.load.map_or((0.0, 0.0), |l| (l.moment_kg_m, l.angle_rad));
+            let pull = |q: &f64| nominal * (q - evidence.rest_rad).sin() + load.0 * (q - evidence.rest_rad - load.1).sin();
+            q.iter().map(|q| e.gravity_m_s2 * pull(q)).collect()
+        }
+        (LawVariable::Time, _) => t.iter().map(|t| t - e.t_s[0]).collect(),
+        (LawVariable::MotorTorque, Signal::Torque { torque_nm, .. }) => torque_nm[e.uncompared..].to_vec(),
+        (LawVariable::MotorTorque, Signal::Position { setpoint_rad, .. }) => {
+            let kp = e.motor.map_or(0.0, |motor| motor.nm_per_answer() * motor.kp_nm_rad);
+            setpoint_rad[e.uncompared..].iter().zip(q).map(|(r, q)| kp * (r - q)).collect()
+        }
+        (LawVariable::SetpointRate, Signal::Position { setpoint_rad, .. }) => slope(&setpoint_rad[e.uncompared..]),
+        _ => Vec::new(),
+    }
+}

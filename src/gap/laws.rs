@@ -1,0 +1,182 @@
+//! What the named causes leave, as a law without a name.
+//!
+//! To first order a law is a ridge regression of the residuals on what each of its waves changes in the simulation,
+//! beyond what the hypothesis can take up. How large the waves are believed to be is chosen by the evidence (MacKay
+//! 1992). The laws that promise most are fitted inside the simulation together with all other numbers, and one is kept
+//! only if it predicts what it was not fitted to.
+
+use super::evidence::Evidence;
+use super::folds::Folds;
+use super::held_out::predicts_elsewhere;
+use super::law_shape::LawShape;
+use super::model::GapModel;
+use super::projector::Projector;
+use super::score::{FOR_THE_CHOICE, Measure};
+use super::sight::weighted;
+use super::trial::Trial;
+use crate::fit::{Budget, Residuals};
+use crate::identify::{Found, JointModel, Problem};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// Sizes that a law's waves are tried with, as shares of a typical one.
+const SIZES: [f64; 4] = [0.01, 0.04, 0.15, 0.6];
+/// Rounds in which size of the rest and size of the law are brought together.
+const ROUNDS: usize = 3;
+/// Laws that are fitted in full.
+const FITTED: usize = 4;
+/// Evaluations of a first fit, and of one that begins near its end.
+const FULL: Budget = Budget { evaluations: 16 };
+const AGAIN: Budget = Budget { evaluations: 10 };
+/// Score by which a law has to be better than none.
+const EARNS: f64 = 10.0;
+/// Standard deviations by which it has to predict parts better that were not fitted, and by which it may not predict
+/// whole logs worse.
+const PREDICTS: f64 = 2.0;
+const ELSEWHERE: f64 = 0.5;
+
+
+/// The best hypothesis with a law: beside the causes that were found, beside some of them, or instead of them all.
+/// `None` where no law earns its place.
+pub(super) fn lawful(evidence: &Evidence, best: &Trial, calibrated: &Trial) -> Option<Trial> {
+    let mut found = added(evidence, best);
+    if !best.effects().is_empty() {
+        found.extend(added(evidence, calibrated));
+    }
+    let richest = found.iter().min_by(|a, b| a.fit_loss(evidence).total_cmp(&b.fit_loss(evidence)))?;
+    let measure = Measure::by(evidence, richest);
+    let score = |t: &Trial| measure.score(evidence, t);
+    found.retain(|t| score(t) < score(best) - EARNS);
+    found.sort_by(|a, b| score(a).total_cmp(&score(b)));
+    let first = found.into_iter().find(|t| predicts(evidence, best, t))?;
+    Some(pruned(evidence, measure, first))
+}
+
+/// Without the causes that a law has made needless.
+fn pruned(evidence: &Evidence, measure: Measure, mut best: Trial) -> Trial {
+    while !best.effects().is_empty() {
+        let score = |t: &Trial| measure.score(evidence, t);
+        let without: Vec<Trial> =
+            (0..best.effects().len()).into_par_iter().map(|k| best.without(evidence, k, AGAIN)).collect();
+        match without.into_iter().min_by(|a, b| score(a).total_cmp(&score(b))) {
+            Some(less) if score(&less) <= score(&best) => best = less,
+            _ => break,
+        }
+    }
+    best
+}
+
+/// Whether a hypothesis predicts parts of the logs better than one without its law, and whole logs no worse.
+fn predicts(evidence: &Evidence, without: &Trial, with: &Trial) -> bool {
+    let folds = Folds::of(evidence);
+    let lost = folds.difference(&folds.residuals(without), &folds.residuals(with));
+    let effective = Measure::by(evidence, with).effective;
+    let elsewhere = || predicts_elsewhere(evidence, without, with, effective);
+    lost.z() > PREDICTS && (evidence.fit.len() == 1 || elsewhere() > -ELSEWHERE)
+}
+
+/// A hypothesis with each of the laws that promise most added and everything refitted.
+fn added(evidence: &Evidence, base: &Trial) -> Vec<Trial> {
+    let problem = Problem::new(&base.model, &evidence.fit);
+    let Ok(blocks) = problem.linearise(&problem.coordinates_from(&base.found)) else { return Vec::new() };
+    let projector = Projector::of(&blocks, base.model.free());
+    let absent: Vec<DVector<f64>> = blocks.iter().map(|b| DVector::from_column_slice(&b.residual)).collect();
+    let Some(left) = projector.project(&absent) else { return Vec::new() };
+    let measure = Measure::by(evidence, base);
+    let mut promising: Vec<Promise> = LawShape::all(evidence)
+        .into_par_iter()
+        .filter_map(|shape| promise(evidence, base, &projector, &left, measure.effective, &shape))
+        .collect();
+    promising.sort_by(|a, b| a.score.total_cmp(&b.score));
+    promising.truncate(FITTED);
+    promising.into_par_iter().map(|p| fitted(evidence, base, p)).collect()
+}
+
+/// A law with the numbers that explain most to first order.
+struct Promise {
+    shape: LawShape,
+    numbers: Vec<f64>,
+    /// Deviance with what the law is charged, less that without it.
+    score: f64,
+}
+
+/// What a law promises beside a hypothesis, in the size that the evidence picks.
+fn promise(
+    evidence: &Evidence,
+    base: &Trial,
+    projector: &Projector,
+    left: &[DVector<f64>],
+    effective: f64,
+    shape: &LawShape,
+) -> Option<Promise> {
+    let columns = columns(evidence, base, projector, shape)?;
+    let n = columns.len();
+    let dot = |a: &[DVector<f64>], b: &[DVector<f64>]| a.iter().zip(b).map(|(a, b)| a.dot(b)).sum::<f64>();
+    let gram = DMatrix::from_fn(n, n, |i, k| if i <= k { dot(&columns[i], &columns[k]) } else { 0.0 });
+    let gram = gram.upper_triangle() + gram.upper_triangle().transpose() - DMatrix::from_diagonal(&gram.diagonal());
+    let slopes = DVector::from_iterator(n, columns.iter().map(|c| -dot(c, left)));
+    let before: f64 = left.iter().map(|r| r.norm_squared()).sum();
+    let typical = shape.typical(evidence);
+    let sized = SIZES.iter().filter_map(|size| {
+        let shape = shape.sized(size * typical);
+        let sd = DVector::from_column_slice(shape.sd());
+        let mut unit = before / effective;
+        let mut found = None;
+        for _ in 0..ROUNDS {
+            // Everything in units of what is believed of each wave.
+            let told = DMatrix::from_fn(n, n, |i, k| gram[(i, k)] * sd[i] * sd[k] / unit + f64::from(u8::from(i == k)));
+            let factor = told.cholesky()?;
+            let sizes = factor.solve(&slopes.component_mul(&sd)) / unit;
+            let numbers = sizes.component_mul(&sd);
+            let explained = before - 2.0 * slopes.dot(&numbers) + numbers.dot(&(&gram * &numbers));
+            let whole = explained.max(0.0) + unit * sizes.norm_squared();
+            let charge = 2.0 * factor.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>();
+            unit = whole / effective;
+            found = Some((numbers, charge, effective * (whole / before).max(1e-12).ln()));
+        }
+        let (numbers, charge, gained) = found?;
+        let score = gained + charge + FOR_THE_CHOICE;
+        score.is_finite().then(|| Promise { shape: shape.charged(charge), numbers: numbers.as_slice().to_vec(), score })
+    });
+    sized.min_by(|a, b| a.score.total_cmp(&b.score))
+}
+
+/// What each wave of a law changes beyond what a hypothesis can take up, log by log.
+fn columns(
+    evidence: &Evidence,
+    base: &Trial,
+    projector: &Projector,
+    shape: &LawShape,
+) -> Option<Vec<Vec<DVector<f64>>>> {
+    let held: Vec<usize> = (0..base.model.parameters().len()).collect();
+    let model: GapModel = base.model.clone().holding(&held, &base.found.values).with_law(shape.clone());
+    let values: Vec<f64> = base.found.values.iter().copied().chain(vec![0.0; shape.count()]).collect();
+    let problem = Problem::new(&model, &evidence.fit);
+    let x = problem.coordinates_from(&Found { values, ..base.found.clone() });
+    let blocks = problem.linearise(&x).ok()?;
+    let column = |j: usize| {
+        let of_log = |b: &crate::fit::Block| {
+            let width = b.columns.len();
+            DVector::from_iterator(b.residual.len(), b.jacobian.iter().skip(j).step_by(width).copied())
+        };
+        projector.project(&blocks[..evidence.fit.len()].iter().map(of_log).collect::<Vec<_>>())
+    };
+    (0..shape.count()).map(column).collect()
+}
+
+/// A law fitted inside the simulation, from what it promises or from nothing.
+fn fitted(evidence: &Evidence, base: &Trial, promise: Promise) -> Trial {
+    let model = base.model.with_law(promise.shape);
+    let values = |share: f64| -> Vec<f64> {
+        base.found.values.iter().copied().chain(promise.numbers.iter().map(|b| share * b)).collect()
+    };
+    let rest = |values: &[f64]| -> f64 {
+        let problem = Problem::new(&model, &evidence.fit);
+        let x = problem.coordinates_from(&Found { values: values.to_vec(), ..base.found.clone() });
+        let square = |k: usize| weighted(&problem, &x, k).map_or(f64::INFINITY, |r| r.norm_squared());
+        (0..evidence.fit.len()).map(square).sum()
+    };
+    let from = [1.0, 0.5, 0.0].map(values).into_iter().min_by(|a, b| rest(a).total_cmp(&rest(b)));
+    let from = from.unwrap_or_else(|| values(0.0));
+    Trial::solved(evidence, model, &from, base.found.starts.clone(), FULL).settled(evidence, AGAIN)
+}
