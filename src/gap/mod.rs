@@ -25,6 +25,7 @@ mod held_out;
 mod hold_fit;
 mod hold_scan;
 mod localise;
+mod looks_like;
 #[cfg(test)]
 mod made;
 mod map;
@@ -59,6 +60,7 @@ pub use diagnosis::{
     MapCell, Next, Number, Phase, ProfileBin, ResidualTorque, Variable, Verdict, Where,
 };
 pub use localise::{LogPart, localise};
+pub use looks_like::looks_like;
 pub(crate) use model::GapModel;
 pub use rates::{Rate, Rates};
 pub(crate) use reach::reach_of;
