@@ -291,3 +291,72 @@ fn values_at_the_edge_of_what_is_possible_end_in_a_prediction_or_in_an_error() {
         }
     }
 }
+
+/// A fit with a law.
+fn fit_with_law(law: &str) -> String {
+    FIT.replacen("\"effects\": []", &format!("\"effects\": [], \"law\": {law}"), 1)
+}
+
+#[test]
+fn a_law_of_a_fit_acts_as_the_effect_that_it_imitates() {
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("study.toml"), STUDY).unwrap();
+    fs::write(dir.path().join("good.csv"), good_log()).unwrap();
+    let rms = |fit: &str| {
+        fs::write(dir.path().join("fit.json"), fit).unwrap();
+        rms_of(dir.path(), &["--fit", "fit.json", "--out", "out"])[0].2
+    };
+    let law = |variable: &str, acts: &str, table: &str| {
+        fit_with_law(&format!("{{\"variables\": [\"{variable}\"], \"acts\": \"{acts}\", \"table\": {{{table}}}}}"))
+    };
+    let plain = rms(FIT);
+    let nothing = rms(&law("angle", "torque", "\"x\": [-1, 0, 1], \"y\": [0, 0, 0], \"unit\": \"N m\""));
+    assert!((nothing / plain - 1.0).abs() < 1e-9, "{nothing} {plain}");
+    let spring = rms(&fit_with("joint_spring", &[("k", 0.02), ("q_s", 0.2)]));
+    let like_it = rms(&law("angle", "torque", "\"x\": [-2, 0.2, 2], \"y\": [0.044, 0, -0.036], \"unit\": \"N m\""));
+    assert!((like_it / spring - 1.0).abs() < 1e-4 && (spring / plain - 1.0).abs() > 1e-2, "{like_it} {spring} {plain}");
+    let drag = rms(&fit_with("quadratic_drag", &[("c2", 0.001)]));
+    let curve: Vec<f64> = (0..30).map(|k| 0.4 * f64::from(k)).collect();
+    let squares: Vec<f64> = curve.iter().map(|w| 0.001 * w * w).collect();
+    let like_it = rms(&law("speed", "friction", &format!("\"x\": {curve:?}, \"y\": {squares:?}")));
+    assert!((like_it / drag - 1.0).abs() < 1e-4 && (drag / plain - 1.0).abs() > 1e-3, "{like_it} {drag} {plain}");
+    let offset = rms(&law("angle", "reading", "\"x\": [0, 1], \"y\": [-0.2, -0.2], \"unit\": \"rad\""));
+    let like_it = rms(&fit_with("angle_offset", &[("d", 0.2)]));
+    assert!((like_it / offset - 1.0).abs() < 1e-3 && (offset / plain - 1.0).abs() > 1e-2, "{like_it} {offset} {plain}");
+    let said = expect_code(dir.path(), &["simulate", "study.toml", "--fit", "fit.json", "--out", "out"], 0);
+    assert!(!said.contains("law"), "{said}");
+    fs::write(dir.path().join("fit.json"), law("speed", "friction", "\"x\": [0, 1], \"y\": [0, 1]")).unwrap();
+    let said = expect_code(dir.path(), &["simulate", "study.toml", "--fit", "fit.json", "--out", "out"], 0);
+    assert!(said.contains("fit.json, with a law of the friction by speed"), "{said}");
+}
+
+#[test]
+fn laws_that_cannot_be_are_refused_by_name() {
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("study.toml"), STUDY).unwrap();
+    fs::write(dir.path().join("good.csv"), good_log()).unwrap();
+    let of = |head: &str, x: &str, y: &str| format!("{{{head}, \"table\": {{\"x\": [{x}], \"y\": [{y}]}}}}");
+    let cases: Vec<(String, &[&str])> = vec![
+        (of("\"variables\": [\"angel\"]", "0, 1", "0, 1"), &["unknown variable", "angel", "setpoint_rate"]),
+        (of("\"variables\": [\"angle\"], \"acts\": \"push\"", "0, 1", "0, 1"), &["push", "torque, friction, reading"]),
+        (of("\"variables\": []", "0, 1", "0, 1"), &["law: a law of 0 variables", "exactly one"]),
+        (of("\"variables\": [\"angle\"]", "0, 1, 0.5", "0, 1, 1"), &["law: x[2] = 0.5 does not follow x[1] = 1"]),
+        (of("\"variables\": [\"angle\"]", "0, 1", "0"), &["law: 2 values in x and 1 in y"]),
+        (of("\"variables\": [\"angle\"]", "0", "0"), &["law: 1 knot(s)"]),
+        (of("\"variables\": [\"angle\"]", "0, 1", "0, null"), &["null", "line"]),
+        (of("\"variables\": [\"angle\"]", "0, 1", "0, NaN"), &["line", "expected a fit.json"]),
+        (of("\"variables\": [\"angle\"]", "0, 1", "0, 1e999"), &["out of range"]),
+        (of("\"variables\": [\"speed\"], \"acts\": \"reading\"", "0, 1", "0, 1"), &["law: ", "an encoder sees"]),
+        ("{\"variables\": [\"angle\"]}".into(), &["table"]),
+    ];
+    for (law, parts) in cases {
+        fs::write(dir.path().join("fit.json"), fit_with_law(&law)).unwrap();
+        let output = run_in(dir.path(), &["simulate", "study.toml", "--fit", "fit.json", "--out", "out"]);
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(3), "{law}\n{said}");
+        for part in std::iter::once(&"fit.json").chain(parts) {
+            assert!(said.contains(part), "`{part}` is not in: {said}");
+        }
+    }
+    assert!(!dir.path().join("out").exists());
+}

@@ -6,8 +6,8 @@ use super::progress::Progress;
 use super::provenance::provenance;
 use crate::fit::{Budget, Method};
 use crate::gap::{GapModel, reach_of};
-use crate::identify::{Case, Experiment, Item, JointModel, Parameter, Prediction, Scale, conclude, predict};
-use crate::joint::{EffectForm, EffectId, UnknownEffect};
+use crate::identify::{Case, Experiment, Item, JointModel, Parameter, Prediction, Scale, WithLaws, conclude, predict};
+use crate::joint::{EffectForm, EffectId, Law, UnknownEffect};
 use crate::log::{LogError, Nominal, Outputs, Role};
 use crate::report::{EffectFit, FitFile, Quantity, SCHEMA};
 use clap::Args;
@@ -27,7 +27,7 @@ pub(super) struct SimulateArgs {
     /// The study whose logs are predicted
     #[arg(value_name = "STUDY")]
     study: PathBuf,
-    /// Parameters and effects found by drop or gap [default: the study's nominal model]
+    /// Parameters, effects and law found by drop or gap [default: the study's nominal model]
     #[arg(long, value_name = "FIT.json")]
     fit: Option<PathBuf>,
     /// Predict this log instead, by the study's joint and by what the study says of its first log
@@ -45,6 +45,8 @@ struct InForce {
     gain: f64,
     /// Effects with their values as they are searched.
     effects: Vec<(EffectForm, Vec<f64>)>,
+    /// What no effect describes.
+    laws: Vec<Law<f64>>,
     source: String,
 }
 
@@ -114,7 +116,8 @@ fn in_force(args: &SimulateArgs, case: &Case) -> Result<InForce, CliError> {
             what: "the study has no nominal model; give parameters with --fit".into(),
         })?;
         let source = format!("{}, as given", args.study.display());
-        return Ok(InForce { nominal, rest_rad: case.joint.rest_rad, gain: 1.0, effects: Vec::new(), source });
+        let (rest_rad, effects, laws) = (case.joint.rest_rad, Vec::new(), Vec::new());
+        return Ok(InForce { nominal, rest_rad, gain: 1.0, effects, laws, source });
     };
     let file = read_fit(path)?;
     let wrong = |what: String| CliError::FitFile { file: path.clone(), what };
@@ -149,12 +152,16 @@ fn in_force(args: &SimulateArgs, case: &Case) -> Result<InForce, CliError> {
         }
     };
     let effects = effects(&file.effects, nominal.coulomb_nm).map_err(|what| wrong(format!("effects: {what}")))?;
+    let laws = file.law.iter().map(|table| table.law().map_err(|bad| wrong(format!("law: {bad}"))));
+    let laws = laws.collect::<Result<Vec<_>, _>>()?;
     let rest_rad = file.joint.rest.as_ref().and_then(|r| r.value).or(case.joint.rest_rad);
     if let Some(rest) = rest_rad.filter(|rest| !(rest.abs() <= std::f64::consts::TAU)) {
         return Err(wrong(format!("joint.rest.value is {rest:?}, expected an angle within 2 pi (6.283) rad")));
     }
     let gain = file.joint.gain.as_ref().map_or(Ok(1.0), |gain| number("joint.gain", gain, false))?;
-    Ok(InForce { nominal, rest_rad, gain, effects, source: path.display().to_string() })
+    let of = |law: &Law<f64>| format!(", with a law of the {} by {}", law.acts(), law.variable());
+    let source = path.display().to_string() + &laws.iter().map(of).collect::<String>();
+    Ok(InForce { nominal, rest_rad, gain, effects, laws, source })
 }
 
 /// The effects of a fit file with their values as they are searched, or what is wrong with them.
@@ -236,7 +243,8 @@ fn predictions<'a>(case: &'a Case, in_force: &InForce) -> Result<Vec<Predicted<'
     let stated = |p: &Parameter| if p.name == "gain" { in_force.gain } else { p.start };
     let mut values: Vec<f64> = baseline.parameters().iter().map(stated).collect();
     values.extend(in_force.effects.iter().flat_map(|(_, searched)| searched));
-    let mut model = in_force.effects.iter().fold(baseline, |model, (effect, _)| model.with(*effect, &reach));
+    let model = in_force.effects.iter().fold(baseline, |model, (effect, _)| model.with(*effect, &reach));
+    let mut model = WithLaws { model, laws: in_force.laws.clone() };
     for (p, value) in model.parameters_mut().iter_mut().zip(&values) {
         (p.start, p.fixed) = (*value, p.name != "rest" || in_force.rest_rad.is_some());
     }

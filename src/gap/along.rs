@@ -26,7 +26,7 @@ pub(super) struct Along<'a> {
 pub(super) struct Memory {
     integral_rad_s: f64,
     /// The answer of a sampled law.
-    held: f64,
+    held: Option<Command<f64>>,
     ticks: u64,
 }
 
@@ -125,10 +125,11 @@ impl<'a> Along<'a> {
             let late_rad = self.chain.sensor_delay_s.map_or(0.0, |delay_s| delay_s * y[1]);
             let [angle_rad, rate_rad_s] = self.chain.reading(y[0] - late_rad, y[1]);
             let motor = self.chain.motor.as_ref()?;
-            memory.held = motor.command(setpoint, angle_rad, rate_rad_s, memory.integral_rad_s);
+            let answer = motor.command(setpoint, angle_rad, rate_rad_s, memory.integral_rad_s);
+            memory.held = Some(command.held(answer, t_s));
             memory.ticks = ((t_s + SAME_INSTANT_S - self.t_s[0]) / period_s).floor() as u64 + 1;
         }
-        Some((at(memory.ticks), command.held(memory.held, t_s)))
+        memory.held.map(|held| (at(memory.ticks), held))
     }
 
     /// A joint that rests from sample `k` to the next: only the controller's memory moves.

@@ -27,6 +27,7 @@ mod hold_scan;
 mod law_shape;
 mod laws;
 mod localise;
+mod looks_like;
 #[cfg(test)]
 mod made;
 mod map;
@@ -61,6 +62,7 @@ pub use diagnosis::{
     MapCell, Next, Number, Phase, ProfileBin, ResidualTorque, Variable, Verdict, Where,
 };
 pub use localise::{LogPart, localise};
+pub use looks_like::looks_like;
 pub(crate) use model::GapModel;
 pub use rates::{Rate, Rates};
 pub(crate) use reach::reach_of;

@@ -16,6 +16,7 @@ mod run;
 mod scale;
 mod smooth;
 mod weights;
+mod with_laws;
 
 pub use case::{Case, CaseError, Item};
 pub use conclude::{Estimate, Fitted, Status, conclude};
@@ -30,3 +31,4 @@ pub use problem::Problem;
 pub use run::{Found, Prediction, predict, prediction, search};
 pub(crate) use run::{candidates, ranked};
 pub use scale::Scale;
+pub use with_laws::WithLaws;

@@ -28,7 +28,7 @@ pub use effect::{
 pub use friction::{Contact, Friction, FrictionTerm, Stribeck, StribeckCurve};
 pub use gain::{Unrepresentable, gain, gain_word};
 pub use gearing::{Compliance, Play};
-pub use law::{BadLaw, Curve, Law, LawActs, LawVariable};
+pub use law::{BadLaw, Curve, CurveTable, Law, LawActs, LawTable, LawVariable};
 pub use link::Link;
 pub(crate) use motor::Driven;
 pub use motor::{Knee, Motor, Setpoint, SpeedLine, TorqueLimit};

@@ -238,8 +238,8 @@ fn derivatives_by_the_values_agree_with_differences_through_events() {
     }
     let duals: [DualSVec64<6>; 6] = std::array::from_fn(|i| variable(SIZES[i], i));
     let exact = read(&duals, input, &t_s);
-    for i in 0..6 {
-        let h = 1e-5 * SIZES[i].abs();
+    for (i, size) in SIZES.iter().enumerate() {
+        let h = 1e-5 * size.abs();
         let moved =
             |h: f64| read(&std::array::from_fn::<_, 6, _>(|k| SIZES[k] + if k == i { h } else { 0.0 }), input, &t_s);
         let (up, down) = (moved(h), moved(-h));

@@ -162,7 +162,7 @@ fn walk<T: Real>(
     };
     let mut schedule = Schedule::new(input, t_s, body.chain().setpoint);
     let mut ticks = 0u64;
-    let mut held = T::nought();
+    let mut held = Command::Off;
     visit(0, &shown(&body, view));
     for k in 1..t_s.len() {
         let to = t_s[k];
@@ -190,14 +190,14 @@ fn walk<T: Real>(
             if let (Some(period_s), Some(setpoint)) = (sample_period_s, command.setpoint(now)) {
                 let next_tick = t_s[0] + ticks as f64 * period_s;
                 if next_tick <= now.re() + 1e-12 {
-                    held = sampled_command(&mut body, setpoint, period_s);
+                    held = command.held(sampled_command(&mut body, setpoint, period_s), now);
                     ticks += 1;
                     continue;
                 }
                 if next_tick < until.re() {
                     (until, event) = (T::constant(next_tick), Event::None);
                 }
-                command = command.held(held, now);
+                command = held;
             }
             body.advance(until, command)?;
             // An event that falls on a sample must still bear its derivative: the clock takes it over.

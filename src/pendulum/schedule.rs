@@ -28,7 +28,7 @@ pub enum Input<'a> {
 }
 
 /// What is asked of the motor between two events.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) enum Command<T> {
     /// Nothing: the motor is off.
     Off,

@@ -2,6 +2,7 @@
 
 use super::{DropReport, FullRow, ModelSummary, ParameterRow, ParameterStatus, RefitSummary};
 use crate::identify::{DropFit, Named};
+use crate::joint::LawTable;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -21,6 +22,9 @@ pub struct FitFile {
     /// Effects beyond the baseline joint.
     #[serde(default)]
     pub effects: Vec<EffectFit>,
+    /// A law without a formula, beside the effects.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub law: Option<LawTable>,
     /// Masses of the link's bodies \[kg\], where they were the parameters.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub masses: BTreeMap<String, Quantity>,
@@ -189,6 +193,7 @@ impl FitFile {
             name: report.joint.clone(),
             joint,
             effects,
+            law: None,
             masses: masses.map(|e| (e.name.clone(), Quantity::of(&super::assemble::row(e)))).collect(),
             ratios: ratios.iter().map(|row| (row.name.clone(), Quantity::of(row))).collect(),
             models: report.models.iter().map(|m| (key(m).to_owned(), model(m))).collect(),

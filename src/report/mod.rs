@@ -38,7 +38,7 @@ pub use check::{CheckReport, check_json, check_text};
 pub use error::ReportError;
 pub use fit_json::{EffectFit, FitFile, JointFit, LogFit, ModelFit, Quantity, SCHEMA};
 pub use full::{FullCurves, FullDrop, FullRow, HeldRow, RefitFit, RefitSummary};
-pub use gap::{GapReport, NEXT_FILE, gap_figures, gap_json, gap_text, render_gap_html};
+pub use gap::{GapReport, NEXT_FILE, gap_figures, gap_json, gap_text, law_figure, render_gap_html};
 pub use html::render_html;
 pub use model::{
     Correlation, DropReport, FrictionPoint, HashedInput, LogCurves, LogHealthRow, ModelSummary, ParameterRow,

@@ -14,8 +14,8 @@ pub struct Curve<T> {
     /// Polynomials in the distance from the knot at which each piece begins.
     pieces: Vec<[T; 4]>,
     last: T,
-    /// Bound on the slope of each piece.
-    steepest: Vec<f64>,
+    /// The least and the greatest slope of each piece.
+    slopes: Vec<[f64; 2]>,
 }
 
 impl<T: Real> Curve<T> {
@@ -49,8 +49,8 @@ impl<T: Real> Curve<T> {
                 [values[k], slopes[k], bend, twist]
             })
             .collect();
-        let steepest = at.windows(2).zip(&pieces).map(|(pair, piece)| steepest(piece, pair[1] - pair[0])).collect();
-        Ok(Self { at, pieces, last, steepest })
+        let slopes = at.windows(2).zip(&pieces).map(|(pair, piece)| slopes_of(piece, pair[1] - pair[0])).collect();
+        Ok(Self { at, pieces, last, slopes })
     }
 
     /// Its value.
@@ -83,8 +83,24 @@ impl<T: Real> Curve<T> {
 
     /// A bound on the size of its slope between two places.
     pub fn steepest(&self, from: f64, to: f64) -> f64 {
-        let pieces = self.at.windows(2).zip(&self.steepest);
-        pieces.filter(|(ends, _)| ends[0] <= to && ends[1] >= from).map(|(_, slope)| *slope).fold(0.0, f64::max)
+        let pieces = self.at.windows(2).zip(&self.slopes);
+        let there = pieces.filter(|(ends, _)| ends[0] <= to && ends[1] >= from);
+        there.map(|(_, [least, greatest])| least.abs().max(greatest.abs())).fold(0.0, f64::max)
+    }
+
+    /// Its least slope, between its ends.
+    pub fn least_slope(&self) -> f64 {
+        self.slopes.iter().map(|[least, _]| *least).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The same curve for another kind of number, without derivatives.
+    pub fn held<U: Real>(&self) -> Curve<U> {
+        Curve {
+            at: self.at.clone(),
+            pieces: self.pieces.iter().map(|piece| piece.map(|c| U::constant(c.re()))).collect(),
+            last: U::constant(self.last.re()),
+            slopes: self.slopes.clone(),
+        }
     }
 
     /// The least distance between two knots.
@@ -129,13 +145,14 @@ fn three_point_slopes<T: Real>(at: &[f64], values: &[T]) -> Vec<T> {
         .collect()
 }
 
-/// The largest slope of a cubic over a width.
-fn steepest<T: Real>(piece: &[T; 4], width: f64) -> f64 {
+/// The least and the greatest slope of a cubic over a width.
+fn slopes_of<T: Real>(piece: &[T; 4], width: f64) -> [f64; 2] {
     let [_, c1, c2, c3] = piece.map(|c| c.re());
-    let slope = |d: f64| (c1 + d * (2.0 * c2 + d * 3.0 * c3)).abs();
+    let slope = |d: f64| c1 + d * (2.0 * c2 + d * 3.0 * c3);
     let turn = -c2 / (3.0 * c3);
-    let inside = if turn > 0.0 && turn < width { slope(turn) } else { 0.0 };
-    slope(0.0).max(slope(width)).max(inside)
+    let inside = if turn > 0.0 && turn < width { slope(turn) } else { slope(0.0) };
+    let [first, last] = [slope(0.0), slope(width)];
+    [first.min(last).min(inside), first.max(last).max(inside)]
 }
 
 #[cfg(test)]
@@ -195,10 +212,10 @@ mod tests {
             let slopes = gradient(&Curve::new(at.clone(), &seeded).unwrap().value(variable(x, 4)));
             let by = |x: f64, values: &[f64]| Curve::new(at.clone(), values).unwrap().value(x);
             let h = 1e-6;
-            for k in 0..4 {
+            for (k, exact) in slopes[..4].iter().enumerate() {
                 let moved =
                     |h: f64| by(x, &std::array::from_fn::<_, 4, _>(|i| values[i] + if i == k { h } else { 0.0 }));
-                assert_relative_eq!(slopes[k], (moved(h) - moved(-h)) / (2.0 * h), epsilon = 1e-8);
+                assert_relative_eq!(*exact, (moved(h) - moved(-h)) / (2.0 * h), epsilon = 1e-8);
             }
             assert_relative_eq!(slopes[4], (by(x + h, &values) - by(x - h, &values)) / (2.0 * h), epsilon = 1e-5);
         }

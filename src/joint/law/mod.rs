@@ -6,8 +6,10 @@
 
 mod curve;
 mod on_chain;
+mod table;
 
 pub use curve::Curve;
+pub use table::{CurveTable, LawTable};
 
 use super::{Contact, FrictionTerm, Real, Stage};
 use serde::{Deserialize, Serialize};
@@ -196,6 +198,32 @@ pub enum BadLaw {
         /// What was found.
         found: String,
     },
+    /// A law of several variables, or of none.
+    #[error("a law of {found} variables; exactly one was expected in `variables`")]
+    Variables {
+        /// How many there are.
+        found: usize,
+    },
+    /// A stage that the chain does not have.
+    #[error("unknown stage {found:?}; one of setpoint, delay, controller, motor, gearing, link, sensor was expected")]
+    Stage {
+        /// What was found.
+        found: String,
+    },
+    /// Values in another unit.
+    #[error("unit {found:?} of table.y; a law of the {acts} is in {:?}", acts.unit())]
+    Unit {
+        /// What was found.
+        found: String,
+        /// What the law acts on.
+        acts: LawActs,
+    },
+    /// A reading that would turn back while the angle goes on.
+    #[error("the reading falls by {fall} rad/rad; it may not turn back while the angle goes on: no slope below -0.9")]
+    Fold {
+        /// The least slope.
+        fall: f64,
+    },
     /// A law that the chain has no place for.
     #[error("a law of the {acts} cannot be a function of {variable}: {why}")]
     Pair {
@@ -266,6 +294,11 @@ impl<T: Real> Law<T> {
     /// The stage of the chain that it changes.
     pub fn stage(&self) -> Stage {
         stage(self.acts, self.variable)
+    }
+
+    /// The same law for another kind of number, without derivatives.
+    pub fn held<U: Real>(&self) -> Law<U> {
+        Law { variable: self.variable, acts: self.acts, curve: Arc::new(self.curve.held()) }
     }
 }
 

@@ -19,7 +19,7 @@ pub(super) use fit::quantities;
 pub use html::render_gap_html;
 pub(super) use html::{gap_view, with_code};
 pub use json::gap_json;
-pub use plot::gap_figures;
+pub use plot::{gap_figures, law_figure};
 pub use text::gap_text;
 
 #[cfg(doc)]

@@ -225,6 +225,21 @@ pub(in crate::report) fn line(chart: &mut Chart<'_, '_>, points: &[(f64, f64)], 
     Ok(())
 }
 
+/// A dashed level line.
+pub(in crate::report) fn dashed(
+    chart: &mut Chart<'_, '_>,
+    (from, to): (f64, f64),
+    level: f64,
+    style: ShapeStyle,
+) -> Drawn {
+    const DASHES: usize = 60;
+    for k in (0..DASHES).step_by(2) {
+        let at = |k: usize| from + (to - from) * k as f64 / DASHES as f64;
+        line(chart, &[(at(k), level), (at(k + 1), level)], style)?;
+    }
+    Ok(())
+}
+
 /// Filled dots; what cannot be drawn is left out.
 pub(in crate::report) fn dots(
     chart: &mut Chart<'_, '_>,

@@ -6,8 +6,8 @@ use crate::report::ReportError;
 use crate::report::number::as_given;
 use crate::report::plot::axis::Axis;
 use crate::report::plot::canvas::{
-    BAND, BEFORE, CALIBRATED, Chart, Drawn, EXTENSIVE, INK, LegendEntry, POSITIVE, SETPOINT, SHADE, Sign, band, chart,
-    dots, filled, legend, legend_end, line, sketch, stroke,
+    BAND, BEFORE, CALIBRATED, EXTENSIVE, INK, LegendEntry, POSITIVE, SETPOINT, SHADE, Sign, band, chart, dashed, dots,
+    filled, legend, legend_end, line, sketch, stroke,
 };
 use crate::thesis::{JointPuzzle, Printed, RatioTable, Tables};
 
@@ -96,7 +96,7 @@ pub(super) fn ratio_plane(title: &str, joint: &JointPuzzle) -> Result<String, Re
     sketch(title, height, |root| {
         let top = legend(root, &names)?;
         let mut chart = chart(root, (top, height - 4.0), (&x, &y), labels)?;
-        dashed(&mut chart, (x.low(), x.high()), limit)?;
+        dashed(&mut chart, (x.low(), x.high()), limit, stroke(INK, 1.0))?;
         let colour_of = |name: &str| NAMED.iter().find(|(named, _)| *named == name).map(|(_, colour)| *colour);
         let mut scans: Vec<_> = joint.alone.iter().map(|scan| (scan, colour_of(scan.candidate.name))).collect();
         // Those with a colour are drawn last, above the others.
@@ -124,14 +124,4 @@ pub(super) fn ratio_plane(title: &str, joint: &JointPuzzle) -> Result<String, Re
         let start: Vec<(f64, f64)> = from.iter().map(|[v1, v2]| (*v1, v2 / v1)).collect();
         dots(&mut chart, &start, 3.5, filled(INK, 1.0))
     })
-}
-
-/// A dashed level line.
-fn dashed(chart: &mut Chart<'_, '_>, (from, to): (f64, f64), level: f64) -> Drawn {
-    const DASHES: usize = 60;
-    for k in (0..DASHES).step_by(2) {
-        let at = |k: usize| from + (to - from) * k as f64 / DASHES as f64;
-        line(chart, &[(at(k), level), (at(k + 1), level)], stroke(INK, 1.0))?;
-    }
-    Ok(())
 }

@@ -3,6 +3,7 @@
 pub(in crate::report) mod bars;
 mod cells;
 pub(in crate::report) mod how_far;
+mod law;
 mod log;
 mod motion;
 mod ruled;
@@ -10,6 +11,8 @@ mod ruled;
 mod tests;
 mod torque;
 mod waterfall;
+
+pub use law::law_figure;
 
 use super::rows::{effect_rows, joint_rows};
 use super::{GapReport, NEXT_FILE};
