@@ -8,6 +8,7 @@ use super::diagnosis::{
 };
 use super::evidence::Evidence;
 use super::held_out::{HeldOut, closed, rms};
+use super::law_found::law_found;
 use super::model::GAIN;
 use super::next::next;
 use super::numbers::numbers;
@@ -58,26 +59,37 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &(dyn Fn(&str) + Sy
     let decision = decide(&evidence, &held, &attribution);
     let gap = gap(&evidence, &held, &attribution, &decision);
     progress("what these logs could have shown");
-    let around = if decision.answer.effects().is_empty() { &attribution.calibrated } else { decision.answer };
+    let found = !decision.answer.effects().is_empty() || decision.answer.model.law().is_some();
+    let around = if found { decision.answer } else { &attribution.calibrated };
     let noise = (attribution.noise_rad, attribution.correlation);
-    let detectable = detectable(&evidence, noise, around, &effects);
+    // Effects are added to what has a name.
+    let named = if around.model.law().is_none() {
+        around
+    } else if around.effects().is_empty() {
+        &attribution.calibrated
+    } else {
+        &attribution.best
+    };
+    let detectable = detectable(&evidence, noise, named, &effects);
     let (parameters, mut effect_parameters) = numbers(&evidence, around);
     if around.effects().is_empty() && decision.effect() == Some(EffectId::MotorGain) {
         effect_parameters.push((EffectId::MotorGain, vec![gain_as_effect(&parameters)]));
     }
+    let law = law_found(&case.joint.name, &evidence, &held, &attribution, &decision);
     let parameter = (decision.verdict == Verdict::Calibration)
         .then(|| decision.finding.map(|i| decision.answer.model.parameters()[i].name.clone()))
         .flatten();
-    let named = matches!(decision.verdict, Verdict::Effect);
-    let sentence = sentence(&case.joint.name, &decision, &gap, parameter.as_deref(), &effect_parameters);
+    let is_named = matches!(decision.verdict, Verdict::Effect);
+    let sentence =
+        sentence(&case.joint.name, &decision, &gap, parameter.as_deref(), &effect_parameters, law.as_ref());
     let mut ranking = ranking(&evidence, &held, &attribution, &gap);
     progress("what would tell more");
     let rivals = rivals(&attribution, &decision);
-    let next = if named { next(&evidence, &attribution, decision.answer, &rivals) } else { None };
+    let next = if is_named { next(&evidence, &attribution, decision.answer, &rivals) } else { None };
     let standing = standing(&decision);
     let (mut probability, mut probability_source) = probability(&standing, &Rates::shipped());
     let twins = (options.twins > 0).then(|| {
-        let answer = (decision.verdict, decision.effect().filter(|_| named));
+        let answer = (decision.verdict, decision.effect().filter(|_| is_named));
         measure(&evidence, &attribution, &effects, answer, (options.twins, options.seed), progress)
     });
     if let Some((rate, source)) = twins.as_ref().and_then(|t| t.rate.clone()) {
@@ -92,9 +104,9 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &(dyn Fn(&str) + Sy
         joint: case.joint.name.clone(),
         answer: Answer {
             verdict: decision.verdict,
-            effect: if named { decision.effect().map(|e| e.id().to_owned()) } else { parameter },
-            second: decision.second().filter(|_| named),
-            equivalent: if named { decision.equivalent.clone() } else { Vec::new() },
+            effect: if is_named { decision.effect().map(|e| e.id().to_owned()) } else { parameter },
+            second: decision.second().filter(|_| is_named),
+            equivalent: if is_named { decision.equivalent.clone() } else { Vec::new() },
             probability,
             probability_source,
             standing,
@@ -109,6 +121,7 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &(dyn Fn(&str) + Sy
         parameters,
         causes: causes(&evidence, &held, &attribution, &decision, &effect_parameters),
         beliefs: beliefs(around),
+        law,
         undetermined: undetermined(&evidence, around),
         effect_parameters,
         next,

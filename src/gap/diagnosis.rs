@@ -1,7 +1,7 @@
 //! What a diagnosis says, as plain data: the engine fills it, reports and JSON show it.
 
 use crate::identify::Estimate;
-use crate::joint::{EffectId, Stage};
+use crate::joint::{EffectId, LawTable, Stage};
 use serde::Serialize;
 
 /// How to diagnose.
@@ -322,6 +322,18 @@ pub struct Candidate {
     pub refitted: bool,
 }
 
+/// A cause without a name: a curve that predicts logs to which it was not fitted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LawFound {
+    /// Its curve, what it acts on, the share of what recalibration leaves that it closes behind the causes, and what it
+    /// looks like.
+    pub table: LawTable,
+    /// Standard deviations of the curve at its knots, in its unit; `None` where the logs do not determine them.
+    pub sd: Option<Vec<f64>>,
+    /// RMS over the held-out logs when it is added \[rad\].
+    pub after: f64,
+}
+
 /// The smallest size of an effect that these logs would have shown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Detectable {
@@ -421,6 +433,8 @@ pub struct Diagnosis {
     pub causes: Vec<CauseShare>,
     /// The numbers that are not exact.
     pub beliefs: Vec<BeliefFound>,
+    /// What the causes leave and no name explains, as a measured curve.
+    pub law: Option<LawFound>,
     /// What these logs cannot determine and what would, in sentences.
     pub undetermined: Vec<String>,
     /// What to do next where effects cannot be told apart.

@@ -84,9 +84,15 @@ impl Growth<'_> {
         let singles = explore(self.evidence, from, &sights);
         let loss = |t: &Trial| t.fit_loss(self.evidence);
         let before = loss(from);
-        let feeble = singles.first().is_none_or(|best| loss(best) > FEEBLE * before && loss(best) > self.enough);
-        let together =
-            if feeble && from.effects().len() + 2 <= MOST { pairs(self.evidence, from, &sights) } else { Vec::new() };
+        let best = singles.first().map_or(f64::INFINITY, loss);
+        let feeble = best > FEEBLE * before && best > self.enough;
+        // Later on pairs are for where no single one helps.
+        let helps = !from.effects().is_empty() && singles.first().is_some_and(|best| self.lowers(from, best));
+        let together = if feeble && !helps && from.effects().len() + 2 <= MOST {
+            pairs(self.evidence, from, &sights)
+        } else {
+            Vec::new()
+        };
         // Two have to do more than one: their share of the step is weighed as that of two steps.
         let worth = |t: &Trial| {
             let added = (t.effects().len() - from.effects().len()).max(1) as f64;

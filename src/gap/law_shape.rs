@@ -2,7 +2,7 @@
 
 use super::evidence::Evidence;
 use crate::identify::{Belief, Experiment, Parameter, Search, Signal};
-use crate::joint::{Chain, Law, LawActs, LawVariable, Real};
+use crate::joint::{Chain, Law, LawActs, LawVariable, Real, Stage};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -29,6 +29,8 @@ const WAVES: usize = 14;
 const KNOTS: usize = 2;
 /// Readings beyond these shares are left out of a variable's range.
 const TAILS: f64 = 0.002;
+/// Share of a curve's square that its strongest range holds.
+const MOST: f64 = 0.8;
 /// A range below this share of a full one shows nothing.
 const FLAT: f64 = 1e-9;
 
@@ -132,6 +134,27 @@ impl LawShape {
         if let Ok(law) = Law::new(self.variable, self.acts, self.at.clone(), &self.values(numbers)) {
             chain.add_law(law);
         }
+    }
+
+    /// The stage of the chain that it changes.
+    pub fn stage(&self) -> Stage {
+        match Law::new(self.variable, self.acts, self.at.clone(), &vec![0.0; self.at.len()]) {
+            Ok(law) => law.stage(),
+            Err(_) => Stage::Link,
+        }
+    }
+
+    /// Where the curve is farthest from its mean: the shortest range that holds [`MOST`] of its square.
+    pub fn strongest(&self, numbers: &[f64]) -> [f64; 2] {
+        let values = self.values(numbers);
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let square: Vec<f64> = values.iter().map(|y| (y - mean).powi(2)).collect();
+        let needed = MOST * square.iter().sum::<f64>();
+        let n = square.len();
+        let holds = |width: usize, from: usize| square[from..from + width].iter().sum::<f64>() >= needed;
+        let found = (1..=n).find_map(|width| (0..=n - width).find(|from| holds(width, *from)).map(|from| (from, width)));
+        let (from, width) = found.unwrap_or((0, n));
+        [self.at[from], self.at[from + width - 1]]
     }
 
     /// A typical size, in the law's unit: all the torque that there is, or a radian.

@@ -24,6 +24,7 @@ mod grow;
 mod held_out;
 mod hold_fit;
 mod hold_scan;
+mod law_found;
 mod law_shape;
 mod laws;
 mod localise;
@@ -58,7 +59,7 @@ mod waterfall;
 pub use check::{Checkup, check};
 pub use diagnose::{GapError, diagnose};
 pub use diagnosis::{
-    Answer, BeliefFound, Candidate, CauseShare, Confusion, Detectable, Diagnosis, Gap, GapOptions, LogGap, LogTraces,
+    Answer, BeliefFound, Candidate, CauseShare, Confusion, Detectable, Diagnosis, Gap, GapOptions, LawFound, LogGap, LogTraces,
     MapCell, Next, Number, Phase, ProfileBin, ResidualTorque, Variable, Verdict, Where,
 };
 pub use localise::{LogPart, localise};

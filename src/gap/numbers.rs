@@ -49,6 +49,26 @@ pub(super) fn numbers(evidence: &Evidence, trial: &Trial) -> (Vec<Estimate>, Vec
     (joint, effects.collect())
 }
 
+/// Standard deviations of several functions of the values, with correlated residuals allowed for; `None` where the logs
+/// do not determine them.
+pub(super) fn spread_of(
+    evidence: &Evidence,
+    trial: &Trial,
+    count: usize,
+    functions: &dyn Fn(&[f64]) -> Vec<f64>,
+) -> Option<Vec<f64>> {
+    let problem = Problem::new(&trial.model, &evidence.fit);
+    let x = problem.coordinates_from(&trial.found);
+    let sure = uncertainty(&problem, &problem.linearise(&x).ok()?).ok()?;
+    let quantile = sure.quantile_robust();
+    let spread = Spread { trial, free: free(trial), x, sure: Some(sure) };
+    let sd = |k: usize| {
+        let [interval, _] = spread.intervals(&|values| functions(values)[k], f64::NEG_INFINITY, f64::INFINITY);
+        interval.map(|[low, high]| 0.5 * (high - low) / quantile)
+    };
+    (0..count).map(sd).collect()
+}
+
 fn free(trial: &Trial) -> Vec<usize> {
     let parameters = trial.model.parameters();
     (0..parameters.len()).filter(|&i| !parameters[i].fixed).collect()

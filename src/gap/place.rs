@@ -2,13 +2,25 @@
 
 use super::attribute::Attribution;
 use super::decide::Decision;
-use super::diagnosis::{ResidualTorque, Verdict, Where};
+use super::diagnosis::{ResidualTorque, Variable, Verdict, Where};
 use super::evidence::Evidence;
 use super::localise::{LogPart, localise};
 use super::residual_torque::residual_torque;
 use crate::identify::{Experiment, JointModel};
-use crate::joint::Stage;
+use crate::joint::{LawVariable, Stage};
 use rayon::prelude::*;
+
+/// The variable of a law as one that a gap may depend on.
+fn variable_of(law: LawVariable) -> Variable {
+    match law {
+        LawVariable::Angle => Variable::Angle,
+        LawVariable::Speed => Variable::Speed,
+        LawVariable::Load => Variable::Load,
+        LawVariable::MotorTorque => Variable::Torque,
+        LawVariable::Time => Variable::Time,
+        LawVariable::SetpointRate => Variable::SetpointRate,
+    }
+}
 
 /// The place of the gap, and the residual torque of each fitted, then of each held-out log.
 ///
@@ -32,6 +44,14 @@ pub(super) fn place(evidence: &Evidence, a: &Attribution, decision: &Decision<'_
         // Inertia, moment and friction are the link's.
         (Verdict::Calibration, _) => place.stage = Some(Stage::Link),
         (Verdict::None, _) => place.stage = None,
+        // A measured law is better evidence than a signature.
+        (Verdict::Unexplained, _) if decision.answer.model.law().is_some() => {
+            if let Some(law) = decision.answer.model.law() {
+                place.stage = Some(law.stage());
+                place.variable = Some(variable_of(law.variable));
+                place.range = Some(law.strongest(&decision.answer.found.values[decision.answer.model.law_place()]));
+            }
+        }
         _ => {}
     }
     (place, parts.into_iter().map(|p| p.torque).collect())

@@ -1,8 +1,8 @@
 //! The answer as a sentence that a colleague would say.
 
 use super::decide::Decision;
-use super::diagnosis::{Gap, Number, Verdict};
-use crate::joint::EffectId;
+use super::diagnosis::{Gap, LawFound, Number, Verdict};
+use crate::joint::{EffectId, LawActs};
 use crate::number::{mrad, quantity, share};
 
 /// Words for an effect.
@@ -43,6 +43,19 @@ fn closing(gap: &Gap) -> String {
     format!("it closes {closed} of what recalibrated numbers leave, {from} to {to} ({} as given)", mrad(gap.before))
 }
 
+/// What a law is, and what it closes.
+fn unnamed(law: &LawFound) -> String {
+    let table = &law.table;
+    let what = match table.acts {
+        LawActs::Torque => "a torque",
+        LawActs::Friction => "a friction",
+        LawActs::Reading => "a shift of the reading",
+    };
+    let of: Vec<&str> = table.variables.iter().map(|variable| variable.words()).collect();
+    let closed = table.closed.map_or(String::new(), |closed| format!(", and closes {}", share(closed.max(0.0))));
+    format!("What is missing is {what} that depends on the {} ({}){closed}.", of.join(" and the "), table.looks_like)
+}
+
 /// The sentence of a decision.
 pub(super) fn sentence(
     joint: &str,
@@ -50,6 +63,7 @@ pub(super) fn sentence(
     gap: &Gap,
     parameter: Option<&str>,
     effects: &[(EffectId, Vec<Number>)],
+    law: Option<&LawFound>,
 ) -> String {
     let size = |effect: EffectId| {
         let number = effects.iter().find(|(e, _)| *e == effect).and_then(|(_, numbers)| numbers.first());
@@ -83,8 +97,9 @@ pub(super) fn sentence(
         (_, partial) => {
             let nearest =
                 partial.map_or(String::new(), |_| format!(" What is known so far is {}; {}.", all(), closing(gap)));
+            let unnamed = law.map_or(String::new(), |law| format!(" {}", unnamed(law)));
             format!(
-                "{joint}: the effects I know do not explain this gap; {} stay above the sensor's {}.{nearest}",
+                "{joint}: the effects I know do not explain this gap; {} stay above the sensor's {}.{unnamed}{nearest}",
                 mrad(gap.after),
                 mrad(gap.floor)
             )

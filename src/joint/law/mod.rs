@@ -52,6 +52,18 @@ impl LawVariable {
         }
     }
 
+    /// The words in sentences.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Angle => "angle",
+            Self::Speed => "speed",
+            Self::Load => "gravity torque",
+            Self::MotorTorque => "motor torque",
+            Self::Time => "time",
+            Self::SetpointRate => "speed of the setpoint",
+        }
+    }
+
     /// Its unit.
     pub fn unit(self) -> &'static str {
         match self {

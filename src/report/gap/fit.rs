@@ -33,7 +33,7 @@ impl FitFile {
             name: diagnosis.joint.clone(),
             joint: JointFit::of(&joint_rows(diagnosis)),
             effects: effect_fits(diagnosis),
-            law: None,
+            law: diagnosis.law.as_ref().map(|law| law.table.clone()),
             masses: BTreeMap::new(),
             ratios: BTreeMap::new(),
             models: BTreeMap::new(),

@@ -5,10 +5,10 @@ use super::fit::quantities;
 use super::rows::joint_rows;
 use super::waterfall::{Step, steps};
 use crate::gap::{
-    BeliefFound, Candidate, CauseShare, Confusion, Detectable, Diagnosis, Gap, MapCell, Next, Phase, ProfileBin,
+    BeliefFound, Candidate, CauseShare, Confusion, Detectable, Diagnosis, Gap, LawFound, MapCell, Next, Phase, ProfileBin,
     Variable, Verdict, Where,
 };
-use crate::joint::{EffectId, Stage};
+use crate::joint::{EffectId, LawTable, Stage};
 use crate::report::{HashedInput, JointFit, LogHealthRow, Quantity, SCHEMA};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -37,7 +37,7 @@ pub fn gap_json(report: &GapReport) -> impl Serialize + '_ {
         partial: answer.partial,
         intervals_trusted: answer.intervals_trusted,
         effects: diagnosis.causes.iter().map(|cause| Found::of(&diagnosis.joint, cause)).collect(),
-        law: None,
+        law: diagnosis.law.as_ref().map(Law::of),
         undetermined: &diagnosis.undetermined,
         beliefs: by_number(&diagnosis.beliefs),
         confusion: diagnosis.confusion.as_ref(),
@@ -75,8 +75,8 @@ struct Document<'a> {
     partial: Option<EffectId>,
     intervals_trusted: bool,
     effects: Vec<Found<'a>>,
-    /// A cause without a name; none is looked for yet.
-    law: Option<()>,
+    /// A cause without a name.
+    law: Option<Law<'a>>,
     undetermined: &'a [String],
     beliefs: BTreeMap<&'a str, &'a BeliefFound>,
     confusion: Option<&'a Confusion>,
@@ -89,6 +89,22 @@ struct Document<'a> {
     version: &'a str,
     command: &'a str,
     inputs: Vec<HashedInput<'a>>,
+}
+
+/// A law with what it leaves.
+#[derive(Serialize)]
+struct Law<'a> {
+    #[serde(flatten)]
+    table: &'a LawTable,
+    /// Standard deviations of the table's values.
+    sd: Option<&'a [f64]>,
+    after: f64,
+}
+
+impl<'a> Law<'a> {
+    fn of(law: &'a LawFound) -> Self {
+        Self { table: &law.table, sd: law.sd.as_deref(), after: law.after }
+    }
 }
 
 #[derive(Serialize)]

@@ -251,6 +251,7 @@ fn report(sizes: [f64; 4], sentence: &str) -> GapReport {
             )],
         },
         diagnosis: Diagnosis {
+            law: None,
             joint: "q2".into(),
             answer: Answer {
                 verdict: Verdict::Effect,

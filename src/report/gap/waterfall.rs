@@ -22,6 +22,8 @@ pub(super) enum Kind {
     Recalibrated,
     /// A cause is added to those before it.
     Cause,
+    /// A curve without a name is added to all causes.
+    Law,
     /// None: the sensor's own noise.
     Floor,
 }
@@ -69,6 +71,7 @@ pub(super) fn steps(diagnosis: &Diagnosis) -> Vec<Step<'_>> {
         step(Kind::Recalibrated, "recalibrated", gap.calibrated, None),
     ];
     steps.extend(diagnosis.causes.iter().map(|c| step(Kind::Cause, c.effect.id(), c.after, Some(c))));
+    steps.extend(diagnosis.law.as_ref().map(|law| step(Kind::Law, "law", law.after, None)));
     let whole = gap.before - gap.floor;
     if gap.before > HARDLY * gap.floor {
         for k in 1..steps.len() {

@@ -57,6 +57,9 @@ impl GapFigures {
             let title = super::waterfall::heading(diagnosis);
             steps.push(figure("waterfall", title, &caption, waterfall::waterfall(diagnosis)?));
         }
+        if let Some(law) = &diagnosis.law {
+            steps.push(law_figure(&diagnosis.joint, &law.table, law.sd.as_deref(), &[])?);
+        }
         let mut which = Vec::new();
         if !diagnosis.ranking.is_empty() {
             let caption = "Recalibrated: inertia, moment and friction refitted, nothing added. Each effect is added to \

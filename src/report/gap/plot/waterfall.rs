@@ -34,7 +34,7 @@ fn bar(step: &Step<'_>, down_from: Option<f64>) -> Bar {
     let colour = match step.kind {
         Kind::Given => BEFORE,
         Kind::Recalibrated => CALIBRATED,
-        Kind::Cause => AFTER,
+        Kind::Cause | Kind::Law => AFTER,
         Kind::Floor => BAND,
     };
     let part = |share: Option<f64>| share.map_or_else(String::new, words::part);
@@ -43,7 +43,7 @@ fn bar(step: &Step<'_>, down_from: Option<f64>) -> Bar {
         value: 1e3 * step.rms_rad,
         down_from,
         colour,
-        bold: step.kind == Kind::Cause,
+        bold: matches!(step.kind, Kind::Cause | Kind::Law),
         words: vec![significant(1e3 * step.rms_rad, 3), part(step.closes), part(step.alone()), part(step.last())],
     }
 }

@@ -1,0 +1,34 @@
+//! The law of an answer as a table: its curve with its uncertainty, what it closes, and what it looks like.
+
+use super::attribute::Attribution;
+use super::decide::Decision;
+use super::diagnosis::LawFound;
+use super::evidence::Evidence;
+use super::held_out::HeldOut;
+use super::looks_like;
+use super::numbers::spread_of;
+use super::trial::Trial;
+use crate::joint::LawTable;
+
+/// The law of the answer; `None` where it has none.
+pub(super) fn law_found(
+    joint: &str,
+    evidence: &Evidence,
+    held: &HeldOut,
+    a: &Attribution,
+    decision: &Decision<'_>,
+) -> Option<LawFound> {
+    let answer = decision.answer;
+    let law = answer.model.law()?;
+    let place = answer.model.law_place();
+    let curve = |values: &[f64]| law.values(&values[place.clone()]);
+    let sd = spread_of(evidence, answer, law.at.len(), &curve);
+    let mut table = LawTable::new(law.variable, law.acts, law.at.to_vec(), curve(&answer.found.values));
+    table.joints = vec![joint.to_owned()];
+    let rms = |t: &Trial| held.rms_rad(&held.residuals(evidence, t));
+    let (calibrated, before, after) = (rms(&a.calibrated), rms(&a.best), rms(answer));
+    let left = calibrated.max(before) - a.noise_rad;
+    table.closed = (left > 0.0).then(|| ((before - after) / left).min(1.0));
+    table.looks_like = looks_like(&table, sd.as_deref());
+    Some(LawFound { table, sd, after })
+}
