@@ -13,9 +13,11 @@ mod chance;
 mod check;
 mod compare;
 mod decide;
+mod demands;
 mod detect;
 mod diagnose;
 mod diagnosis;
+mod differs;
 mod evidence;
 mod explore;
 mod floor;
@@ -25,6 +27,7 @@ mod held_out;
 mod hold_fit;
 mod hold_scan;
 mod localise;
+mod logs;
 #[cfg(test)]
 mod made;
 mod map;
@@ -48,17 +51,20 @@ mod stage;
 mod strength;
 mod trial;
 mod twins;
-mod undetermined;
 mod variables;
 mod waterfall;
+mod within;
 
+pub use crate::identify::BeliefFound;
 pub use check::{Checkup, check};
 pub use diagnose::{GapError, diagnose};
 pub use diagnosis::{
-    Answer, BeliefFound, Candidate, CauseShare, Confusion, Detectable, Diagnosis, Gap, GapOptions, LogGap, LogTraces,
-    MapCell, Next, Number, Phase, ProfileBin, ResidualTorque, Variable, Verdict, Where,
+    Answer, Candidate, CauseShare, Confusion, Detectable, Diagnosis, Gap, GapOptions, LogGap, LogTraces, MapCell, Next,
+    Number, Phase, ProfileBin, ResidualTorque, Variable, Verdict, Where,
 };
+pub use differs::Differs;
 pub use localise::{LogPart, localise};
+pub use logs::{By, LogSet};
 pub(crate) use model::GapModel;
 pub use rates::{Rate, Rates};
 pub(crate) use reach::reach_of;

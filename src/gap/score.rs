@@ -31,7 +31,9 @@ impl Measure {
     /// What a hypothesis is charged for its effects and their parameters (Schwarz 1978, and the choice).
     pub fn charge(self, trial: &Trial) -> f64 {
         let searched: usize = trial.model.forms().iter().map(|form| form.searched_count()).sum();
-        searched as f64 * self.effective.ln() + trial.effects().len() as f64 * FOR_THE_CHOICE
+        let (choices, values) = trial.model.choices_of_logs();
+        let (searched, chosen) = (searched + values, trial.effects().len() + choices);
+        searched as f64 * self.effective.ln() + chosen as f64 * FOR_THE_CHOICE
     }
 
     /// Deviance and charge: less is better.
