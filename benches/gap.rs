@@ -8,6 +8,7 @@ use aibo_fit::gap::{GapOptions, Verdict, diagnose};
 use aibo_fit::identify::{Case, Item};
 use aibo_fit::joint::EffectId;
 use aibo_fit::log::{DriveMode, Role};
+use aibo_fit::progress::Silent;
 use divan::Bencher;
 use std::path::{Path, PathBuf};
 
@@ -27,7 +28,7 @@ fn read(study: &Path) -> Case {
 }
 
 fn diagnosis(case: &Case, options: &GapOptions) -> Verdict {
-    diagnose(case, options, &|_| {}).expect("the study can be diagnosed").answer.verdict
+    diagnose(case, options, &Silent).expect("the study can be diagnosed").answer.verdict
 }
 
 /// The shared samples, in order of their names; none, with a word, where they are not there.

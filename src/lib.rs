@@ -22,11 +22,12 @@
 //! # A swing, fitted
 //! ```
 //! use aibo_fit::geometry::LinkBody;
+//! use aibo_fit::progress::Silent;
 //! use aibo_fit::{Case, DropOptions, Named, Status, fit_drop};
 //!
 //! // Reads data/q1.csv, its sidecar data/q1.toml and data/pose.toml beside it.
 //! let case = Case::of_logs(&["data/q1.csv".into()], None)?;
-//! let fit = fit_drop(&case, &DropOptions::default(), &|_| {})?;
+//! let fit = fit_drop(&case, &DropOptions::default(), &Silent)?;
 //!
 //! let coulomb = fit.extensive.estimate(Named::Coulomb).expect("every extensive model has it");
 //! let [low, high] = coulomb.interval.expect("this swing determines it");

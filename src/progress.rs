@@ -30,7 +30,24 @@ pub trait Progress: Sync {
     fn cancelled(&self) -> bool {
         false
     }
+
+    /// Goes on to a step, where the computation is still wanted.
+    ///
+    /// # Errors
+    /// [`Cancelled`] where it is not.
+    fn go_on(&self, step: Step) -> Result<(), Cancelled> {
+        if self.cancelled() {
+            return Err(Cancelled);
+        }
+        self.step(step);
+        Ok(())
+    }
 }
+
+/// A computation ended because it was no longer wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("cancelled")]
+pub struct Cancelled;
 
 /// Nobody wants to know.
 #[derive(Clone, Copy, Debug, Default)]
@@ -38,6 +55,18 @@ pub struct Silent;
 
 impl Progress for Silent {
     fn step(&self, _: Step) {}
+}
+
+/// Tells nothing, and is wanted as long as another.
+#[derive(Clone, Copy)]
+pub(crate) struct Quiet<'a>(pub &'a dyn Progress);
+
+impl Progress for Quiet<'_> {
+    fn step(&self, _: Step) {}
+
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
+    }
 }
 
 /// Any closure that takes steps.
@@ -84,6 +113,9 @@ mod tests {
                 self.1.load(Ordering::Relaxed) >= self.0
             }
         }
-        assert_eq!(count(10, &AtMost(4, AtomicUsize::new(0))), 4);
+        let listener = AtMost(4, AtomicUsize::new(0));
+        assert_eq!(count(10, &listener), 4);
+        assert_eq!(listener.go_on(Step::stage("more")), Err(Cancelled));
+        assert!(Quiet(&listener).cancelled() && Silent.go_on(Step::stage("more")).is_ok());
     }
 }

@@ -5,6 +5,7 @@ mod support;
 
 use aibo_fit::gap::{GapOptions, Verdict, diagnose};
 use aibo_fit::identify::Case;
+use aibo_fit::progress::Silent;
 use support::root;
 
 /// What make.py has.
@@ -24,7 +25,7 @@ fn a_delay_is_named_and_its_intervals_cover_the_truth() {
         let study = folder.path().join("study.toml");
         std::fs::write(&study, text.replace("chirp-0.csv", &log)).expect("writable");
         let case = Case::of_study(&study).expect("a good study");
-        let found = diagnose(&case, &GapOptions::default(), &|_| {}).expect("a diagnosis");
+        let found = diagnose(&case, &GapOptions::default(), &Silent).expect("a diagnosis");
         let answer = &found.answer;
         named += u32::from(answer.verdict == Verdict::Effect && answer.effect.as_deref() == Some("delay"));
         let mut cover = |interval: Option<[f64; 2]>, truth: f64| {

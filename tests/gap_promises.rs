@@ -9,53 +9,11 @@ use serde_json::Value;
 use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
+use support::swing::{swing, swing_against, swings};
 use support::*;
 
 /// No study of a few logs may take longer, whatever its numbers.
 const LONGEST: Duration = Duration::from_secs(60);
-
-/// A swing with friction, of a joint with I = 9e-4 kg m^2, M = 5e-3 kg m, by steps of 10 us, read in steps of 1 mrad. `friction` gives Coulomb [N m] and viscous friction [N m s/rad].
-fn swing(from_rad: f64, samples: u32, friction: [f64; 2]) -> String {
-    swing_against(f64::INFINITY, from_rad, samples, friction)
-}
-
-/// The same with a stop, of 2 N m/rad and 0.004 N m s/rad, above an angle.
-fn swing_against(stop_rad: f64, from_rad: f64, samples: u32, friction: [f64; 2]) -> String {
-    const STEP_S: f64 = 1e-5;
-    let [coulomb, viscous] = friction.map(|f| f / 9.0e-4);
-    let (mut q, mut w, mut text) = (from_rad, 0.0_f64, String::from("t,q\n"));
-    for k in 0..samples {
-        text += &format!("{:.3},{:.3}\n", f64::from(k) * 0.008, q);
-        for _ in 0..800 {
-            let push = if q > stop_rad { (2.0 * (q - stop_rad) + 0.004 * w).max(0.0) / 9.0e-4 } else { 0.0 };
-            let pull = -9.81 * 5.0e-3 / 9.0e-4 * q.sin() - viscous * w - push;
-            if w == 0.0 && pull.abs() <= coulomb {
-                continue;
-            }
-            let along = if w == 0.0 { pull.signum() } else { w.signum() };
-            let next = w + STEP_S * (pull - coulomb * along);
-            w = if w * next < 0.0 { 0.0 } else { next };
-            q += STEP_S * w;
-        }
-    }
-    text
-}
-
-/// A study of free swings of that joint, with the nominal model given as inertia, moment, Coulomb, viscous.
-fn swings(logs: &[(&str, String)], nominal: [&str; 4]) -> tempfile::TempDir {
-    let dir = tempfile::tempdir().unwrap();
-    let [inertia, moment, coulomb, viscous] = nominal;
-    let mut study = format!(
-        "schema = 1\n[joint]\nname = \"j\"\ninertia = {inertia}\nmoment = {moment}\ncoulomb = {coulomb}\n\
-         viscous = {viscous}\nrest = 0.0\n[sensor]\nresolution = 0.001\nperiod = 0.008\n"
-    );
-    for (i, (role, text)) in logs.iter().enumerate() {
-        fs::write(dir.path().join(format!("{i}.csv")), text).unwrap();
-        study += &format!("[[log]]\nfile = \"{i}.csv\"\nrole = \"{role}\"\ndrive = \"off\"\n");
-    }
-    fs::write(dir.path().join("study.toml"), study).unwrap();
-    dir
-}
 
 const RIGHT: [&str; 4] = ["9.0e-4", "5.0e-3", "0.001", "0.0004"];
 const FRICTION: [f64; 2] = [0.001, 0.0004];

@@ -29,9 +29,14 @@ const FLOORS: [(&str, f64); 6] = [
 /// Share by which an RMS may lie above the floor; the floors have three digits.
 const ABOVE: f64 = 1.02;
 
-fn drop_study(study: &Path, out: &Path) -> Value {
+/// The baseline believes nothing that a study states.
+const UNBELIEVED: [&str; 8] = ["--free", "inertia", "--free", "moment", "--free", "coulomb", "--free", "viscous"];
+/// Beliefs keep numbers within so many of their standard deviations, whatever a joint has that the model lacks.
+const FURTHEST_SD: f64 = 6.0;
+
+fn drop_study(study: &Path, out: &Path, more: &[&str]) -> Value {
     let words = ["drop", "--quiet", "--study", study.to_str().unwrap(), "--out", out.to_str().unwrap()];
-    expect_code(root(), &words, 0);
+    expect_code(root(), &[&words, more].concat(), 0);
     json(&out.join("fit.json"))
 }
 
@@ -41,7 +46,13 @@ fn real_logs_are_followed_as_closely_as_by_the_independent_baseline() {
     for (name, floor) in FLOORS {
         let study = shared.join("real").join(name).join("study.toml");
         let dir = tempfile::tempdir().unwrap();
-        let fit = drop_study(&study, dir.path());
+        let believed = drop_study(&study, dir.path(), &[]);
+        for (number, belief) in believed["beliefs"].as_object().unwrap() {
+            let moved_sd = belief["moved_sd"].as_f64().unwrap();
+            println!("{name}: {number} moved by {moved_sd:.1} sd");
+            assert!(moved_sd.abs() < FURTHEST_SD, "{name}: {number} moved by {moved_sd} sd");
+        }
+        let fit = drop_study(&study, dir.path(), &UNBELIEVED);
         let rms = fit["models"]["extensive"]["rms"].as_f64().unwrap();
         println!("{name}: RMS {rms:.5} rad, floor {floor:.5} ({:.3})", rms / floor);
         assert!(rms <= ABOVE * floor, "{name}: RMS {rms} rad, baseline {floor}");
@@ -96,7 +107,7 @@ fn one_drop_of_the_xl330_predicts_the_other() {
         }
         let path = dir.path().join("study.toml");
         fs::write(&path, toml::to_string(&study).unwrap()).unwrap();
-        let fit = drop_study(&path, &dir.path().join("out"));
+        let fit = drop_study(&path, &dir.path().join("out"), &[]);
         let rms = |role: &str| {
             let logs = fit["logs"].as_array().unwrap();
             logs.iter().find(|log| log["role"] == role).and_then(|log| log["rms"].as_f64()).unwrap()
@@ -119,7 +130,7 @@ fn every_sample_study_is_fitted() {
     assert!(!studies.is_empty());
     for study in studies {
         let dir = tempfile::tempdir().unwrap();
-        let fit = drop_study(&study, dir.path());
+        let fit = drop_study(&study, dir.path(), &[]);
         let rms = fit["models"]["extensive"]["rms"].as_f64().unwrap();
         println!("{}: RMS {rms:.5} rad", study.display());
         assert!(rms < 0.1, "{}: RMS {rms}", study.display());

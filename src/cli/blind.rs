@@ -13,6 +13,7 @@ use crate::blind::{
 use crate::gap::{Diagnosis, GapOptions, Verdict, diagnose};
 use crate::identify::Case;
 use crate::log::{LogError, Outputs};
+use crate::progress::Silent;
 use crate::report::{GapReport, blind_figures, blind_html, blind_text, gap_json};
 use clap::Args;
 use open::{Drawn, Run};
@@ -256,7 +257,7 @@ fn one_by_one<T: Sync, R: Send>(
 
 fn diagnose_one(study: &Path) -> Result<(Case, Diagnosis), String> {
     let case = Case::of_study(study).map_err(|error| error.to_string())?;
-    let diagnosis = diagnose(&case, &GapOptions::default(), &|_| {}).map_err(|error| error.to_string())?;
+    let diagnosis = diagnose(&case, &GapOptions::default(), &Silent).map_err(|error| error.to_string())?;
     Ok((case, diagnosis))
 }
 

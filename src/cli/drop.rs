@@ -2,13 +2,14 @@
 
 use super::CliError;
 use super::common::{CommonArgs, json_text, log_name, print, study_name, write_outputs};
+use super::demands::DemandArgs;
 use super::error::NOT_CONVERGED;
 use super::full_drop::full_drop;
 use super::progress::Progress;
 use super::provenance::provenance;
 use super::still::never_moved;
 use crate::fit::{Budget, Method, Stop};
-use crate::identify::{Case, Directives, DropError, DropFit, DropOptions, fit_drop};
+use crate::identify::{Case, DropError, DropFit, DropOptions, fit_drop};
 use crate::log::Outputs;
 use crate::report::{DropReport, FitFile, drop_report, drop_text, figures, render_html};
 use crate::robot::Model;
@@ -40,18 +41,8 @@ pub(super) struct DropArgs {
     /// How to search
     #[arg(long, value_enum, default_value_t = MethodArg::Lm)]
     method: MethodArg,
-    /// Hold a parameter at a value, or at its nominal value; repeatable
-    #[arg(long, value_name = "NAME[=VALUE]", value_parser = name_and_value)]
-    fix: Vec<(String, Option<f64>)>,
-    /// Search a parameter that is held otherwise; repeatable
-    #[arg(long, value_name = "NAME")]
-    free: Vec<String>,
-    /// Search a parameter between two values only; repeatable
-    #[arg(long, value_name = "NAME=LOW:HIGH", value_parser = name_and_range)]
-    bound: Vec<(String, [f64; 2])>,
-    /// Begin the search at a value; repeatable
-    #[arg(long, value_name = "NAME=VALUE", value_parser = name_with_value)]
-    start: Vec<(String, f64)>,
+    #[command(flatten)]
+    demands: DemandArgs,
     /// Friction by (3.11): static friction above Coulomb's and a Stribeck speed
     #[arg(long)]
     stribeck: bool,
@@ -94,36 +85,6 @@ fn joint_name(text: &str) -> Result<String, String> {
     Ok(name.to_owned())
 }
 
-fn number(text: &str) -> Result<f64, String> {
-    text.trim().parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| format!("`{text}` is not a number"))
-}
-
-fn name_and_value(text: &str) -> Result<(String, Option<f64>), String> {
-    match text.split_once('=') {
-        Some((name, value)) => Ok((name.trim().to_owned(), Some(number(value)?))),
-        None => Ok((text.trim().to_owned(), None)),
-    }
-}
-
-fn name_with_value(text: &str) -> Result<(String, f64), String> {
-    match name_and_value(text)? {
-        (name, Some(value)) => Ok((name, value)),
-        (name, None) => Err(format!("`{name}` lacks a value; write {name}=VALUE")),
-    }
-}
-
-fn name_and_range(text: &str) -> Result<(String, [f64; 2]), String> {
-    let expected = || format!("`{text}` is not a range; write NAME=LOW:HIGH");
-    let (name, range) = text.split_once('=').ok_or_else(expected)?;
-    let (low, high) = range.split_once(':').ok_or_else(expected)?;
-    let range = [number(low)?, number(high)?];
-    if range[0] < range[1] {
-        Ok((name.trim().to_owned(), range))
-    } else {
-        Err(format!("`{text}`: LOW must be below HIGH"))
-    }
-}
-
 /// Runs the command.
 pub(super) fn run(args: &DropArgs) -> Result<u8, CliError> {
     let progress = Progress::new(args.common.quiet);
@@ -139,17 +100,12 @@ pub(super) fn run(args: &DropArgs) -> Result<u8, CliError> {
     let inputs: Vec<PathBuf> = case.inputs().into_iter().chain(args.robot.clone()).collect();
     let options = DropOptions {
         method: args.method.into(),
-        directives: Directives {
-            fix: args.fix.clone(),
-            free: args.free.clone(),
-            bound: args.bound.clone(),
-            start: args.start.clone(),
-        },
+        directives: args.demands.directives(),
         stribeck: args.stribeck,
         lump: args.lump,
         budget: Budget::default(),
     };
-    let fit = args.common.on_threads(|| fit_drop(&case, &options, &|what| progress.say(what)));
+    let fit = args.common.on_threads(|| fit_drop(&case, &options, &progress));
     let fit = match fit? {
         Err(DropError::NeverMoved) => return never_moved(&args.common, &case, "no fit"),
         fit => fit?,
@@ -190,19 +146,4 @@ fn write_report(
     args.common.add_json(&mut outputs, &file)?;
     write_outputs(outputs, &case.inputs().into_iter().chain(args.robot.clone()).collect::<Vec<_>>())?;
     Ok(page)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn demands_are_parsed_or_refused_with_the_form_expected() {
-        assert_eq!(name_and_value("moment"), Ok(("moment".into(), None)));
-        assert_eq!(name_and_value("moment=0.05"), Ok(("moment".into(), Some(0.05))));
-        assert_eq!(name_and_range("viscous=0:0.1"), Ok(("viscous".into(), [0.0, 0.1])));
-        assert!(name_with_value("moment").unwrap_err().contains("moment=VALUE"));
-        assert!(name_and_range("viscous=0.1:0").unwrap_err().contains("LOW must be below HIGH"));
-        assert!(name_and_value("moment=five").unwrap_err().contains("not a number"));
-    }
 }

@@ -150,7 +150,7 @@ impl CliError {
                 _ => DATA,
             },
             CliError::Case(CaseError::JointsDiffer { .. }) | CliError::Usage(_) | CliError::Overwrites { .. } => USAGE,
-            CliError::Drop(DropError::Directive(_)) => USAGE,
+            CliError::Drop(DropError::Directive(_)) | CliError::Gap(GapError::Demand(_)) => USAGE,
             CliError::Drop(DropError::NeverMoved) => NO,
             CliError::Gap(GapError::NoNominal) => DATA,
             CliError::Gap(GapError::NeverMoved) | CliError::RobotGap(RobotGapError::NeverMoved) => NO,

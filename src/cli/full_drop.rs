@@ -147,6 +147,7 @@ fn held_row(e: &Experiment, model_rad: &[f64]) -> HeldRow {
 mod tests {
     use super::*;
     use crate::identify::{Directives, DropOptions, fit_drop};
+    use crate::progress::Silent;
     use std::path::Path;
 
     #[test]
@@ -160,7 +161,7 @@ mod tests {
             directives: Directives { fix, ..Directives::default() },
             ..DropOptions::default()
         };
-        let fit = fit_drop(&case, &options, &|_| {}).unwrap();
+        let fit = fit_drop(&case, &options, &Silent).unwrap();
         let (leg, e, prediction) = (case.leg.as_ref().unwrap(), &fit.fitted[0], &fit.extensive.predictions[0]);
         let drop = Bench::of((&case, Model::ers7()), &fit, leg, e, prediction).drop;
         assert_eq!(drop.coulomb_nm, 0.005);

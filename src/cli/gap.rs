@@ -2,6 +2,7 @@
 //! go to [`robot_gap`].
 
 use super::common::{CommonArgs, json_text, print, study_name, write_outputs};
+use super::demands::DemandArgs;
 use super::progress::Progress;
 use super::provenance::provenance;
 use super::still::never_moved;
@@ -42,6 +43,8 @@ pub(super) struct GapArgs {
     #[arg(long, value_name = "S", default_value_t = 0)]
     seed: u64,
     #[command(flatten)]
+    pub demands: DemandArgs,
+    #[command(flatten)]
     pub common: CommonArgs,
 }
 
@@ -49,7 +52,9 @@ fn after_help() -> String {
     let ids: Vec<&str> = EffectId::ALL.iter().map(|effect| effect.id()).collect();
     let more: Vec<&str> = Cause::all().filter(|cause| !matches!(cause, Cause::Effect(_))).map(Cause::id).collect();
     format!(
-        "Effects: {}; of a robot also {}.\nAngles are in rad, times in s, torques in N m; the exit code is 0 for any verdict.\n\n\
+        "Effects: {}; of a robot also {}.\n\
+         Names for --fix, --free, --bound and --start (of a joint): inertia, moment, coulomb, viscous, gain, rest, and \
+         parameters of effects such as delay.T.\nAngles are in rad, times in s, torques in N m; the exit code is 0 for any verdict.\n\n\
          Study, all keys with units and defaults in data/README.md: schema = 1; [joint] name, inertia [kg m^2], moment [kg m], \
          coulomb [N m], viscous [N m s/rad], gravity, rest [rad]; [sensor] resolution [rad], period [s]; [motor] kp [N m/rad], \
          kd, model = torque|voltage, encoder = link|motor, armature, ...; [uncertain], relative; [[log]] file, role = fit|validate, \
@@ -88,11 +93,12 @@ pub(super) fn run(args: &GapArgs) -> Result<u8, CliError> {
         only: effects(&args.only)?,
         twins: args.twins as usize,
         seed: args.seed,
+        demands: args.demands.directives(),
     };
     let progress = Progress::new(args.common.quiet);
     progress.say("reading");
     let case = Case::of_study(&args.study)?;
-    let diagnosis = args.common.on_threads(|| diagnose(&case, &options, &|what| progress.say(what)))?;
+    let diagnosis = args.common.on_threads(|| diagnose(&case, &options, &progress))?;
     let diagnosis = match diagnosis {
         Err(GapError::NeverMoved) => return never_moved(&args.common, &case, "no diagnosis"),
         diagnosis => diagnosis?,

@@ -3,6 +3,7 @@
 mod blind;
 mod check;
 mod common;
+mod demands;
 mod drop;
 mod dynamics;
 mod error;

@@ -5,7 +5,7 @@ use super::common::{CommonArgs, log_name, print, study_name, write_outputs};
 use super::progress::Progress;
 use super::provenance::provenance;
 use crate::fit::{Budget, Method};
-use crate::gap::{GapModel, reach_of};
+use crate::gap::{GapModel, LogSet, reach_of};
 use crate::identify::{Case, Experiment, Item, JointModel, Parameter, Prediction, Scale, WithLaws, conclude, predict};
 use crate::joint::{EffectForm, EffectId, Law, UnknownEffect};
 use crate::log::{LogError, Nominal, Outputs, Role};
@@ -16,6 +16,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Predict the logs of a study from their start, with given or fitted parameters
 ///
@@ -44,7 +45,7 @@ struct InForce {
     /// Torque that arrives per torque that is commanded.
     gain: f64,
     /// Effects with their values as they are searched.
-    effects: Vec<(EffectForm, Vec<f64>)>,
+    effects: Vec<InEffect>,
     /// What no effect describes.
     laws: Vec<Law<f64>>,
     source: String,
@@ -164,13 +165,23 @@ fn in_force(args: &SimulateArgs, case: &Case) -> Result<InForce, CliError> {
     Ok(InForce { nominal, rest_rad, gain, effects, laws, source })
 }
 
+/// An effect of a fit file.
+#[derive(Debug, PartialEq)]
+struct InEffect {
+    form: EffectForm,
+    /// Its values as they are searched.
+    searched: Vec<f64>,
+    /// Files of the logs in which it holds; empty: all.
+    logs: Vec<String>,
+}
+
 /// The effects of a fit file with their values as they are searched, or what is wrong with them.
-fn effects(fits: &[EffectFit], coulomb_nm: f64) -> Result<Vec<(EffectForm, Vec<f64>)>, String> {
-    let mut effects: Vec<(EffectForm, Vec<f64>)> = Vec::new();
+fn effects(fits: &[EffectFit], coulomb_nm: f64) -> Result<Vec<InEffect>, String> {
+    let mut effects: Vec<InEffect> = Vec::new();
     for fit in fits {
         let family: EffectId = fit.id.parse().map_err(|unknown: UnknownEffect| unknown.to_string())?;
         let effect = EffectForm::named_so(family, fit.form.as_deref()).map_err(|unknown| unknown.to_string())?;
-        if effects.iter().any(|(other, _)| other.id == family) {
+        if effects.iter().any(|other| other.form.id == family) {
             return Err(format!("{family} stands there twice"));
         }
         let named = named_values(effect, &fit.parameters)?;
@@ -178,7 +189,7 @@ fn effects(fits: &[EffectFit], coulomb_nm: f64) -> Result<Vec<(EffectForm, Vec<f
             let below = format!("below the Coulomb friction {coulomb_nm:?}");
             return Err(format!("{family} mu_st.value is {:?}, {below}; static friction is not less", named[0]));
         }
-        effects.push((effect, effect.searched(&named, coulomb_nm)));
+        effects.push(InEffect { form: effect, searched: effect.searched(&named, coulomb_nm), logs: fit.logs.clone() });
     }
     Ok(effects)
 }
@@ -242,8 +253,14 @@ fn predictions<'a>(case: &'a Case, in_force: &InForce) -> Result<Vec<Predicted<'
     let baseline = GapModel::baseline(&in_force.nominal, scale.rest_rad, &reach, &case.uncertain);
     let stated = |p: &Parameter| if p.name == "gain" { in_force.gain } else { p.start };
     let mut values: Vec<f64> = baseline.parameters().iter().map(stated).collect();
-    values.extend(in_force.effects.iter().flat_map(|(_, searched)| searched));
-    let model = in_force.effects.iter().fold(baseline, |model, (effect, _)| model.with(*effect, &reach));
+    values.extend(in_force.effects.iter().flat_map(|effect| &effect.searched));
+    let mut model = baseline;
+    for (k, effect) in in_force.effects.iter().enumerate() {
+        model = model.with(effect.form, &reach);
+        if !effect.logs.is_empty() {
+            model = model.only_in(k, Arc::new(LogSet { files: effect.logs.clone(), words: String::new() }));
+        }
+    }
     let mut model = WithLaws { model, laws: in_force.laws.clone() };
     for (p, value) in model.parameters_mut().iter_mut().zip(&values) {
         (p.start, p.fixed) = (*value, p.name != "rest" || in_force.rest_rad.is_some());

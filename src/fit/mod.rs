@@ -13,8 +13,11 @@ mod uncertainty;
 pub use problem::{Block, Coordinate, Normal, Rejected, Residuals, Rounding};
 pub use uncertainty::{Uncertainty, Undetermined, correlation_length, uncertainty};
 
+use serde::Serialize;
+
 /// How to search.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Method {
     /// Levenberg-Marquardt.
     #[default]
@@ -50,7 +53,8 @@ impl Default for Budget {
 }
 
 /// Why a solve ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Stop {
     /// Within a ten-thousandth of a standard deviation of the optimum, by the local quadratic model.
     Converged,
@@ -75,7 +79,7 @@ impl Stop {
 }
 
 /// Where a solve ended: the best point it saw.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Solution {
     /// The best point, in the problem's coordinates.
     pub x: Vec<f64>,

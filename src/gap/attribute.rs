@@ -12,9 +12,11 @@ use super::laws::lawful;
 use super::model::GapModel;
 use super::score::Measure;
 use super::trial::Trial;
+use super::within::within_logs;
 use crate::fit::Budget;
-use crate::identify::{Experiment, Problem, candidates, ranked};
+use crate::identify::{Experiment, JointModel, Problem, candidates, ranked};
 use crate::joint::EffectId;
+use crate::progress::{Cancelled, Progress, Step};
 use rayon::prelude::*;
 
 /// All hypotheses that were fitted.
@@ -70,7 +72,7 @@ const PREDICTS: f64 = 0.5;
 /// Up to so many logs each is also predicted whole by the others, and a cause may not do that worse by so many standard
 /// deviations.
 const FEW_LOGS: usize = 4;
-const ELSEWHERE: f64 = 0.5;
+const ELSEWHERE: f64 = 1.0;
 /// Standard deviations from which on it clearly does.
 const CLEARLY: f64 = 2.0;
 
@@ -78,24 +80,25 @@ impl Attribution {
     /// Fits all hypotheses about a study; `effects` is the catalogue that is considered.
     ///
     /// Everything is tried on fewer samples first; only what comes near the best is fitted to all of them.
-    pub fn of(evidence: &Evidence, effects: &[EffectId], progress: &(dyn Fn(&str) + Sync)) -> Self {
+    pub fn of(evidence: &Evidence, effects: &[EffectId], progress: &dyn Progress) -> Result<Self, Cancelled> {
+        let stage = |stage| progress.go_on(Step::stage(stage));
         let coarse = evidence.coarse();
         let baseline = evidence.baseline();
-        progress("the joint as given");
+        stage("the joint as given")?;
         let given = Trial::as_given(&coarse, &baseline);
-        progress("recalibrating");
+        stage("recalibrating")?;
         let mut calibrated = calibrate(&coarse, &baseline, &given);
-        progress("trying causes");
+        stage("trying causes")?;
         let samples: f64 = coarse.fit.iter().map(|e| counts(e).sum::<f64>()).sum();
         let enough = |noise_rad: f64| samples * noise_rad.powi(2) * (1.0 + LEFT_OVER);
         let as_given = given.found.values.clone();
         let rough = noise_rad(&coarse, &[&given, &calibrated]);
-        let growth = Growth { evidence: &coarse, effects, as_given: &as_given, enough: enough(rough) };
+        let growth = Growth { evidence: &coarse, effects, as_given: &as_given, enough: enough(rough), progress };
         let beyond =
             |t: &Trial, share: f64, noise_rad: f64| t.fit_loss(&coarse) > samples * noise_rad.powi(2) * (1.0 + share);
         let (mut best, mut firsts) = (calibrated.clone(), Vec::new());
         if beyond(&calibrated, VERY_FAR, rough) {
-            progress("looking at short parts of the logs");
+            stage("looking at short parts of the logs")?;
             let carried = in_short_parts(&coarse, &growth, &calibrated);
             if let Some(t) = carried.first() {
                 best = t.clone();
@@ -108,7 +111,7 @@ impl Attribution {
             best = growth.from(&best).0;
         }
         if best.effects().is_empty() || (beyond(&best, FAR, noise) && !closes_most) {
-            progress("looking at whole logs");
+            stage("looking at whole logs")?;
             let (other, singles) = growth.from(&calibrated);
             firsts = singles;
             best = better(&coarse, best, other);
@@ -122,7 +125,7 @@ impl Attribution {
                 calibrated = bare;
             }
         }
-        progress("exchanging causes");
+        stage("exchanging causes")?;
         let best = growth.pruned(best);
         let sights = growth.sights(&calibrated, effects);
         let chance = chance::threshold(&coarse, &sights, &best);
@@ -132,9 +135,11 @@ impl Attribution {
         super::dbg(&coarse, "PRUNED", &best);
         let (exchanged, without, rivals) = growth.exchanged(best);
         super::dbg(&coarse, "EXCHANGED", &exchanged);
-        let members = exchanged.effects().len();
+        let members = exchanged.effects().to_vec();
         let best = growth.formed(proven(&coarse, exchanged, without, chance));
-        progress("looking for a law in what is left");
+        stage("looking at single sessions")?;
+        let best = within_logs(&growth, best, chance);
+        stage("looking for a law in what is left")?;
         let step_rad = coarse.reach.resolution_rad;
         let worth_a_law = best.fit_loss(&coarse) > samples * step_rad.max(noise_of_law(noise)).powi(2);
         let law = if worth_a_law { lawful(&coarse, &best, &calibrated) } else { None };
@@ -148,7 +153,7 @@ impl Attribution {
         };
         // What was exchanged is proven, and what is proven is not exchanged again: its rivals are looked at only.
         let without = growth.without_each(&best);
-        let rivals = if best.effects().len() == members { rivals } else { growth.rivals(&best, &without) };
+        let rivals = if best.effects() == members { rivals } else { growth.rivals(&best, &without) };
         if best.effects().len() == 1 && !firsts.iter().any(|t| t.effects() == best.effects()) {
             firsts.push(best.clone());
         }
@@ -166,9 +171,9 @@ impl Attribution {
             correlation: 1.0,
             best,
         };
-        progress("the serious ones on all samples");
+        stage("the serious ones on all samples")?;
         this.on_all_samples(evidence);
-        this
+        Ok(this)
     }
 
     /// Carries what may matter over to all samples, and predicts the held-out logs.
@@ -333,7 +338,7 @@ fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance:
             let needed = if lost.z() > CLEARLY { measure.charge(&best) - measure.charge(t) } else { chance };
             let elsewhere = if few { predicts_elsewhere(evidence, t, &best, measure.effective) } else { 0.0 };
             if std::env::var("GAP_DEBUG").is_ok() { eprintln!("     gained {gained:.1} needed {needed:.1} lost z {:.2} elsewhere {elsewhere:.2}", lost.z()); }
-            if lost.sum > PREDICTS * lost.sd && elsewhere > -super::knob("ELSE", 1.0) { gained - needed } else { f64::NEG_INFINITY }
+            if lost.sum > PREDICTS * lost.sd && elsewhere > -ELSEWHERE { gained - needed } else { f64::NEG_INFINITY }
         };
         let worths: Vec<f64> = without.par_iter().map(worth).collect();
         super::dbg(evidence, "PROVE", &best);
@@ -364,10 +369,13 @@ pub(super) fn calibrate(evidence: &Evidence, baseline: &GapModel, given: &Trial)
     let problem = Problem::new(baseline, &evidence.fit);
     let starts: Vec<Vec<f64>> = ranked(&problem, candidates(baseline, &evidence.fit)).into_iter().take(4).collect();
     let from_given = given.found.values.clone();
+    let from_start = baseline.parameters().iter().map(|p| p.start).collect();
+    let demanded = Some(from_start).filter(|start| *start != from_given);
     let brief: Vec<Trial> = starts
         .par_iter()
         .map(|x| problem.values(x))
         .chain([from_given])
+        .chain(demanded)
         .map(|values| Trial::solved(evidence, baseline.clone(), &values, given.found.starts.clone(), AGAIN))
         .collect();
     let best = brief.into_iter().min_by(|a, b| a.criterion().total_cmp(&b.criterion()));

@@ -4,15 +4,14 @@ use super::attribute::calibrate;
 use super::compare::correlation_length;
 use super::detect::detectable;
 use super::diagnose::GapError;
-use super::diagnosis::{BeliefFound, Detectable};
+use super::diagnosis::Detectable;
 use super::evidence::{Evidence, counts};
 use super::floor::noise_rad;
 use super::numbers::numbers;
 use super::trial::Trial;
-use super::undetermined::undetermined;
 use super::waterfall::beliefs;
 use crate::fit::Budget;
-use crate::identify::{Case, Estimate};
+use crate::identify::{BeliefFound, Case, Estimate};
 use crate::joint::EffectId;
 
 /// Evaluations of the fit that carries the recalibrated joint over to all samples.
@@ -63,7 +62,7 @@ pub fn check(case: &Case) -> Result<Checkup, GapError> {
     let floor_rad = noise_rad(&evidence, &[&given, &calibrated]);
     let [given_rad, calibrated_rad] = [&given, &calibrated].map(|trial| rms_rad(&evidence, trial));
     let (parameters, _) = numbers(&evidence, &calibrated);
-    let (beliefs, undetermined) = (beliefs(&calibrated), undetermined(&evidence, &calibrated));
+    let (beliefs, undetermined) = (beliefs(&calibrated), calibrated.undetermined(&evidence));
     let noise = (floor_rad, correlation_length(&evidence, &calibrated));
     let detectable = detectable(&evidence, noise, &calibrated, EffectId::ALL);
     Ok(Checkup { given_rad, calibrated_rad, floor_rad, parameters, beliefs, undetermined, detectable })

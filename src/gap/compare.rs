@@ -5,7 +5,7 @@
 
 use super::evidence::{Evidence, counts};
 use super::trial::Trial;
-use crate::identify::Experiment;
+use crate::identify::{self, Experiment};
 
 /// Time over which differences are summed to one draw \[s\].
 const BLOCK_S: f64 = 0.25;
@@ -58,18 +58,7 @@ pub(super) fn block_samples(e: &Experiment) -> usize {
     ((BLOCK_S / period_s) as usize).clamp(4, 500)
 }
 
-/// What a model lacks comes back with every stroke; it is not noise that hangs together for longer than this \[s\].
-const LONGEST_S: f64 = 0.2;
-
-/// How many successive residuals count as one, over all fitted logs of a trial; each sample by how much it counts.
+/// How many successive residuals count as one, over all fitted logs of a trial.
 pub(super) fn correlation_length(evidence: &Evidence, trial: &Trial) -> f64 {
-    let (mut sum, mut n) = (0.0, 0.0);
-    for (e, r) in evidence.fit.iter().zip(&trial.fit) {
-        let counted: Vec<f64> = counts(e).zip(r).map(|(c, r)| c.sqrt() * r).collect();
-        let samples = r.len() as f64;
-        let period_s = (e.t_s[e.t_s.len() - 1] - e.t_s[0]) / (e.t_s.len() - 1).max(1) as f64;
-        sum += samples * crate::fit::correlation_length(&counted).min((super::knob("LONGEST", 0.06) / period_s).max(1.0));
-        n += samples;
-    }
-    if n > 0.0 { (sum / n).max(1.0) } else { 1.0 }
+    identify::correlation_length(&evidence.fit, &trial.fit)
 }

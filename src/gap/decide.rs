@@ -217,7 +217,7 @@ fn moved_most(trial: &Trial) -> Option<usize> {
     let parameters = trial.model.parameters();
     let moved = |i: &usize| {
         let p = &parameters[*i];
-        if p.fixed { 0.0 } else { p.moved_sd(trial.found.values[*i]).map_or(0.0, f64::abs) }
+        if p.fixed { 0.0 } else { p.moved(trial.found.values[*i]).abs() }
     };
     let candidates = (0..BASELINE).filter(|i| moved(i) > if *i == GAIN { GAIN_SD } else { 0.0 });
     candidates.max_by(|a, b| moved(a).total_cmp(&moved(b)))

@@ -2,10 +2,12 @@
 
 use super::attribute::Attribution;
 use super::decide::{Decision, decide};
+use super::demands::{in_words, resolved};
 use super::detect::detectable;
 use super::diagnosis::{
     Answer, Candidate, Diagnosis, Gap, GapOptions, LogGap, LogTraces, Number, ResidualTorque, Verdict,
 };
+use super::differs::{Differs, differing};
 use super::evidence::Evidence;
 use super::held_out::{HeldOut, closed, rms};
 use super::law_found::law_found;
@@ -17,11 +19,12 @@ use super::rates::{Rates, probability, share_out, standing};
 use super::sentence::sentence;
 use super::trial::{Trial, loss};
 use super::twins::measure;
-use super::undetermined::undetermined;
 use super::waterfall::{beliefs, causes};
-use crate::identify::{Case, Estimate, Experiment, JointModel, Signal};
+use crate::identify::{Case, DirectiveError, Estimate, Experiment, JointModel, Signal};
 use crate::joint::EffectId;
 use crate::log::Role;
+use crate::progress::{Cancelled, Progress, Step};
+use std::sync::Arc;
 
 /// Why no diagnosis can be made.
 #[derive(Debug, thiserror::Error)]
@@ -38,27 +41,40 @@ pub enum GapError {
     /// The joint as given has no motion that stays finite.
     #[error("the joint as given runs away on the logs; check the units and sizes of [joint] and [motor]")]
     Diverged,
+    /// The diagnosis was no longer wanted.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// A demand on a number or on a parameter of an effect cannot be met.
+    #[error(transparent)]
+    Demand(#[from] DirectiveError),
 }
 
-/// Diagnoses the gap of a joint study. `progress` is told what is being tried.
+/// Diagnoses the gap of a joint study. `progress` is told what is being tried, and asked whether that is still wanted.
 ///
 /// # Errors
 /// [`GapError`] where there is nothing to diagnose.
-pub fn diagnose(case: &Case, options: &GapOptions, progress: &(dyn Fn(&str) + Sync)) -> Result<Diagnosis, GapError> {
+pub fn diagnose(case: &Case, options: &GapOptions, progress: &dyn Progress) -> Result<Diagnosis, GapError> {
+    let stage = |stage| progress.go_on(Step::stage(stage));
     let nominal = case.joint.nominal.ok_or(GapError::NoNominal)?;
-    let evidence = Evidence::of(case, nominal).ok_or(GapError::NeverMoved)?;
-    let considered =
-        |e: &EffectId| !options.without.contains(e) && (options.only.is_empty() || options.only.contains(e));
+    let mut evidence = Evidence::of(case, nominal).ok_or(GapError::NeverMoved)?;
+    evidence.demands = Arc::new(resolved(&options.demands, &evidence)?);
+    let demands = Arc::clone(&evidence.demands);
+    // Who holds the drive's gain knows what arrives of a torque.
+    let gain_is_known = evidence.baseline().is_held_by_demand(GAIN);
+    let considered = |e: &EffectId| {
+        !(options.without.contains(e) || gain_is_known && *e == EffectId::MotorGain)
+            && (options.only.is_empty() || options.only.contains(e))
+    };
     let effects: Vec<EffectId> = EffectId::ALL.iter().copied().filter(considered).collect();
-    let (evidence, attribution) = attributed(evidence, &effects, progress);
+    let (evidence, attribution) = attributed(evidence, &effects, progress)?;
     if !attribution.calibrated.criterion().is_finite() {
         return Err(GapError::Diverged);
     }
-    progress("weighing");
+    stage("weighing")?;
     let held = HeldOut::of(&evidence);
     let decision = decide(&evidence, &held, &attribution);
     let gap = gap(&evidence, &held, &attribution, &decision);
-    progress("what these logs could have shown");
+    stage("what these logs could have shown")?;
     let found = !decision.answer.effects().is_empty() || decision.answer.model.law().is_some();
     let around = if found { decision.answer } else { &attribution.calibrated };
     let noise = (attribution.noise_rad, attribution.correlation);
@@ -80,26 +96,32 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &(dyn Fn(&str) + Sy
         .then(|| decision.finding.map(|i| decision.answer.model.parameters()[i].name.clone()))
         .flatten();
     let is_named = matches!(decision.verdict, Verdict::Effect);
-    let sentence =
+    let intervals_trusted = decision.excess < super::decide::EXPLAINED;
+    // Causes that hold in some logs only may stand for a number that differs.
+    let restricted = attribution.best.model.only().iter().any(Option::is_some);
+    let differs = if intervals_trusted && !restricted { Vec::new() } else { differing(&evidence, &attribution) };
+    let mut sentence =
         sentence(&case.joint.name, &decision, &gap, parameter.as_deref(), &effect_parameters, law.as_ref());
+    sentence.extend(differs.first().and_then(Differs::instead_of_causes));
     let mut ranking = ranking(&evidence, &held, &attribution, &gap);
-    progress("what would tell more");
+    stage("what would tell more")?;
     let rivals = rivals(&attribution, &decision);
     let next = if is_named { next(&evidence, &attribution, decision.answer, &rivals) } else { None };
     let standing = standing(&decision);
     let (mut probability, mut probability_source) = probability(&standing, &Rates::shipped());
-    let twins = (options.twins > 0).then(|| {
+    let twins = if options.twins > 0 {
         let answer = (decision.verdict, decision.effect().filter(|_| is_named));
-        measure(&evidence, &attribution, &effects, answer, (options.twins, options.seed), progress)
-    });
+        Some(measure(&evidence, &attribution, &effects, answer, (options.twins, options.seed), progress)?)
+    } else {
+        None
+    };
     if let Some((rate, source)) = twins.as_ref().and_then(|t| t.rate.clone()) {
         (probability, probability_source) = (rate, source);
     }
     share_out(&mut ranking, &decision, probability);
-    progress("where the gap lies");
+    stage("where the gap lies")?;
     let (location, torques) = place(&evidence, &attribution, &decision);
     let traces = traces(&evidence, &attribution, &decision, torques);
-    let intervals_trusted = decision.excess < super::decide::EXPLAINED;
     Ok(Diagnosis {
         joint: case.joint.name.clone(),
         answer: Answer {
@@ -122,13 +144,15 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &(dyn Fn(&str) + Sy
         causes: causes(&evidence, &held, &attribution, &decision, &effect_parameters),
         beliefs: beliefs(around),
         law,
-        undetermined: undetermined(&evidence, around),
+        undetermined: around.undetermined(&evidence),
         effect_parameters,
         next,
         confusion: twins.map(|t| t.confusion),
         traces,
-        notes: notes(&evidence, &decision, intervals_trusted),
+        notes: notes(&evidence, &decision, intervals_trusted, &differs),
+        differs,
         withheld: EffectId::ALL.iter().copied().filter(|e| !effects.contains(e)).collect(),
+        demands: Arc::unwrap_or_clone(demands),
     })
 }
 
@@ -145,15 +169,19 @@ fn gain_as_effect(parameters: &[Estimate]) -> Number {
 }
 
 /// All hypotheses fitted: to the logs that the study says, or to all where only the held-out ones show what is missing.
-fn attributed(evidence: Evidence, effects: &[EffectId], progress: &(dyn Fn(&str) + Sync)) -> (Evidence, Attribution) {
-    let attribution = Attribution::of(&evidence, effects, progress);
+fn attributed(
+    evidence: Evidence,
+    effects: &[EffectId],
+    progress: &dyn Progress,
+) -> Result<(Evidence, Attribution), Cancelled> {
+    let attribution = Attribution::of(&evidence, effects, progress)?;
     if !attribution.held_out_shows_more(&evidence) {
-        return (evidence, attribution);
+        return Ok((evidence, attribution));
     }
-    progress("all logs: the held-out ones show more");
+    progress.go_on(Step::stage("all logs: the held-out ones show more"))?;
     let pooled = evidence.pooled();
-    let attribution = Attribution::of(&pooled, effects, progress);
-    (pooled, attribution)
+    let attribution = Attribution::of(&pooled, effects, progress)?;
+    Ok((pooled, attribution))
 }
 
 /// How far the gap closes on logs that were not fitted.
@@ -269,8 +297,8 @@ fn traces(
     fit.chain(held).zip(torques).map(|(log, torque)| of(log, torque)).collect()
 }
 
-fn notes(evidence: &Evidence, decision: &Decision<'_>, trusted: bool) -> Vec<String> {
-    let mut notes = Vec::new();
+fn notes(evidence: &Evidence, decision: &Decision<'_>, trusted: bool, differs: &[Differs]) -> Vec<String> {
+    let mut notes: Vec<String> = in_words(&evidence.demands).into_iter().collect();
     if !trusted {
         notes.push(
             "Something is left that the model does not explain: the intervals of the parameters do not allow for the \
@@ -278,6 +306,7 @@ fn notes(evidence: &Evidence, decision: &Decision<'_>, trusted: bool) -> Vec<Str
                 .to_owned(),
         );
     }
+    notes.extend(differs.iter().map(Differs::in_words));
     if !evidence.scale_known {
         notes.push(
             "No log is driven and no known mass is hung on: the logs show ratios of torques only; how large all of them \

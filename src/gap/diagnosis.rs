@@ -1,6 +1,8 @@
 //! What a diagnosis says, as plain data: the engine fills it, reports and JSON show it.
 
-use crate::identify::Estimate;
+use super::differs::Differs;
+use super::logs::LogSet;
+use crate::identify::{BeliefFound, Directives, Estimate};
 use crate::joint::{EffectId, LawTable, Stage};
 use serde::Serialize;
 
@@ -15,6 +17,8 @@ pub struct GapOptions {
     pub twins: usize,
     /// Seed of the twins.
     pub seed: u64,
+    /// What the user demands of numbers and of parameters of effects, e.g. `inertia` or `delay.T`.
+    pub demands: Directives,
 }
 
 /// The kinds of answer.
@@ -132,7 +136,6 @@ impl Phase {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Number {
     /// The catalogue's name, e.g. `mu_st`.
-    #[serde(skip)]
     pub name: String,
     /// The estimate.
     pub value: f64,
@@ -145,7 +148,7 @@ pub struct Number {
 }
 
 /// The answer in short.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Answer {
     /// Which kind.
     pub verdict: Verdict,
@@ -171,12 +174,14 @@ pub struct Answer {
 }
 
 /// One cause of the answer, in the order of the waterfall.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CauseShare {
     /// Which family of effects.
     pub effect: EffectId,
     /// The form in which it was found; empty where the family has only one.
     pub form: &'static str,
+    /// The logs in which it holds; `None`: all.
+    pub only: Option<LogSet>,
     /// Effects that these logs cannot tell apart from it in the presence of the others, itself included, best first.
     pub equivalent: Vec<EffectId>,
     /// Its parameters.
@@ -189,26 +194,8 @@ pub struct CauseShare {
     pub after: f64,
 }
 
-/// What was believed of a number, and what the logs made of it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct BeliefFound {
-    /// Which number.
-    #[serde(skip)]
-    pub name: String,
-    /// As the study states it.
-    pub believed: f64,
-    /// Standard deviation of that, in its unit.
-    pub sd: f64,
-    /// As found, with the causes of the answer in place.
-    pub found: f64,
-    /// By how many of its standard deviations it was moved.
-    pub moved_sd: f64,
-    /// Its unit.
-    pub unit: String,
-}
-
 /// Where the gap lies.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Where {
     /// The stage of the chain; `None` where there is no gap.
     pub stage: Option<Stage>,
@@ -303,7 +290,7 @@ pub struct LogGap {
 }
 
 /// One candidate of the ranking.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Candidate {
     /// Which effect.
     pub effect: EffectId,
@@ -323,7 +310,7 @@ pub struct Candidate {
 }
 
 /// A cause without a name: a curve that predicts logs to which it was not fitted.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LawFound {
     /// Its curve, what it acts on, the share of what recalibration leaves that it closes behind the causes, and what it
     /// looks like.
@@ -335,7 +322,7 @@ pub struct LawFound {
 }
 
 /// The smallest size of an effect that these logs would have shown.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Detectable {
     /// Which effect.
     pub effect: EffectId,
@@ -348,7 +335,7 @@ pub struct Detectable {
 }
 
 /// The experiment that would separate effects that these logs cannot tell apart.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Next {
     /// In words.
     pub what: String,
@@ -370,7 +357,7 @@ pub struct Confusion {
 }
 
 /// Curves of one log.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LogTraces {
     /// As the user named it.
     pub file: String,
@@ -393,7 +380,7 @@ pub struct LogTraces {
 }
 
 /// The torque that a model lacks along a log, as an input of the joint, with its uncertainty.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ResidualTorque {
     /// Instants, as the log's compared samples \[s\].
     pub t_s: Vec<f64>,
@@ -410,7 +397,7 @@ pub struct ResidualTorque {
 }
 
 /// A diagnosis.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Diagnosis {
     /// The joint's name.
     pub joint: String,
@@ -435,6 +422,8 @@ pub struct Diagnosis {
     pub beliefs: Vec<BeliefFound>,
     /// What the causes leave and no name explains, as a measured curve.
     pub law: Option<LawFound>,
+    /// Numbers that are not the same in all logs; looked for where one set of numbers leaves much.
+    pub differs: Vec<Differs>,
     /// What these logs cannot determine and what would, in sentences.
     pub undetermined: Vec<String>,
     /// What to do next where effects cannot be told apart.
@@ -447,6 +436,8 @@ pub struct Diagnosis {
     pub notes: Vec<String>,
     /// Effects that were withheld from the catalogue.
     pub withheld: Vec<EffectId>,
+    /// What was demanded, parameters of effects with the effect's id before them.
+    pub demands: Directives,
 }
 
 impl Diagnosis {

@@ -2,9 +2,11 @@
 
 use super::model::GapModel;
 use super::reach::reach_of;
-use crate::identify::{Case, Experiment};
+pub(super) use crate::identify::counts;
+use crate::identify::{Case, Directives, Experiment};
 use crate::joint::Reach;
 use crate::log::{Nominal, Role, Uncertain};
+use std::sync::Arc;
 
 /// A study's logs, made ready to be argued from.
 pub(super) struct Evidence {
@@ -18,6 +20,8 @@ pub(super) struct Evidence {
     pub nominal: Nominal,
     /// How sure the engineer is of it.
     pub uncertain: Uncertain,
+    /// What the user demands of numbers and of parameters of effects.
+    pub demands: Arc<Directives>,
     /// Where it hangs, as given; 0 where nothing is said \[rad\].
     pub rest_rad: f64,
     /// Typical sizes.
@@ -53,6 +57,7 @@ impl Evidence {
             pooled_from: None,
             nominal,
             uncertain: case.uncertain.clone(),
+            demands: Arc::default(),
             rest_rad: case.joint.rest_rad.unwrap_or(0.0),
             scale_known,
         })
@@ -60,12 +65,12 @@ impl Evidence {
 
     /// The joint as it is believed to be.
     pub fn baseline(&self) -> GapModel {
-        GapModel::baseline(&self.nominal, self.rest_rad, &self.reach, &self.uncertain)
+        GapModel::baseline(&self.nominal, self.rest_rad, &self.reach, &self.uncertain).under(&self.demands)
     }
 
     /// The same study with other logs.
     pub fn with_logs(&self, fit: Vec<Experiment>, held: Vec<Experiment>) -> Self {
-        Self { fit, held, uncertain: self.uncertain.clone(), ..*self }
+        Self { fit, held, uncertain: self.uncertain.clone(), demands: Arc::clone(&self.demands), ..*self }
     }
 
     /// The same logs, all of them to be fitted: for what only a held-out log shows.
@@ -123,15 +128,4 @@ fn lighten_runs(e: &mut Experiment) {
             *weight *= share;
         }
     }
-}
-
-/// How much each compared sample counts: about 1, and less in phases of one repeated reading.
-pub(super) fn counts(e: &Experiment) -> impl Iterator<Item = f64> + '_ {
-    // The heaviest weights are those of the plain samples.
-    let period = e.weights_s.iter().copied().fold(0.0, f64::max).min(mean_period(e) * 1.5).max(1e-12);
-    e.weights_s.iter().map(move |w| (w / period).min(1.0))
-}
-
-fn mean_period(e: &Experiment) -> f64 {
-    (e.t_s[e.t_s.len() - 1] - e.t_s[e.uncompared]) / (e.compared() - 1).max(1) as f64
 }

@@ -13,10 +13,11 @@ use super::sight::Sight;
 use super::trial::Trial;
 use crate::fit::Budget;
 use crate::joint::{EffectForm, EffectId};
+use crate::progress::{Progress, Step};
 use rayon::prelude::*;
 
 /// Most causes of an answer.
-const MOST: usize = 6;
+pub(super) const MOST: usize = 6;
 /// Evaluations of a fit that begins near its end.
 const AGAIN: Budget = Budget { evaluations: 14 };
 /// Evaluations with which a grown set is brought to rest.
@@ -41,6 +42,8 @@ pub(super) struct Growth<'a> {
     pub as_given: &'a [f64],
     /// Squares sum to this where nothing but noise is left \[rad^2\].
     pub enough: f64,
+    /// Who wants to know how far it is; a growth that is no longer wanted ends with what it has.
+    pub progress: &'a dyn Progress,
 }
 
 impl Growth<'_> {
@@ -51,6 +54,10 @@ impl Growth<'_> {
         let mut singles = Vec::new();
         let mut apart = 0;
         while best.effects().len() < MOST && best.fit_loss(self.evidence) > self.enough && apart < APART {
+            let done = best.effects().len();
+            if self.progress.go_on(Step { stage: "trying causes", done, of: MOST }).is_err() {
+                break;
+            }
             apart += usize::from(best.model.has_two_bodies());
             let (grown, others) = self.step(&best);
             if best.effects().is_empty() {

@@ -15,10 +15,11 @@ use crate::joint::EffectId;
 const FINE: i32 = 20;
 const FINE_SHARE: f64 = 0.1;
 
-/// Where the time between two setpoints stands among a model's values; `None` where it holds none.
+/// Where the time between two setpoints stands among a model's values; `None` where it holds none, or one that the user
+/// gave.
 pub(super) fn held_setpoint(model: &GapModel) -> Option<usize> {
     let k = model.effects().iter().position(|e| *e == EffectId::SetpointHold)?;
-    Some(model.place(k).start)
+    Some(model.place(k).start).filter(|at| !model.is_held_by_demand(*at))
 }
 
 /// A model fitted from values and starts, the time at place `at` settled first; the budget is that of each of the fits.

@@ -13,9 +13,11 @@ mod chance;
 mod check;
 mod compare;
 mod decide;
+mod demands;
 mod detect;
 mod diagnose;
 mod diagnosis;
+mod differs;
 mod evidence;
 mod explore;
 mod floor;
@@ -29,6 +31,7 @@ mod law_shape;
 mod laws;
 mod localise;
 mod looks_like;
+mod logs;
 #[cfg(test)]
 mod made;
 mod map;
@@ -52,18 +55,21 @@ mod stage;
 mod strength;
 mod trial;
 mod twins;
-mod undetermined;
 mod variables;
 mod waterfall;
+mod within;
 
+pub use crate::identify::BeliefFound;
 pub use check::{Checkup, check};
 pub use diagnose::{GapError, diagnose};
 pub use diagnosis::{
-    Answer, BeliefFound, Candidate, CauseShare, Confusion, Detectable, Diagnosis, Gap, GapOptions, LawFound, LogGap, LogTraces,
-    MapCell, Next, Number, Phase, ProfileBin, ResidualTorque, Variable, Verdict, Where,
+    Answer, Candidate, CauseShare, Confusion, Detectable, Diagnosis, Gap, GapOptions, LawFound, LogGap, LogTraces, MapCell,
+    Next, Number, Phase, ProfileBin, ResidualTorque, Variable, Verdict, Where,
 };
+pub use differs::Differs;
 pub use localise::{LogPart, localise};
 pub use looks_like::looks_like;
+pub use logs::{By, LogSet};
 pub(crate) use model::GapModel;
 pub use rates::{Rate, Rates};
 pub(crate) use reach::reach_of;

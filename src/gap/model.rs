@@ -3,9 +3,11 @@
 
 use super::evidence::Evidence;
 use super::law_shape::LawShape;
-use crate::identify::{Belief, Experiment, JointModel, Parameter, Search, Signal};
-use crate::joint::{Chain, EffectForm, EffectId, Friction, Link, Motor, Reach, Real, Scan};
+use super::logs::LogSet;
+use crate::identify::{Belief, Deviations, Directives, Experiment, JointModel, Parameter, Search, Signal};
+use crate::joint::{Chain, EffectForm, EffectId, EffectParameter, Friction, Link, Motor, Reach, Real, Scan};
 use crate::log::{Nominal, Uncertain};
+use std::sync::Arc;
 
 /// Where the numbers stand among the values.
 pub(super) const INERTIA: usize = 0;
@@ -14,12 +16,9 @@ pub(super) const COULOMB: usize = 2;
 pub(super) const VISCOUS: usize = 3;
 /// Torque that arrives per torque that the drive is believed to give.
 pub(super) const GAIN: usize = 4;
-const REST: usize = 5;
+pub(super) const REST: usize = 5;
 /// Number of values before those of the effects.
 pub(super) const BASELINE: usize = 6;
-
-/// Friction is not known better than to this share of the largest torque seen.
-const LEAST_FRICTION: f64 = 0.01;
 
 /// The joint as it is believed to be, with effects on its stages.
 #[derive(Clone, Debug)]
@@ -30,7 +29,21 @@ pub(crate) struct GapModel {
     forms: Vec<EffectForm>,
     /// A cause without a name; its numbers stand last.
     law: Option<LawShape>,
+    /// The logs in which each of them holds; `None`: all.
+    only: Vec<Option<Arc<LogSet>>>,
+    /// Numbers that are not the same in all logs.
+    differing: Vec<Differing>,
     unit_rad2_s: f64,
+    /// What the user demands of parameters.
+    demands: Arc<Directives>,
+}
+
+/// A number with values of its own in some logs.
+#[derive(Clone, Debug)]
+struct Differing {
+    number: usize,
+    /// Logs, and where their value stands.
+    own: Vec<(Arc<LogSet>, usize)>,
 }
 
 impl GapModel {
@@ -40,34 +53,49 @@ impl GapModel {
         let damping = reach.torque_nm / reach.speed_rad_s;
         let n = nominal;
         let moment_unit = reach.torque_nm / 9.81;
-        let least_nm = LEAST_FRICTION * reach.torque_nm.max(reach.driven.map_or(0.0, |driven| driven.command_nm));
-        let friction_sd = |name: &str, value: f64, least: f64| match uncertain.friction.of(name) {
-            0.0 => 0.0,
-            share => (share * value).max(least),
-        };
+        let largest_nm = reach.torque_nm.max(reach.driven.map_or(0.0, |driven| driven.command_nm));
+        let sd = Deviations::of(n, uncertain, largest_nm, reach.speed_rad_s, moment_unit);
         let gain_sd = match reach.driven {
             Some(driven) if driven.by_setpoint => uncertain.gain.of("gain"),
             Some(_) => uncertain.torque.of("gain"),
             None => 0.0,
         };
         let parameters = vec![
-            Parameter::positive("inertia", "I*", "kg m^2", Some(n.inertia_kg_m2), n.inertia_kg_m2)
-                .believed(uncertain.inertia.of("inertia")),
+            Parameter::positive("inertia", "I*", "kg m^2", Some(n.inertia_kg_m2), n.inertia_kg_m2).believed(sd.inertia),
             if n.moment_kg_m > 0.0 {
-                Parameter::positive("moment", "M*", "kg m", Some(n.moment_kg_m), n.moment_kg_m)
-                    .believed(uncertain.moment.of("moment"))
+                Parameter::positive("moment", "M*", "kg m", Some(n.moment_kg_m), n.moment_kg_m).believed(sd.moment)
             } else {
-                Parameter::friction("moment", "M*", "kg m", Some(0.0), 0.0, moment_unit)
-                    .believed(uncertain.moment.of("moment") * moment_unit)
+                Parameter::friction("moment", "M*", "kg m", Some(0.0), 0.0, moment_unit).believed(sd.moment)
             },
             Parameter::friction("coulomb", "mu_c", "N m", Some(n.coulomb_nm), n.coulomb_nm, reach.torque_nm)
-                .believed(friction_sd("coulomb", n.coulomb_nm, least_nm)),
+                .believed(sd.coulomb_nm),
             Parameter::friction("viscous", "mu_v", "N m s/rad", Some(n.viscous_nm_s_rad), n.viscous_nm_s_rad, damping)
-                .believed(friction_sd("viscous", n.viscous_nm_s_rad, least_nm / reach.speed_rad_s)),
+                .believed(sd.viscous_nm_s_rad),
             Parameter::positive("gain", "c", "", Some(1.0), 1.0).believed(gain_sd),
             Parameter::angle("rest", "q_rest", Some(rest_rad), rest_rad).fixed(),
         ];
-        Self { parameters, effects: Vec::new(), forms: Vec::new(), law: None, unit_rad2_s: 0.0 }
+        Self {
+            parameters,
+            effects: Vec::new(),
+            forms: Vec::new(),
+            law: None,
+            only: Vec::new(),
+            differing: Vec::new(),
+            unit_rad2_s: 0.0,
+            demands: Arc::default(),
+        }
+    }
+
+    /// The same model under demands, which also hold for the effects that will be added.
+    pub(super) fn under(mut self, demands: &Arc<Directives>) -> Self {
+        self.parameters.iter_mut().for_each(|p| demands.impose(p));
+        self.demands = Arc::clone(demands);
+        self
+    }
+
+    /// What the user demands of parameters.
+    pub(super) fn demands(&self) -> &Directives {
+        &self.demands
     }
 
     /// The same model, in which one unit of deviance weighs so much in the criterion \[rad^2 s\].
@@ -87,28 +115,16 @@ impl GapModel {
         let (mut more, form) = (self.clone(), effect.into());
         more.effects.push(form.id);
         more.forms.push(form);
+        more.only.push(None);
         if form.id == EffectId::MotorGain {
             // The effect is the number without what is believed of it.
             let gain = &mut more.parameters[GAIN];
             (gain.fixed, gain.start) = (true, 1.0);
         }
-        more.parameters.extend(form.parameters(reach).into_iter().map(|p| {
-            let search = match p.scan {
-                Scan::Logarithm => Search::Logarithm,
-                Scan::Linear(scale) => Search::Linear { scale },
-                Scan::Held => Search::Linear { scale: 1.0 },
-            };
-            Parameter {
-                search,
-                lower: p.lower,
-                upper: p.upper,
-                fixed: p.scan == Scan::Held,
-                start: p.lower,
-                ..Parameter::positive(p.name, p.name, p.unit, None, p.lower)
-            }
+        more.parameters.extend(parameters_of(form, reach).into_iter().map(|mut p| {
+            self.demands.impose(&mut p);
+            p
         }));
-        let first = more.parameters.len() - form.searched_count();
-        more.parameters[first].belief = plausible(form.id);
         more
     }
 
@@ -138,6 +154,46 @@ impl GapModel {
         end - self.law.as_ref().map_or(0, LawShape::count)..end
     }
 
+    /// The same joint, whose effect number `k` holds in some logs only.
+    pub(crate) fn only_in(mut self, k: usize, logs: Arc<LogSet>) -> Self {
+        self.only[k] = Some(logs);
+        self
+    }
+
+    /// The logs in which each effect holds; `None`: all.
+    pub(super) fn only(&self) -> &[Option<Arc<LogSet>>] {
+        &self.only
+    }
+
+    /// Whether a number, by index, may be tried with values of its own in some logs.
+    pub(super) fn may_differ(&self, number: usize) -> bool {
+        let is_known = self.is_held_by_demand(number) || (self.parameters[number].fixed && number != REST);
+        !is_known && self.differing.iter().all(|d| d.number != number)
+    }
+
+    /// The same joint, of which a number has a value of its own in each of these sets of logs; the values stand last, and
+    /// nothing is added to such a joint.
+    pub(super) fn differing(mut self, number: usize, sets: Vec<Arc<LogSet>>) -> Self {
+        let first = self.parameters.len();
+        let own = Parameter { fixed: false, ..self.parameters[number].clone() };
+        self.parameters.extend(sets.iter().map(|_| own.clone()));
+        let own = sets.into_iter().enumerate().map(|(i, set)| (set, first + i)).collect();
+        self.differing.push(Differing { number, own });
+        self
+    }
+
+    /// Where the value of a number stands that holds in an experiment.
+    fn at_experiment(&self, number: usize, experiment: &Experiment) -> usize {
+        let own = self.differing.iter().filter(|d| d.number == number).flat_map(|d| &d.own);
+        own.into_iter().find(|(set, _)| set.holds(experiment)).map_or(number, |(_, at)| *at)
+    }
+
+    /// Choices that were made about logs: effects that hold in some only, and values of numbers beyond one for all.
+    pub(super) fn choices_of_logs(&self) -> (usize, usize) {
+        let restricted = self.only.iter().flatten().count();
+        (restricted + self.differing.len(), self.differing.iter().map(|d| d.own.len() - 1).sum())
+    }
+
     /// The same model with parameters held at the values given, by index.
     pub(super) fn holding(mut self, held: &[usize], values: &[f64]) -> Self {
         for &i in held {
@@ -150,7 +206,7 @@ impl GapModel {
     /// The same model with everything that is not searched at the values given.
     pub(super) fn at(mut self, values: &[f64]) -> Self {
         for (parameter, value) in self.parameters.iter_mut().zip(values) {
-            if parameter.fixed {
+            if parameter.fixed && self.demands.held(parameter).is_none() {
                 parameter.start = *value;
             }
         }
@@ -161,8 +217,9 @@ impl GapModel {
     pub(super) fn keeping(&self, values: &[f64], kept: &[usize], evidence: &Evidence) -> (Self, Vec<f64>) {
         let mut model = evidence.baseline().in_unit(self.unit_rad2_s);
         let mut left = values[..BASELINE].to_vec();
-        for &k in kept {
+        for (i, &k) in kept.iter().enumerate() {
             model = model.with(self.forms[k], &evidence.reach);
+            model.only[i].clone_from(&self.only[k]);
             left.extend(&values[self.place(k)]);
         }
         if let Some(law) = &self.law {
@@ -185,6 +242,7 @@ impl GapModel {
                 model = model.with(own, &evidence.reach);
                 there.extend(as_it_was);
             }
+            model.only[i].clone_from(&self.only[i]);
         }
         (model, there)
     }
@@ -216,6 +274,31 @@ impl GapModel {
     }
 }
 
+/// Parameters of an effect as they are searched, with what is believed of them before a log is seen; each with the
+/// effect's id before its name, e.g. `delay.T`.
+pub(super) fn parameters_of(form: EffectForm, reach: &Reach) -> Vec<Parameter> {
+    let searched = |p: EffectParameter| {
+        let search = match p.scan {
+            Scan::Logarithm => Search::Logarithm,
+            Scan::Linear(scale) => Search::Linear { scale },
+            Scan::Held => Search::Linear { scale: 1.0 },
+        };
+        Parameter {
+            search,
+            lower: p.lower,
+            upper: p.upper,
+            fixed: p.scan == Scan::Held,
+            start: p.lower,
+            ..Parameter::positive(format!("{}.{}", form.id, p.name), p.name, p.unit, None, p.lower)
+        }
+    };
+    let mut parameters: Vec<Parameter> = form.parameters(reach).into_iter().map(searched).collect();
+    if let Some(first) = parameters.first_mut() {
+        first.belief = plausible(form.id);
+    }
+    parameters
+}
+
 /// What any engineer believes of an effect's size before a log is seen, where that says something: encoders are not wrong
 /// by halves, and drives do not wait for tenths of seconds.
 fn plausible(effect: EffectId) -> Option<Belief> {
@@ -242,8 +325,12 @@ impl JointModel for GapModel {
         self.unit_rad2_s
     }
 
+    fn weigh_beliefs(&mut self, unit_rad2_s: f64) {
+        self.unit_rad2_s = unit_rad2_s;
+    }
+
     fn chain<T: Real>(&self, values: &[T], experiment: &Experiment) -> Chain<T> {
-        let rest = values[REST];
+        let rest = values[self.at_experiment(REST, experiment)];
         let mut link = Link::new(values[INERTIA], values[MOMENT], rest, experiment.gravity_m_s2);
         if let Some(load) = &experiment.load {
             let (inertia, moment) = (T::constant(load.inertia_kg_m2), T::constant(load.moment_kg_m));
@@ -255,14 +342,17 @@ impl JointModel for GapModel {
             Signal::Position { .. } => experiment.motor.map(Motor::new),
         };
         if let Some(motor) = &mut motor {
-            motor.gain = values[GAIN];
+            motor.gain = values[self.at_experiment(GAIN, experiment)];
         }
-        let friction = Friction::coulomb_viscous(values[COULOMB], values[VISCOUS]);
+        let coulomb_nm = values[self.at_experiment(COULOMB, experiment)];
+        let friction = Friction::coulomb_viscous(coulomb_nm, values[VISCOUS]);
         let mut chain = Chain::new(link, friction, motor).geared(experiment.motor.as_ref());
         let mut rest_of = &values[BASELINE.min(values.len())..];
-        for &effect in &self.forms {
+        for (effect, only) in self.forms.iter().zip(&self.only) {
             let (own, later) = rest_of.split_at(effect.searched_count());
-            effect.apply(own, values[INERTIA], &mut chain);
+            if only.as_ref().is_none_or(|logs| logs.holds(experiment)) {
+                effect.apply(own, values[INERTIA], &mut chain);
+            }
             rest_of = later;
         }
         if let Some(law) = &self.law {

@@ -32,7 +32,9 @@ impl Measure {
     pub fn charge(self, trial: &Trial) -> f64 {
         let searched: usize = trial.model.forms().iter().map(|form| form.searched_count()).sum();
         let law = trial.model.law().map_or(0.0, |law| law.charge + FOR_THE_CHOICE);
-        searched as f64 * self.effective.ln() + trial.effects().len() as f64 * FOR_THE_CHOICE + law
+        let (choices, values) = trial.model.choices_of_logs();
+        let (searched, chosen) = (searched + values, trial.effects().len() + choices);
+        searched as f64 * self.effective.ln() + chosen as f64 * FOR_THE_CHOICE + law
     }
 
     /// Deviance and charge: less is better.

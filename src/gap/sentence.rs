@@ -32,6 +32,13 @@ pub(super) fn words(effect: EffectId) -> &'static str {
     }
 }
 
+/// The logs in which an effect holds, where it does not hold in all.
+fn only(decision: &Decision<'_>, effect: EffectId) -> String {
+    let model = &decision.answer.model;
+    let set = model.effects().iter().position(|e| *e == effect).and_then(|k| model.only()[k].as_ref());
+    set.map_or(String::new(), |set| format!(" {}", set.words))
+}
+
 /// What causes close of the gap that recalibration leaves.
 fn closing(gap: &Gap) -> String {
     let (from, to) = (mrad(gap.calibrated), mrad(gap.after));
@@ -70,7 +77,8 @@ pub(super) fn sentence(
         number.map_or(String::new(), |n| format!(" ({} = {})", n.name, quantity(n.value, n.interval, &n.unit)))
     };
     let all = || {
-        let each: Vec<String> = decision.effects.iter().map(|&e| format!("{}{}", words(e), size(e))).collect();
+        let each: Vec<String> =
+            decision.effects.iter().map(|&e| format!("{}{}{}", words(e), size(e), only(decision, e))).collect();
         each.join(", together with ")
     };
     match (decision.verdict, decision.effect()) {

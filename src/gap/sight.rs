@@ -73,10 +73,10 @@ impl Sight {
             .par_iter()
             .flat_map_iter(|&effect| {
                 let model = base.model.with(effect, &evidence.reach);
-                let mut starts = match effect {
+                let mut starts = model.allowed_starts(match effect {
                     EffectId::SetpointHold => hold_scan(evidence, &base.model, from, &absent, projector),
                     _ => effect.starts(&evidence.reach),
-                };
+                });
                 if base.model.has_two_bodies() {
                     // Each costs many times as much: a few, spread over all.
                     let every = starts.len().div_ceil(FEW_STARTS).max(1);

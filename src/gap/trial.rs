@@ -1,10 +1,9 @@
 //! One hypothesis about the joint, fitted: its values, what it leaves of the fitted logs and of the held-out ones.
 
-use super::compare::correlation_length;
 use super::evidence::{Evidence, counts};
-use super::model::GapModel;
+use super::model::{BASELINE, GapModel};
 use crate::fit::{Budget, Solution, approach};
-use crate::identify::{Experiment, Found, JointModel, Problem};
+use crate::identify::{self, Experiment, Found, JointModel, Parameter, Problem};
 use crate::joint::EffectId;
 
 /// Distance from its optimum, in variances of the residuals, at which a fit is close enough to be judged.
@@ -28,7 +27,8 @@ impl Trial {
     /// The joint as given, with only the starts of the logs fitted.
     pub fn as_given(evidence: &Evidence, model: &GapModel) -> Self {
         let held: Vec<usize> = (0..model.parameters().len()).collect();
-        let values: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
+        let given = |p: &Parameter| if p.fixed { p.start } else { p.nominal.unwrap_or(p.start) };
+        let values: Vec<f64> = model.parameters().iter().map(given).collect();
         let model = model.clone().holding(&held, &values);
         let starts = evidence.fit.iter().map(|e| e.start_coordinates(&e.start)).collect();
         Self::solved(evidence, model, &values, starts, Budget { evaluations: 40 })
@@ -36,6 +36,7 @@ impl Trial {
 
     /// A model fitted from values and starts.
     pub fn solved(evidence: &Evidence, model: GapModel, values: &[f64], starts: Vec<[f64; 2]>, budget: Budget) -> Self {
+        let values = &model.allowed(values);
         let model = model.at(values);
         let problem = Problem::new(&model, &evidence.fit);
         let nothing = Solution {
@@ -97,14 +98,14 @@ impl Trial {
     /// What one unit of deviance weighs in the criterion \[rad^2 s\], by the residuals' size and how long they hang
     /// together, and never below the encoder's rounding.
     pub fn unit_rad2_s(&self, evidence: &Evidence) -> f64 {
-        let (mut sum, mut rounding, mut samples) = (0.0, 0.0, 0.0);
-        for (e, r) in evidence.fit.iter().zip(&self.fit) {
-            sum += e.weights_s.iter().zip(r).map(|(w, r)| w * r * r).sum::<f64>();
-            rounding += e.weights_s.iter().sum::<f64>() * e.resolution_rad.powi(2) / 12.0;
-            samples += counts(e).sum::<f64>();
-        }
-        let unit = sum.max(rounding).max(1e-18) * correlation_length(evidence, self) / samples.max(1.0);
-        if unit.is_finite() { unit } else { 0.0 }
+        identify::unit_rad2_s(&evidence.fit, &self.fit)
+    }
+
+    /// What the fitted logs leave to what is believed of the joint's numbers, in sentences.
+    pub fn undetermined(&self, evidence: &Evidence) -> Vec<String> {
+        let problem = Problem::new(&self.model, &evidence.fit);
+        let x = problem.coordinates_from(&self.found);
+        identify::undetermined(&problem, &x, |i| i < BASELINE, self.unit_rad2_s(evidence))
     }
 
     /// Deviance of its values under the beliefs.

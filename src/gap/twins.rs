@@ -13,6 +13,7 @@ use super::trial::Trial;
 use crate::identify::{Experiment, Problem};
 use crate::joint::EffectId;
 use crate::log::Nominal;
+use crate::progress::{Cancelled, Progress, Quiet, Step};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -49,8 +50,8 @@ pub(super) fn measure(
     effects: &[EffectId],
     answer: (Verdict, Option<EffectId>),
     (count, seed): (usize, u64),
-    progress: &(dyn Fn(&str) + Sync),
-) -> Measured {
+    progress: &dyn Progress,
+) -> Result<Measured, Cancelled> {
     let candidates: Vec<&Trial> = a.firsts.iter().take(CANDIDATES).collect();
     let mut causes = vec![Cause::Nothing, Cause::Numbers];
     for size in SIZES {
@@ -63,7 +64,7 @@ pub(super) fn measure(
     let mut counts = vec![vec![0u32; names.len()]; names.len()];
     let (mut alike, mut right) = (0, 0);
     for n in 0..count {
-        progress(&format!("twins: {} of {count}", n + 1));
+        progress.go_on(Step { stage: "twins", done: n, of: count })?;
         let cause = causes[n % causes.len()];
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(n as u64);
@@ -73,7 +74,7 @@ pub(super) fn measure(
             _ => None,
         };
         let catalogue: Vec<EffectId> = effects.iter().copied().filter(|e| Some(*e) != out).collect();
-        let attribution = Attribution::of(&twin, &catalogue, &|_| {});
+        let attribution = Attribution::of(&twin, &catalogue, &Quiet(progress))?;
         let held = HeldOut::of(&twin);
         let found = decide(&twin, &held, &attribution);
         let truth = match cause {
@@ -98,7 +99,7 @@ pub(super) fn measure(
         (rate, format!("{right} of {alike} twins of this study that got this answer had this cause"))
     });
     let command = format!("--twins {count} --seed {seed}");
-    Measured { confusion: Confusion { names, counts, command }, rate }
+    Ok(Measured { confusion: Confusion { names, counts, command }, rate })
 }
 
 /// A twin: the study's logs as a joint with the cause would have written them.

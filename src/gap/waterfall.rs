@@ -2,12 +2,12 @@
 
 use super::attribute::Attribution;
 use super::decide::{Decision, equivalent_of};
-use super::diagnosis::{BeliefFound, CauseShare, Number};
+use super::diagnosis::{CauseShare, Number};
 use super::evidence::Evidence;
 use super::held_out::HeldOut;
 use super::model::BASELINE;
 use super::trial::Trial;
-use crate::identify::{JointModel, Search};
+use crate::identify::{BeliefFound, JointModel};
 use crate::joint::EffectId;
 
 /// The causes of an answer with their shares, from the RMS with the numbers recalibrated down to the floor \[rad\].
@@ -38,6 +38,7 @@ pub(super) fn causes(
             CauseShare {
                 effect,
                 form: answer.model.forms()[k].name(),
+                only: answer.model.only()[k].as_deref().cloned(),
                 equivalent,
                 parameters: parameters.iter().find(|(e, _)| *e == effect).map(|(_, p)| p.clone()).unwrap_or_default(),
                 alone: alone.and_then(|alone| share(calibrated, alone)),
@@ -50,22 +51,5 @@ pub(super) fn causes(
 
 /// What was believed of each number that is not exact, and where the answer has it.
 pub(super) fn beliefs(answer: &Trial) -> Vec<BeliefFound> {
-    let parameters = &answer.model.parameters()[..BASELINE];
-    let found = parameters.iter().zip(&answer.found.values).filter(|(p, _)| !p.fixed);
-    found
-        .filter_map(|(p, &found)| {
-            let (belief, believed) = (p.belief?, p.nominal?);
-            Some(BeliefFound {
-                name: p.name.clone(),
-                believed,
-                sd: match p.search {
-                    Search::Logarithm => belief.sd * believed,
-                    Search::Linear { .. } => belief.sd,
-                },
-                found,
-                moved_sd: p.moved_sd(found)?,
-                unit: p.unit.clone(),
-            })
-        })
-        .collect()
+    BeliefFound::of(&answer.model.parameters()[..BASELINE], &answer.found.values)
 }

@@ -194,13 +194,14 @@ impl Case {
     /// use aibo_fit::gap::{GapOptions, diagnose};
     /// use aibo_fit::identify::Case;
     /// use aibo_fit::log::{ArrayLog, JointSpec, Nominal, SensorSpec, Uncertain, read_log};
+    /// use aibo_fit::progress::Silent;
     ///
     /// let swing = read_log("data/q1.csv".as_ref())?;
     /// let nominal = Nominal { inertia_kg_m2: 4e-3, moment_kg_m: 0.03, coulomb_nm: 1e-3, viscous_nm_s_rad: 0.017 };
     /// let joint = JointSpec { name: "hip".into(), nominal: Some(nominal), gravity_m_s2: 9.81, rest_rad: None };
     /// let log = ArrayLog { on: swing.drive, ..ArrayLog::new("swing", swing.t_s, swing.q_rad) };
     /// let case = Case::of_arrays(joint, SensorSpec::default(), None, Uncertain::default(), vec![log])?;
-    /// let diagnosis = diagnose(&case, &GapOptions::default(), &|_| ())?;
+    /// let diagnosis = diagnose(&case, &GapOptions::default(), &Silent)?;
     /// assert_eq!(diagnosis.joint, "hip");
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

@@ -5,12 +5,14 @@
 
 use super::parameter::Search;
 use super::run::{Found, Prediction, prediction, refine, search};
-use super::{Experiment, JointModel, Named, Problem};
+use super::{Experiment, JointModel, Named, Problem, unit_rad2_s};
 use crate::fit::{Budget, Method, Rejected, Residuals, Stop, Uncertainty, Undetermined, uncertainty};
 use nalgebra::DVector;
+use serde::Serialize;
 
 /// What may be said about a parameter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Status {
     /// The logs determine it.
     Determined,
@@ -21,7 +23,7 @@ pub enum Status {
 }
 
 /// A parameter after the fit.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Estimate {
     /// The name in `fit.json` and on the command line.
     pub name: String,
@@ -41,10 +43,12 @@ pub struct Estimate {
     pub nominal: Option<f64>,
 }
 
-/// A model fitted to logs.
-#[derive(Clone, Debug)]
+/// A model fitted to logs. Written down it has its estimates, not the model and the covariances behind them.
+#[derive(Clone, Debug, Serialize)]
+#[serde(bound = "")]
 pub struct Fitted<M> {
     /// The model with what was held marked as fixed.
+    #[serde(skip)]
     pub model: M,
     /// One for each parameter of the model, in its order.
     pub estimates: Vec<Estimate>,
@@ -55,6 +59,7 @@ pub struct Fitted<M> {
     /// Free parameters, in the order of the covariance.
     pub free: Vec<usize>,
     /// Covariances at the solution: the free parameters first, then the starts.
+    #[serde(skip)]
     pub uncertainty: Uncertainty,
     /// How it was searched.
     pub method: Method,
@@ -79,7 +84,17 @@ pub fn conclude<M: JointModel + Clone>(
 ) -> Result<Fitted<M>, Rejected> {
     let mut model = model.clone();
     let mut open = vec![false; model.parameters().len()];
+    let is_believed = model.parameters().iter().any(|p| p.belief.is_some() && !p.fixed);
+    if is_believed {
+        // Enough for what no log shows to stay where it is believed to be; what beliefs weigh is settled below.
+        let silent: Vec<Vec<f64>> = experiments.iter().map(|e| vec![0.0; e.compared()]).collect();
+        model.weigh_beliefs(unit_rad2_s(experiments, &silent));
+    }
     let mut found = search(&model, experiments, method, budget)?;
+    for _ in 0..if is_believed { SETTLES } else { 0 } {
+        model.weigh_beliefs(unit_rad2_s(experiments, &residuals(&model, experiments, &found)));
+        found = refine(&model, experiments, &found, method, budget);
+    }
     loop {
         let problem = Problem::new(&model, experiments);
         let blocks = problem.linearise(&found.solution.x)?;
@@ -136,6 +151,24 @@ pub fn conclude<M: JointModel + Clone>(
 
 /// A nominal value that makes the criterion this many times larger is contradicted by the logs.
 const CONTRADICTED: f64 = 1.02;
+
+/// Beliefs weigh as much as the residuals that are left say; so often is enough to come to rest.
+const SETTLES: usize = 2;
+
+/// Model less reading of each experiment's compared samples \[rad\].
+fn residuals<M: JointModel>(model: &M, experiments: &[Experiment], found: &Found) -> Vec<Vec<f64>> {
+    let problem = Problem::new(model, experiments);
+    let of = |k: usize| {
+        let (e, mut residual) = (&experiments[k], Vec::with_capacity(experiments[k].compared()));
+        let motion = problem.motion(&found.solution.x, k, |i, s| {
+            if i >= e.uncompared {
+                residual.push(s.angle_rad - e.measured_rad[i]);
+            }
+        });
+        if motion.is_ok() { residual } else { Vec::new() }
+    };
+    (0..experiments.len()).map(of).collect()
+}
 
 fn hold<M: JointModel>(model: &mut M, parameter: usize, value: f64) {
     let parameter = &mut model.parameters_mut()[parameter];

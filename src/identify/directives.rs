@@ -2,13 +2,14 @@
 
 use super::Parameter;
 use super::parameter::Search;
+use serde::Serialize;
 
 /// Demands on the parameters of a model, by name.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Directives {
     /// Hold at a value; `None`: at its nominal value.
     pub fix: Vec<(String, Option<f64>)>,
-    /// Search although the model holds it.
+    /// Search although the model holds it, and whatever is believed of it.
     pub free: Vec<String>,
     /// Search between two values.
     pub bound: Vec<(String, [f64; 2])>,
@@ -29,7 +30,7 @@ pub enum DirectiveError {
         known: String,
     },
     /// A value outside what the parameter may be.
-    #[error("`{name}` = {value} {unit} is impossible; it must be {allowed}")]
+    #[error("`{name}` = {} is impossible; it must be {allowed}", format!("{value} {unit}").trim_end())]
     Impossible {
         /// Which parameter.
         name: String,
@@ -38,7 +39,23 @@ pub enum DirectiveError {
         /// Its unit.
         unit: String,
         /// What it may be.
-        allowed: &'static str,
+        allowed: String,
+    },
+    /// Several effects have a parameter of this name.
+    #[error("several effects have a parameter `{name}`; write {known}")]
+    Ambiguous {
+        /// As the user wrote it.
+        name: String,
+        /// The names that tell them apart.
+        known: String,
+    },
+    /// One of a few values, not a number to be searched.
+    #[error("`{name}` is not searched but {allowed}; write --fix {name}=VALUE or leave it out")]
+    NotSearched {
+        /// Which parameter.
+        name: String,
+        /// What it may be.
+        allowed: String,
     },
     /// Nothing is known that the parameter could be held at.
     #[error("`{name}` has no nominal value to be held at; write --fix {name}=VALUE")]
@@ -64,23 +81,72 @@ impl Directives {
     pub fn apply(&self, parameters: &mut [Parameter]) -> Result<(), DirectiveError> {
         self.check_consistency()?;
         for p in parameters {
-            if let Some((_, [low, high])) = self.bound.iter().find(|(name, _)| *name == p.name) {
-                checked(p, *low, true)?;
-                checked(p, *high, false)?;
-                (p.lower, p.upper) = (*low, *high);
-                p.start = p.start.clamp(*low, *high);
-            }
-            if let Some((_, value)) = self.start.iter().find(|(name, _)| *name == p.name) {
-                p.start = checked(p, *value, false)?;
-            }
-            if self.free.contains(&p.name) {
-                p.fixed = false;
-            }
-            if let Some((_, value)) = self.fix.iter().find(|(name, _)| *name == p.name) {
-                let value = value.or(p.nominal).ok_or_else(|| DirectiveError::NoNominal { name: p.name.clone() })?;
-                p.start = checked(p, value, false)?;
-                p.fixed = true;
-            }
+            self.check_values(p)?;
+            self.impose(p);
+        }
+        Ok(())
+    }
+
+    /// Nothing is demanded.
+    pub fn is_empty(&self) -> bool {
+        self.names().next().is_none()
+    }
+
+    /// Every name that something is demanded of.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        let fixed = self.fix.iter().map(|(name, _)| name);
+        let bounded = self.bound.iter().map(|(name, _)| name);
+        let started = self.start.iter().map(|(name, _)| name);
+        fixed.chain(&self.free).chain(bounded).chain(started).map(String::as_str)
+    }
+
+    /// The same demands of parameters with other names.
+    pub fn renamed(&self, name: impl Fn(&str) -> String) -> Self {
+        Self {
+            fix: self.fix.iter().map(|(n, value)| (name(n), *value)).collect(),
+            free: self.free.iter().map(|n| name(n)).collect(),
+            bound: self.bound.iter().map(|(n, range)| (name(n), *range)).collect(),
+            start: self.start.iter().map(|(n, value)| (name(n), *value)).collect(),
+        }
+    }
+
+    /// The value that a parameter is held at; `None` where that is not demanded.
+    pub fn held(&self, p: &Parameter) -> Option<f64> {
+        self.fix.iter().find(|(name, _)| *name == p.name).and_then(|(_, value)| value.or(p.nominal))
+    }
+
+    /// Where the search of a parameter is to begin; `None` where that is not demanded.
+    pub fn begun(&self, p: &Parameter) -> Option<f64> {
+        self.start.iter().find(|(name, _)| *name == p.name).map(|(_, value)| *value)
+    }
+
+    /// Applies the demands on one parameter, which have been checked. What is searched by demand is no longer believed.
+    pub(crate) fn impose(&self, p: &mut Parameter) {
+        if let Some((_, [low, high])) = self.bound.iter().find(|(name, _)| *name == p.name) {
+            (p.lower, p.upper) = (*low, *high);
+            p.start = p.start.clamp(*low, *high);
+        }
+        p.start = self.begun(p).unwrap_or(p.start);
+        if self.free.contains(&p.name) {
+            (p.fixed, p.belief) = (false, None);
+        }
+        if let Some(value) = self.held(p) {
+            (p.fixed, p.start) = (true, value);
+        }
+    }
+
+    /// The parameter can have the values demanded of it.
+    fn check_values(&self, p: &Parameter) -> Result<(), DirectiveError> {
+        if let Some((_, [low, high])) = self.bound.iter().find(|(name, _)| *name == p.name) {
+            checked(p, *low, true)?;
+            checked(p, *high, false)?;
+        }
+        if let Some(value) = self.begun(p) {
+            checked(p, value, false)?;
+        }
+        if self.fix.iter().any(|(name, _)| *name == p.name) {
+            let value = self.held(p).ok_or_else(|| DirectiveError::NoNominal { name: p.name.clone() })?;
+            checked(p, value, false)?;
         }
         Ok(())
     }
@@ -120,15 +186,12 @@ impl Directives {
     /// [`DirectiveError::Unknown`] with the names that there are.
     pub fn check_names(&self, known: &[&[Parameter]]) -> Result<(), DirectiveError> {
         let names: Vec<&str> = known.iter().flat_map(|ps| ps.iter().map(|p| p.name.as_str())).collect();
-        let fixed = self.fix.iter().map(|(name, _)| name);
-        let bounded = self.bound.iter().map(|(name, _)| name);
-        let started = self.start.iter().map(|(name, _)| name);
-        for name in fixed.chain(&self.free).chain(bounded).chain(started) {
-            if !names.contains(&name.as_str()) {
+        for name in self.names() {
+            if !names.contains(&name) {
                 let mut unique = names.clone();
                 unique.sort_unstable();
                 unique.dedup();
-                return Err(DirectiveError::Unknown { name: name.clone(), known: unique.join(", ") });
+                return Err(DirectiveError::Unknown { name: name.to_owned(), known: unique.join(", ") });
             }
         }
         Ok(())
@@ -137,12 +200,14 @@ impl Directives {
 
 /// A value that the parameter can have; a lower bound may be zero where the value may not.
 fn checked(p: &Parameter, value: f64, is_lower_bound: bool) -> Result<f64, DirectiveError> {
-    let impossible =
-        |allowed| DirectiveError::Impossible { name: p.name.clone(), value, unit: p.unit.clone(), allowed };
+    let impossible = |allowed: &str| {
+        let (name, unit, allowed) = (p.name.clone(), p.unit.clone(), allowed.to_owned());
+        Err(DirectiveError::Impossible { name, value, unit, allowed })
+    };
     match p.search {
-        _ if !value.is_finite() => Err(impossible("finite")),
-        Search::Logarithm if value <= 0.0 && !is_lower_bound => Err(impossible("above zero")),
-        Search::Linear { .. } if value < 0.0 && p.unit != "rad" => Err(impossible("zero or above")),
+        _ if !value.is_finite() => impossible("finite"),
+        Search::Logarithm if value <= 0.0 && !is_lower_bound => impossible("above zero"),
+        Search::Linear { .. } if value < 0.0 && p.lower >= 0.0 && p.unit != "rad" => impossible("zero or above"),
         _ => Ok(value),
     }
 }
@@ -164,6 +229,18 @@ mod tests {
         p[0].start = 0.07;
         Directives { fix: vec![("moment".into(), None)], ..Directives::default() }.apply(&mut p).unwrap();
         assert!(p[0].fixed && p[0].start == 0.05);
+    }
+
+    #[test]
+    fn what_is_freed_is_no_longer_believed_and_what_is_fixed_stays() {
+        let believed = || parameters().into_iter().map(|p| p.believed(0.1)).collect::<Vec<_>>();
+        let mut p = believed();
+        Directives { free: vec!["moment".into()], ..Directives::default() }.apply(&mut p).unwrap();
+        assert!(!p[0].fixed && p[0].belief.is_none() && p[1].belief.is_some());
+        let d = Directives { fix: vec![("moment".into(), Some(0.06))], ..Directives::default() };
+        assert_eq!((d.held(&p[0]), d.held(&p[1]), d.is_empty()), (Some(0.06), None, false));
+        let renamed = d.renamed(|name| format!("link.{name}"));
+        assert_eq!(renamed.names().collect::<Vec<_>>(), ["link.moment"]);
     }
 
     #[test]

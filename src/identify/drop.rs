@@ -2,13 +2,15 @@
 
 use super::run::{Prediction, held_out_in_turn, predict};
 use super::{
-    Case, DirectiveError, Directives, Experiment, ExtensiveModel, Fitted, JointModel, LinkBy, Scale, SimpleModel,
-    conclude,
+    BeliefFound, Case, DirectiveError, Directives, Experiment, ExtensiveModel, Fitted, JointModel, LinkBy, Problem,
+    Scale, SimpleModel, conclude, undetermined,
 };
 use crate::fit::{Budget, Method, Rejected};
 use crate::geometry::GeometryError;
 use crate::log::{ExtraMass, Role};
 use crate::pendulum::Diverged;
+use crate::progress::{Cancelled, Progress, Step};
+use serde::Serialize;
 
 /// How to fit.
 #[derive(Clone, Debug, Default)]
@@ -26,7 +28,7 @@ pub struct DropOptions {
 }
 
 /// The simple model of the logs with one load.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct SimpleFit {
     /// `bare`, or the extra mass, e.g. `0.220 kg`.
     pub load: String,
@@ -36,16 +38,18 @@ pub struct SimpleFit {
     pub fitted: Fitted<SimpleModel>,
 }
 
-/// Both models of one joint.
-#[derive(Clone, Debug)]
+/// Both models of one joint. Written down it has no experiments, which are what was read.
+#[derive(Clone, Debug, Serialize)]
 pub struct DropFit {
     /// One for each load.
     pub simple: Vec<SimpleFit>,
     /// Of all logs together.
     pub extensive: Fitted<ExtensiveModel>,
     /// The experiments that were fitted, in the case's order.
+    #[serde(skip)]
     pub fitted: Vec<Experiment>,
     /// The experiments that were held back.
+    #[serde(skip)]
     pub validated: Vec<Experiment>,
     /// The extensive model on what was held back.
     pub predictions: Vec<Prediction>,
@@ -54,6 +58,10 @@ pub struct DropFit {
     /// RMS of each fitted experiment predicted by the extensive model from the others alone \[rad\]; empty where logs
     /// were held back by the study, or there is one log only.
     pub held_out_rms_rad: Vec<f64>,
+    /// What the study states of the numbers, and where the extensive model has them; empty where nothing is stated.
+    pub beliefs: Vec<BeliefFound>,
+    /// What the fitted logs leave to what the study states, in sentences.
+    pub undetermined: Vec<String>,
 }
 
 /// Why a drop cannot be fitted.
@@ -75,15 +83,18 @@ pub enum DropError {
     /// The leg's geometry is impossible.
     #[error(transparent)]
     Geometry(#[from] GeometryError),
+    /// The fit was no longer wanted.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
 /// Fits both models to a case.
 ///
-/// `progress` is told what is being done.
+/// `progress` is told what is being done, and asked whether that is still wanted.
 ///
 /// # Errors
 /// [`DropError::NeverMoved`] where there is nothing to fit; the others where a fit cannot be made.
-pub fn fit_drop(case: &Case, options: &DropOptions, progress: &dyn Fn(&str)) -> Result<DropFit, DropError> {
+pub fn fit_drop(case: &Case, options: &DropOptions, progress: &dyn Progress) -> Result<DropFit, DropError> {
     let (fitted, validated) = (case.experiments(Role::Fit), case.experiments(Role::Validate));
     if fitted.is_empty() {
         return Err(DropError::NeverMoved);
@@ -101,8 +112,9 @@ pub fn fit_drop(case: &Case, options: &DropOptions, progress: &dyn Fn(&str)) -> 
         }
     }
     let mut simple = Vec::with_capacity(groups.len());
-    for (load, members) in groups {
-        progress(&format!("simple model, {load}"));
+    let of = groups.len();
+    for (done, (load, members)) in groups.into_iter().enumerate() {
+        progress.go_on(Step { stage: "simple model", done, of })?;
         let experiments: Vec<Experiment> = members.iter().map(|&k| fitted[k].clone()).collect();
         let scale = Scale::of(&experiments, case.joint.nominal.as_ref(), case.joint.rest_rad);
         let mut model = SimpleModel::new(&scale, experiments.iter().any(Experiment::is_driven));
@@ -110,9 +122,9 @@ pub fn fit_drop(case: &Case, options: &DropOptions, progress: &dyn Fn(&str)) -> 
         let fitted = conclude(&model, &experiments, options.method, options.budget)?;
         simple.push(SimpleFit { load, experiments: members, fitted });
     }
-    progress("extensive model");
+    progress.go_on(Step::stage("extensive model"))?;
     let extensive = conclude(&model, &fitted, options.method, options.budget)?;
-    progress("held-back logs");
+    progress.go_on(Step::stage("held-back logs"))?;
     let predictions = predict(&extensive.model, &validated, &extensive.found.values)?;
     let simple_predictions = validated
         .iter()
@@ -128,7 +140,26 @@ pub fn fit_drop(case: &Case, options: &DropOptions, progress: &dyn Fn(&str)) -> 
     } else {
         Vec::new()
     };
-    Ok(DropFit { simple, extensive, fitted, validated, predictions, simple_predictions, held_out_rms_rad })
+    let beliefs = BeliefFound::of(extensive.model.parameters(), &extensive.found.values);
+    let undetermined = left_to_beliefs(&extensive, &fitted);
+    Ok(DropFit {
+        simple,
+        extensive,
+        fitted,
+        validated,
+        predictions,
+        simple_predictions,
+        held_out_rms_rad,
+        beliefs,
+        undetermined,
+    })
+}
+
+/// What the logs leave to what is believed of the numbers, where anything is.
+fn left_to_beliefs(extensive: &Fitted<ExtensiveModel>, fitted: &[Experiment]) -> Vec<String> {
+    let model = &extensive.model;
+    let is_number = |i: usize| model.parameters()[i].belief.is_some();
+    undetermined(&Problem::new(model, fitted), &extensive.found.solution.x, is_number, model.unit_rad2_s())
 }
 
 /// The extensive model of a case, with the user's demands.
@@ -141,6 +172,10 @@ fn extensive_model(case: &Case, fitted: &[Experiment], options: &DropOptions) ->
         }
         _ => ExtensiveModel::lumped(&scale, nominal, options.stribeck),
     };
+    // The numbers of a leg that is known by its bodies are tables, not what somebody at the bench states.
+    if let Some(nominal) = nominal.filter(|_| !case.by_bodies) {
+        model = model.believed(&scale, nominal, &case.uncertain);
+    }
     options.directives.apply(model.parameters_mut())?;
     Ok(model)
 }

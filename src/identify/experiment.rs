@@ -268,6 +268,11 @@ impl Experiment {
         self.signal != Signal::Off
     }
 
+    /// What rounding to the encoder's steps alone adds to the criterion (3.7) \[rad^2 s\].
+    pub(crate) fn rounding_rad2_s(&self) -> f64 {
+        self.weights_s.iter().sum::<f64>() * self.resolution_rad.powi(2) / 12.0
+    }
+
     /// Number of samples that are compared with the model.
     pub fn compared(&self) -> usize {
         self.t_s.len() - self.uncompared

@@ -1,5 +1,6 @@
 //! Between fit and pendulum: logs made ready, models with named parameters, and what the logs say about them.
 
+mod belief;
 mod case;
 mod conclude;
 mod directives;
@@ -15,9 +16,13 @@ mod problem;
 mod run;
 mod scale;
 mod smooth;
+mod undetermined;
+mod unit;
 mod weights;
 mod with_laws;
 
+pub use belief::BeliefFound;
+pub(crate) use belief::Deviations;
 pub use case::{Case, CaseError, Item};
 pub use conclude::{Estimate, Fitted, Status, conclude};
 pub use directives::{DirectiveError, Directives};
@@ -32,3 +37,5 @@ pub use run::{Found, Prediction, predict, prediction, search};
 pub(crate) use run::{candidates, ranked};
 pub use scale::Scale;
 pub use with_laws::WithLaws;
+pub(crate) use undetermined::undetermined;
+pub(crate) use unit::{correlation_length, counts, unit_rad2_s};

@@ -1,9 +1,9 @@
 //! The models that are fitted: which parameters they have, and the joint chain that a set of values makes.
 
-use super::{Experiment, Named, Parameter, Scale};
+use super::{Deviations, Experiment, Named, Parameter, Scale};
 use crate::geometry::LinkBody;
 use crate::joint::{Chain, Link, Motor, Real, Stribeck};
-use crate::log::Nominal;
+use crate::log::{Nominal, Uncertain};
 use crate::pendulum::{ExtensivePendulum, SimplePendulum};
 
 /// A model of a joint with parameters.
@@ -22,6 +22,9 @@ pub trait JointModel: Sync {
     fn unit_rad2_s(&self) -> f64 {
         0.0
     }
+
+    /// Sets that; of no consequence in a model that is not believed in anything.
+    fn weigh_beliefs(&mut self, _unit_rad2_s: f64) {}
 }
 
 /// The simple pendulum (3.2); the extra mass is part of the point mass.
@@ -93,6 +96,7 @@ pub struct ExtensiveModel {
     /// Number of parameters that describe the link; friction follows, then the rest angle.
     link: usize,
     stribeck: bool,
+    unit_rad2_s: f64,
 }
 
 impl ExtensiveModel {
@@ -111,7 +115,24 @@ impl ExtensiveModel {
         ];
         parameters.extend(scale.friction(nominal, stribeck));
         parameters.push(scale.rest());
-        Self { parameters, link_by: LinkBy::Lump, link: 2, stribeck }
+        Self { parameters, link_by: LinkBy::Lump, link: 2, stribeck, unit_rad2_s: 0.0 }
+    }
+
+    /// The same, its numbers believed to lie about the nominal ones as the study says.
+    pub fn believed(mut self, scale: &Scale, nominal: &Nominal, uncertain: &Uncertain) -> Self {
+        let moment_kg_m = scale.torque_nm / scale.gravity_m_s2;
+        let sd = Deviations::of(nominal, uncertain, scale.torque_nm, scale.frequency_rad_s, moment_kg_m);
+        for p in &mut self.parameters {
+            let sd = match p.named() {
+                Some(Named::Inertia) => sd.inertia,
+                Some(Named::Moment) => sd.moment,
+                Some(Named::Coulomb) => sd.coulomb_nm,
+                Some(Named::Viscous) => sd.viscous_nm_s_rad,
+                _ => continue,
+            };
+            *p = p.clone().believed(sd);
+        }
+        self
     }
 
     /// One mass per body with its nominal value, all fixed but `free`; the rest angle becomes the encoder's zero, which
@@ -135,7 +156,7 @@ impl ExtensiveModel {
         let link = parameters.len();
         parameters.extend(scale.friction(friction, stribeck));
         parameters.push(Parameter::angle(Named::Zero, "q_0", pose_known.then_some(0.0), 0.0));
-        Self { parameters, link_by: LinkBy::Bodies, link, stribeck }
+        Self { parameters, link_by: LinkBy::Bodies, link, stribeck, unit_rad2_s: 0.0 }
     }
 
     /// The bare link of an experiment.
@@ -178,6 +199,14 @@ impl JointModel for ExtensiveModel {
 
     fn parameters_mut(&mut self) -> &mut [Parameter] {
         &mut self.parameters
+    }
+
+    fn unit_rad2_s(&self) -> f64 {
+        self.unit_rad2_s
+    }
+
+    fn weigh_beliefs(&mut self, unit_rad2_s: f64) {
+        self.unit_rad2_s = unit_rad2_s;
     }
 
     fn chain<T: Real>(&self, values: &[T], experiment: &Experiment) -> Chain<T> {

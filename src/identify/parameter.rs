@@ -71,6 +71,9 @@ impl Belief {
 /// Search range of a logarithmic parameter, either way of its start: a factor of 150.
 const LOG_REACH: f64 = 5.0;
 
+/// What numbers are usually known to: relative, or in typical sizes.
+const USUAL: f64 = 0.1;
+
 impl Parameter {
     /// A positive quantity, searched by its logarithm.
     pub fn positive(name: impl Into<String>, symbol: &str, unit: &str, nominal: Option<f64>, start: f64) -> Self {
@@ -121,6 +124,14 @@ impl Parameter {
     /// How many standard deviations of its belief a value lies away; `None` where nothing is believed.
     pub fn moved_sd(&self, value: f64) -> Option<f64> {
         self.belief.map(|belief| (self.to_coordinate(value) - belief.at) / belief.sd)
+    }
+
+    /// How far a value lies from the nominal one: in standard deviations of the belief, or of what would usually be
+    /// believed where the user wants none.
+    pub fn moved(&self, value: f64) -> f64 {
+        let usual = USUAL * if let Search::Linear { scale } = self.search { scale } else { 1.0 };
+        let away = |nominal: f64| (self.to_coordinate(value) - self.to_coordinate(nominal)) / usual;
+        self.moved_sd(value).or(self.nominal.map(away)).filter(|moved| moved.is_finite()).unwrap_or(0.0)
     }
 
     /// Which of the pendulum models' parameters it is; `None` for one of another model.

@@ -6,9 +6,10 @@ use super::{Experiment, JointModel, Named, Parameter, Problem, Search};
 use crate::fit::{Budget, Method, Rejected, Residuals, Solution, solve};
 use crate::pendulum::Diverged;
 use rayon::prelude::*;
+use serde::Serialize;
 
 /// A search that has ended.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Found {
     /// Values of all parameters.
     pub values: Vec<f64>,
@@ -58,8 +59,7 @@ pub fn search<M: JointModel>(
     for x in ranked(&problem, candidates(model, experiments)).iter().take(SEARCHES) {
         best.keep(solve(&problem, x, method, budget));
     }
-    let explained: f64 =
-        experiments.iter().map(|e| e.weights_s.iter().sum::<f64>() * e.resolution_rad.powi(2) / 12.0).sum();
+    let explained: f64 = experiments.iter().map(Experiment::rounding_rad2_s).sum();
     if best.criterion() > SUSPICIOUS.powi(2) * explained && !problem.free().is_empty() {
         let middle = best.solution.as_ref().map_or_else(|| starts_of(model.parameters()), |s| problem.values(&s.x));
         let short = Budget { evaluations: FURTHER_EVALUATIONS };
@@ -305,7 +305,7 @@ pub(super) fn held_out_in_turn<M: JointModel>(
 }
 
 /// How a model moves along one experiment.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Prediction {
     /// At every sample of the experiment \[rad\].
     pub angle_rad: Vec<f64>,

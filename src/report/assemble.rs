@@ -17,6 +17,8 @@ pub fn drop_report(case: &Case, fit: &DropFit, provenance: Provenance) -> DropRe
         joint: case.joint.name.clone(),
         sentence: sentence(case, fit),
         notes: notes(case, fit),
+        beliefs: fit.beliefs.clone(),
+        undetermined: fit.undetermined.clone(),
         health: health_rows(case),
         logs: logs(case, fit),
         models: vec![simple_summary(fit), extensive_summary(fit)],

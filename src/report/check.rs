@@ -5,11 +5,11 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 
 use super::assemble::{health_rows, row};
-use super::gap::json::{Threshold, by_number};
+use super::beliefs::{belief_table, by_number};
+use super::gap::json::Threshold;
 use super::gap::text::{WIDTH, detectable, paragraph, undetermined};
-use super::gap::waterfall::believed;
 use super::gap::words::UNDETERMINED;
-use super::number::{mrad, quantity, significant};
+use super::number::{mrad, significant};
 use super::rows::shorten;
 use super::text::{finish, number, one_line, table, wrap};
 use super::{HashedInput, JointFit, LogHealthRow, Provenance, SCHEMA};
@@ -114,17 +114,9 @@ fn health(rows: &[LogHealthRow]) -> String {
 
 /// What is believed of each number, and what these logs make of it.
 fn numbers(checkup: &Checkup) -> String {
-    let mut table = table(WIDTH, &["number", "believed", "with these logs [95 %]"], &["moved\n[sd]"]);
-    for belief in &checkup.beliefs {
-        table.add_row([
-            Cell::new(&belief.name),
-            Cell::new(believed(belief)),
-            Cell::new(quantity(belief.found, interval(checkup, belief), &belief.unit)),
-            number(format!("{:+.1}", belief.moved_sd)),
-        ]);
-    }
+    let table = belief_table(WIDTH, &checkup.beliefs, |belief| interval(checkup, belief));
     let words = "No effect is added yet: these numbers also take up what one would explain.";
-    format!("{}\n{}", finish(&mut table), paragraph(words))
+    format!("{table}\n{}", paragraph(words))
 }
 
 fn interval(checkup: &Checkup, belief: &BeliefFound) -> Option<[f64; 2]> {

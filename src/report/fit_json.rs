@@ -1,7 +1,7 @@
 //! `fit.json`: what a fit found, for programs (specification, section 6).
 
 use super::{DropReport, FullRow, ModelSummary, ParameterRow, ParameterStatus, RefitSummary};
-use crate::identify::{DropFit, Named};
+use crate::identify::{BeliefFound, DropFit, Named};
 use crate::joint::LawTable;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -31,6 +31,12 @@ pub struct FitFile {
     /// Ratios to the inertia, where the logs determine nothing else.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub ratios: BTreeMap<String, Quantity>,
+    /// What the study states of the numbers and what the logs made of it, where it states anything.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub beliefs: BTreeMap<String, BeliefFound>,
+    /// What the logs leave to what is believed, in sentences.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub undetermined: Vec<String>,
     /// The models that were fitted, `simple` and `extensive`.
     #[serde(default)]
     pub models: BTreeMap<String, ModelFit>,
@@ -90,13 +96,13 @@ pub struct Quantity {
     /// Its unit.
     #[serde(default)]
     pub unit: String,
-    /// 95 %, allowing for correlated residuals; null where the logs do not determine the quantity.
+    /// 95 % by logs and beliefs, allowing for correlated residuals; null where they do not determine the quantity.
     #[serde(default)]
     pub interval: Option<[f64; 2]>,
     /// 95 %, as if residuals were white.
     #[serde(default)]
     pub interval_naive: Option<[f64; 2]>,
-    /// Whether the logs determine it.
+    /// Whether the logs determine it, with what is believed of the numbers.
     #[serde(default)]
     pub identifiable: bool,
 }
@@ -109,6 +115,9 @@ pub struct EffectFit {
     /// Its form; the family's default where none is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub form: Option<String>,
+    /// Files of the logs in which it holds; empty: all.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub logs: Vec<String>,
     /// By name.
     pub parameters: BTreeMap<String, Quantity>,
 }
@@ -178,7 +187,7 @@ impl FitFile {
             Vec::new()
         } else {
             let parameters = stribeck.iter().map(|row| (row.name.clone(), Quantity::of(row))).collect();
-            vec![EffectFit { id: "stribeck".into(), form: None, parameters }]
+            vec![EffectFit { id: "stribeck".into(), form: None, logs: Vec::new(), parameters }]
         };
         let ratios = super::assemble::ratio_rows(fit);
         let key = |m: &ModelSummary| if m.name.starts_with("simple") { "simple" } else { "extensive" };
@@ -196,6 +205,8 @@ impl FitFile {
             law: None,
             masses: masses.map(|e| (e.name.clone(), Quantity::of(&super::assemble::row(e)))).collect(),
             ratios: ratios.iter().map(|row| (row.name.clone(), Quantity::of(row))).collect(),
+            beliefs: fit.beliefs.iter().map(|belief| (belief.name.clone(), belief.clone())).collect(),
+            undetermined: fit.undetermined.clone(),
             models: report.models.iter().map(|m| (key(m).to_owned(), model(m))).collect(),
             whole_robot: report.full.as_ref().map(|full| full.rows.clone()).unwrap_or_default(),
             whole_robot_refit: report.full.as_ref().and_then(|full| full.refit.clone()),

@@ -4,11 +4,11 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use minijinja::{Environment, Value, context};
 
-use super::full;
-use super::number::{UNKNOWN, significant};
+use super::number::{UNKNOWN, quantity, significant};
 use super::plot::{FONT_BOLD, FONT_REGULAR, Figure, log_figures, model_figures};
 use super::rows::{ParameterCells, is_shown, typeset_unit};
-use super::{DropReport, LogHealthRow, ModelSummary, ParameterRow, ReportError};
+use super::{DropReport, LogHealthRow, ModelSummary, ParameterRow, ReportError, beliefs, full};
+use crate::identify::BeliefFound;
 
 /// Logs whose figures stand open on the page; the others can be unfolded.
 const OPEN_LOGS: usize = 8;
@@ -45,6 +45,7 @@ pub fn render_html(report: &DropReport) -> Result<String, ReportError> {
         sentence => report.sentence.as_str(),
         notes => report.notes.clone(),
         models => report.models.iter().map(model_view).collect::<Vec<_>>(),
+        beliefs => report.beliefs.iter().map(|belief| belief_view(report, belief)).collect::<Vec<_>>(),
         health => report.health.iter().map(health_view).collect::<Vec<_>>(),
         logs,
         folded,
@@ -58,6 +59,15 @@ pub fn render_html(report: &DropReport) -> Result<String, ReportError> {
         inputs => provenance.inputs,
     };
     render("drop.html", include_str!("templates/drop.html"), values)
+}
+
+fn belief_view(report: &DropReport, belief: &BeliefFound) -> Value {
+    context! {
+        name => belief.name.as_str(),
+        believed => typeset_unit(&beliefs::believed(belief)),
+        found => typeset_unit(&quantity(belief.found, report.interval(&belief.name), &belief.unit)),
+        moved => beliefs::moved(belief),
+    }
 }
 
 /// Figures of the logs that stand open, and those that can be unfolded.

@@ -6,6 +6,7 @@
 
 mod animation;
 mod assemble;
+mod beliefs;
 mod blind;
 mod check;
 mod error;

@@ -1,6 +1,7 @@
 //! What a drop report shows, as plain data: the command line assembles it, figures and HTML draw it.
 
 use super::FullDrop;
+use crate::identify::BeliefFound;
 use serde::Serialize;
 
 /// Everything the report of `aibo-fit drop` shows.
@@ -12,6 +13,10 @@ pub struct DropReport {
     pub sentence: String,
     /// Honest messages, most important first (what the logs cannot determine, what looked odd).
     pub notes: Vec<String>,
+    /// What the study states of the numbers, and where the extensive model has them.
+    pub beliefs: Vec<BeliefFound>,
+    /// What the logs leave to what the study states, in sentences.
+    pub undetermined: Vec<String>,
     /// One row per log.
     pub health: Vec<LogHealthRow>,
     /// Curves of every log that moves.
@@ -26,6 +31,13 @@ pub struct DropReport {
     pub full: Option<FullDrop>,
     /// Where the report comes from.
     pub provenance: Provenance,
+}
+
+impl DropReport {
+    /// The 95 % interval of one of the extensive model's parameters.
+    pub(super) fn interval(&self, name: &str) -> Option<[f64; 2]> {
+        self.models.iter().rev().flat_map(|model| &model.parameters).find(|row| row.name == name)?.interval
+    }
 }
 
 /// One row of the data-health table.

@@ -73,7 +73,7 @@ fn simple_rms(fit: &DropFit) -> f64 {
 
 /// Honest messages, most important first.
 pub(super) fn notes(case: &Case, fit: &DropFit) -> Vec<String> {
-    let mut notes = Vec::new();
+    let mut notes = fit.undetermined.clone();
     let open: Vec<&Estimate> = fit.extensive.estimates.iter().filter(|e| e.status == Status::NotDetermined).collect();
     if !is_relative(fit) {
         notes.extend(open_notes(case, fit, &open));

@@ -114,6 +114,8 @@ fn report(logs: Vec<LogCurves>) -> DropReport {
                    which is the encoder's own step, the simple one to 12.3 mrad."
             .into(),
         notes: vec!["The moment lies 10 % above its nominal value, outside the interval.".into()],
+        beliefs: Vec::new(),
+        undetermined: Vec::new(),
         health: logs.iter().map(health).collect(),
         logs,
         models: vec![simple, extensive],

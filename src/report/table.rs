@@ -2,6 +2,7 @@
 
 use comfy_table::Cell;
 
+use super::beliefs::belief_table;
 use super::full::full_text;
 use super::number::significant;
 use super::rows::shorten;
@@ -15,13 +16,17 @@ const NAME: usize = 36;
 
 /// Writes a drop report as plain text, as a rule at most 108 columns wide, ending in a newline.
 ///
-/// The sentence, one line per log, the parameters of each model with both intervals, then the notes.
+/// The sentence, one line per log, the parameters of each model with both intervals, what is
+/// believed of the numbers, then the notes.
 pub fn drop_text(report: &DropReport) -> String {
     let mut blocks = vec![wrap(WIDTH, &report.sentence, "", "")];
     if !report.logs.is_empty() {
         blocks.push(logs(report));
     }
     blocks.extend(report.models.iter().map(model));
+    if !report.beliefs.is_empty() {
+        blocks.push(belief_table(WIDTH, &report.beliefs, |belief| report.interval(&belief.name)));
+    }
     if let Some(full) = &report.full {
         blocks.push(full_text(full, WIDTH));
     }

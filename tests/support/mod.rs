@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "every test file uses a part")]
 
 pub mod real;
+pub mod swing;
 
 use aibo_fit::blind::{Cause, Truth, make_with};
 use std::fs;

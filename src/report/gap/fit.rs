@@ -8,13 +8,13 @@ use std::collections::BTreeMap;
 
 /// The effects of the answer with their forms and their parameters by the catalogue's names.
 fn effect_fits(diagnosis: &Diagnosis) -> Vec<EffectFit> {
-    let form = |effect: EffectId| {
-        let cause = diagnosis.causes.iter().find(|cause| cause.effect == effect);
-        cause.map(|cause| cause.form).filter(|form| !form.is_empty()).map(str::to_owned)
-    };
+    let cause = |effect: EffectId| diagnosis.causes.iter().find(|cause| cause.effect == effect);
+    let form = |effect| cause(effect).map(|cause| cause.form).filter(|form| !form.is_empty()).map(str::to_owned);
+    let logs = |effect| cause(effect).and_then(|cause| cause.only.as_ref()).map(|only| only.files.clone());
     let fit = |(effect, numbers): &(EffectId, Vec<Number>)| EffectFit {
         id: effect.id().to_owned(),
         form: form(*effect),
+        logs: logs(*effect).unwrap_or_default(),
         parameters: quantities(numbers),
     };
     diagnosis.effect_parameters.iter().map(fit).collect()
@@ -36,6 +36,8 @@ impl FitFile {
             law: diagnosis.law.as_ref().map(|law| law.table.clone()),
             masses: BTreeMap::new(),
             ratios: BTreeMap::new(),
+            beliefs: diagnosis.beliefs.iter().map(|belief| (belief.name.clone(), belief.clone())).collect(),
+            undetermined: diagnosis.undetermined.clone(),
             models: BTreeMap::new(),
             whole_robot: Vec::new(),
             whole_robot_refit: None,

@@ -5,10 +5,12 @@ use super::fit::quantities;
 use super::rows::joint_rows;
 use super::waterfall::{Step, steps};
 use crate::gap::{
-    BeliefFound, Candidate, CauseShare, Confusion, Detectable, Diagnosis, Gap, LawFound, MapCell, Next, Phase, ProfileBin,
-    Variable, Verdict, Where,
+    BeliefFound, Candidate, CauseShare, Confusion, Detectable, Diagnosis, Differs, Gap, LawFound, MapCell, Next, Phase,
+    ProfileBin, Variable, Verdict, Where,
 };
+use crate::identify::Directives;
 use crate::joint::{EffectId, LawTable, Stage};
+use crate::report::beliefs::by_number;
 use crate::report::{HashedInput, JointFit, LogHealthRow, Quantity, SCHEMA};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -40,6 +42,7 @@ pub fn gap_json(report: &GapReport) -> impl Serialize + '_ {
         law: diagnosis.law.as_ref().map(Law::of),
         undetermined: &diagnosis.undetermined,
         beliefs: by_number(&diagnosis.beliefs),
+        differs: &diagnosis.differs,
         confusion: diagnosis.confusion.as_ref(),
         notes: &diagnosis.notes,
         health,
@@ -47,6 +50,7 @@ pub fn gap_json(report: &GapReport) -> impl Serialize + '_ {
         only: &options.only,
         twins: options.twins,
         seed: options.seed,
+        demands: Demands::of(&diagnosis.demands),
         version: &provenance.version,
         command: &provenance.command,
         inputs: provenance.hashed(),
@@ -79,6 +83,7 @@ struct Document<'a> {
     law: Option<Law<'a>>,
     undetermined: &'a [String],
     beliefs: BTreeMap<&'a str, &'a BeliefFound>,
+    differs: &'a [Differs],
     confusion: Option<&'a Confusion>,
     notes: &'a [String],
     health: &'a [LogHealthRow],
@@ -86,9 +91,30 @@ struct Document<'a> {
     only: &'a [EffectId],
     twins: usize,
     seed: u64,
+    demands: Demands<'a>,
     version: &'a str,
     command: &'a str,
     inputs: Vec<HashedInput<'a>>,
+}
+
+/// What the user demanded, by name; a number that is held as given has null.
+#[derive(Serialize)]
+struct Demands<'a> {
+    fix: BTreeMap<&'a str, Option<f64>>,
+    free: &'a [String],
+    bound: BTreeMap<&'a str, [f64; 2]>,
+    start: BTreeMap<&'a str, f64>,
+}
+
+impl<'a> Demands<'a> {
+    fn of(demands: &'a Directives) -> Self {
+        Self {
+            fix: demands.fix.iter().map(|(name, value)| (name.as_str(), *value)).collect(),
+            free: &demands.free,
+            bound: demands.bound.iter().map(|(name, range)| (name.as_str(), *range)).collect(),
+            start: demands.start.iter().map(|(name, value)| (name.as_str(), *value)).collect(),
+        }
+    }
 }
 
 /// A law with what it leaves.
@@ -184,6 +210,9 @@ struct Found<'a> {
     last: Option<f64>,
     after: f64,
     equivalent: &'a [EffectId],
+    /// Absent where it holds in all logs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    logs: Option<&'a [String]>,
 }
 
 impl<'a> Found<'a> {
@@ -197,13 +226,9 @@ impl<'a> Found<'a> {
             last: cause.last,
             after: cause.after,
             equivalent: &cause.equivalent,
+            logs: cause.only.as_ref().map(|set| &set.files[..]),
         }
     }
-}
-
-/// Beliefs under the names of their numbers.
-pub(in crate::report) fn by_number(beliefs: &[BeliefFound]) -> BTreeMap<&str, &BeliefFound> {
-    beliefs.iter().map(|belief| (belief.name.as_str(), belief)).collect()
 }
 
 #[derive(Serialize)]
@@ -322,10 +347,12 @@ mod tests {
                     ("health", "list"),
                     ("inputs", "list"),
                     ("seed", "number"),
+                    ("demands", "object"),
                     ("effects", "list"),
                     ("law", "null"),
                     ("undetermined", "list"),
                     ("beliefs", "object"),
+                    ("differs", "list"),
                 ],
             );
             assert_eq!(json["schema"], 1);

@@ -36,7 +36,14 @@ pub(super) fn joint_rows(diagnosis: &Diagnosis) -> Vec<ParameterRow> {
 /// The parameters of the effects of the answer, with the effect in the name.
 pub(super) fn effect_rows(diagnosis: &Diagnosis) -> Vec<ParameterRow> {
     let of_effect = |(effect, numbers): &(EffectId, Vec<Number>)| {
-        let named = |number: &Number| ParameterRow { name: format!("{effect} {}", number.name), ..number_row(number) };
+        let named = |number: &Number| {
+            let mut row = ParameterRow { name: format!("{effect} {}", number.name), ..number_row(number) };
+            let held = format!("{effect}.{}", number.name);
+            if diagnosis.demands.fix.iter().any(|(name, _)| *name == held) {
+                row.status = ParameterStatus::Held;
+            }
+            row
+        };
         numbers.iter().map(named).collect::<Vec<_>>()
     };
     diagnosis.effect_parameters.iter().flat_map(of_effect).collect()

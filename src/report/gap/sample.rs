@@ -2,7 +2,7 @@
 
 use super::GapReport;
 use crate::gap::*;
-use crate::identify::{Estimate, Status};
+use crate::identify::{Directives, Estimate, Status};
 use crate::joint::{EffectForm, EffectId, Stage};
 use crate::report::{LogHealthRow, Provenance};
 
@@ -125,6 +125,7 @@ fn torque_limit() -> Vec<Number> {
 /// A cause that alone and with the others in place closes so much of what recalibration leaves.
 fn cause(effect: EffectId, parameters: Vec<Number>, [alone, last]: [f64; 2], after: f64) -> CauseShare {
     CauseShare {
+        only: None,
         effect,
         form: EffectForm::from(effect).name(),
         equivalent: vec![effect],
@@ -313,6 +314,8 @@ fn report(sizes: [f64; 4], sentence: &str) -> GapReport {
             traces: logs,
             notes: vec!["The nominal moment 0.005 kg m lies outside its 95 % interval.".into()],
             withheld: Vec::new(),
+            demands: Directives::default(),
+            differs: Vec::new(),
         },
     }
 }

@@ -2,7 +2,8 @@
 //! JSON.
 
 use crate::gap::{BeliefFound, CauseShare, Diagnosis, Gap, Verdict};
-use crate::report::number::{quantity, significant, spoken};
+use crate::report::beliefs;
+use crate::report::number::quantity;
 
 /// A gap that exceeds the floor by less than this factor is hardly one: shares of it would be numbers without meaning.
 const HARDLY: f64 = 1.1;
@@ -43,12 +44,13 @@ pub(super) struct Step<'a> {
 }
 
 impl Step<'_> {
-    /// The step's name with the form of its cause.
+    /// The step's name with the form of its cause and the logs in which it holds.
     pub fn label(&self) -> String {
-        match self.cause.map(|cause| cause.form) {
-            Some(form) if !form.is_empty() => format!("{} ({form})", self.name),
-            _ => self.name.to_owned(),
-        }
+        let form = self.cause.map(|cause| cause.form).filter(|form| !form.is_empty());
+        let form = form.map_or(String::new(), |form| format!(" ({form})"));
+        let only = self.cause.and_then(|cause| cause.only.as_ref());
+        let only = only.map_or(String::new(), |set| format!(", {}", set.words));
+        format!("{}{form}{only}", self.name)
     }
 
     /// Share of what recalibration leaves that the cause closes alone.
@@ -145,17 +147,11 @@ fn words<'a>(diagnosis: &Diagnosis, belief: &'a BeliefFound) -> Moved<'a> {
     let interval = diagnosis.parameters.iter().find(|p| p.name == belief.name).and_then(|p| p.interval);
     Moved {
         name: &belief.name,
-        believed: believed(belief),
+        believed: beliefs::believed(belief),
         found: quantity(belief.found, interval, &belief.unit),
-        moved: format!("{:+.1}", belief.moved_sd),
+        moved: beliefs::moved(belief),
         is_finding: belief.moved_sd.abs() > FINDING,
     }
-}
-
-/// `0.0050 ± 0.00025 kg m`
-pub(in crate::report) fn believed(belief: &BeliefFound) -> String {
-    let (value, sd) = (significant(belief.believed, 3), significant(belief.sd, 2));
-    format!("{value} ± {sd} {}", spoken(&belief.unit)).trim_end().to_owned()
 }
 
 #[cfg(test)]

@@ -4,11 +4,8 @@
 //! the beliefs' standard deviations the information of the logs has eigenvectors; those with an eigenvalue below one are
 //! such combinations.
 
-use super::evidence::Evidence;
-use super::model::BASELINE;
-use super::trial::Trial;
+use super::{Experiment, JointModel, Problem, Signal};
 use crate::fit::{Normal, Residuals};
-use crate::identify::{JointModel, Problem, Signal};
 use nalgebra::{DMatrix, DVector};
 
 /// Information below which beliefs decide.
@@ -16,34 +13,41 @@ const LITTLE: f64 = 1.0;
 /// A number has a part in a combination from this share of it on.
 const PART: f64 = 0.25;
 
-/// One sentence for each combination of numbers that the logs leave to the beliefs.
-pub(super) fn undetermined(evidence: &Evidence, trial: &Trial) -> Vec<String> {
-    let problem = Problem::new(&trial.model, &evidence.fit);
-    let x = problem.coordinates_from(&trial.found);
-    let Ok(blocks) = problem.linearise(&x) else { return Vec::new() };
-    let normal = Normal::of(&blocks[..evidence.fit.len()], x.len());
-    let parameters = trial.model.parameters();
+/// What is searched whatever is believed of it counts as believed to a factor of e, or to this in its unit.
+const FREED: f64 = 1.0;
+
+/// One sentence for each combination of numbers that the experiments leave to the beliefs. `is_number` says which
+/// parameters are numbers of the joint, by index; `unit_rad2_s` is what one unit of deviance weighs in the criterion.
+pub(crate) fn undetermined<M: JointModel>(
+    problem: &Problem<'_, M>,
+    x: &[f64],
+    is_number: impl Fn(usize) -> bool,
+    unit_rad2_s: f64,
+) -> Vec<String> {
+    let experiments = problem.experiments;
+    let Ok(blocks) = problem.linearise(x) else { return Vec::new() };
+    let normal = Normal::of(&blocks[..experiments.len()], x.len());
+    let parameters = problem.model.parameters();
     let free: Vec<usize> = (0..parameters.len()).filter(|&i| !parameters[i].fixed).collect();
     let believed: Vec<(usize, f64)> = free
         .iter()
         .enumerate()
-        .filter(|(_, i)| **i < BASELINE)
-        .filter_map(|(k, &i)| Some((k, parameters[i].belief?.sd)))
+        .filter(|(_, i)| is_number(**i))
+        .map(|(k, &i)| (k, parameters[i].belief.map_or(FREED, |belief| belief.sd)))
         .collect();
-    let unit = trial.unit_rad2_s(evidence);
-    if believed.is_empty() || !(unit > 0.0) {
+    if believed.is_empty() || !(unit_rad2_s > 0.0) {
         return Vec::new();
     }
     // What the starts and the causes can take up says nothing about the numbers.
     let others: Vec<usize> = (0..x.len()).filter(|c| !believed.iter().any(|(k, _)| k == c)).collect();
-    let Some(information) = reduced(&normal.jtj, &believed, &others, unit) else { return Vec::new() };
+    let Some(information) = reduced(&normal.jtj, &believed, &others, unit_rad2_s) else { return Vec::new() };
     let eigen = information.symmetric_eigen();
     let name = |row: usize| parameters[free[believed[row].0]].name.as_str();
     let mut sentences: Vec<String> = Vec::new();
     for v in (0..believed.len()).filter(|&v| eigen.eigenvalues[v] < LITTLE) {
         let direction: DVector<f64> = eigen.eigenvectors.column(v).into_owned();
         let parts: Vec<&str> = (0..believed.len()).filter(|&r| direction[r].abs() > PART).map(name).collect();
-        let said = sentence(evidence, &parts);
+        let said = sentence(experiments, &parts);
         // Two directions may have their parts in the same numbers.
         if !sentences.contains(&said) {
             sentences.push(said);
@@ -66,9 +70,9 @@ fn reduced(jtj: &DMatrix<f64>, believed: &[(usize, f64)], others: &[usize], unit
     Some(DMatrix::from_fn(n, n, |i, k| left[(i, k)] * believed[i].1 * believed[k].1 / unit))
 }
 
-fn sentence(evidence: &Evidence, parts: &[&str]) -> String {
-    let by_setpoint = evidence.fit.iter().any(|e| matches!(e.signal, Signal::Position { .. }));
-    let driven = evidence.fit.iter().any(|e| e.is_driven());
+fn sentence(experiments: &[Experiment], parts: &[&str]) -> String {
+    let by_setpoint = experiments.iter().any(|e| matches!(e.signal, Signal::Position { .. }));
+    let driven = experiments.iter().any(|e| e.is_driven());
     let listed = match parts {
         [] => return "These logs leave a combination of the numbers to what is believed of them.".into(),
         [only] => {

@@ -1,0 +1,147 @@
+//! Causes that hold in some logs only.
+//!
+//! Every cause that was found is tried in one session (or log) alone and in all others; and what a single session leaves
+//! is searched for causes that did not stand out over all logs. A restriction is kept where it explains the logs clearly
+//! better for what it is charged, and predicts parts of them that were not fitted.
+
+use super::evidence::{Evidence, counts};
+use super::explore::explore;
+use super::folds::Folds;
+use super::grow::{Growth, MOST};
+use super::logs::{Group, Groups, LogSet};
+use super::score::Measure;
+use super::sight::Sight;
+use super::trial::{Trial, loss, predicted};
+use crate::fit::Budget;
+use crate::identify::JointModel;
+use crate::joint::EffectId;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Evaluations of a fit that begins near its end.
+const AGAIN: Budget = Budget { evaluations: 24 };
+/// Evaluations with which a fit is brought to rest.
+const REST: Budget = Budget { evaluations: 60 };
+/// Score by which a restriction has to be better.
+const CLEARLY: f64 = 12.0;
+/// Standard deviations by which a cause that is looked for in one group only has to predict better.
+const PREDICTS: f64 = 2.0;
+/// Logs miss a cause where they are explained worse by this factor without it.
+const MISSED: f64 = 1.1;
+/// A rest of so many times what noise leaves is worth a look at single groups.
+const WORTH_A_LOOK: f64 = 1.25;
+/// A cause of one group has to lower the square sum over all logs to less than this share.
+const LESS: f64 = 0.9;
+/// Causes of one group that are refitted on all logs.
+const TRIED: usize = 2;
+
+/// The hypothesis with its causes restricted to the logs in which they hold, and with causes of single groups added.
+/// `chance` is the deviance that chance alone may gain.
+pub(super) fn within_logs(growth: &Growth<'_>, mut best: Trial, chance: f64) -> Trial {
+    let Some(groups) = Groups::of(growth.evidence) else { return best };
+    for k in 0..best.effects().len() {
+        best = restricted(growth.evidence, best, k, &groups);
+    }
+    // What is less than one step of the encoder may be noise of any colour.
+    let samples: f64 = growth.evidence.fit.iter().map(|e| counts(e).sum::<f64>()).sum();
+    let enough = (WORTH_A_LOOK * growth.enough).max(samples * growth.evidence.reach.resolution_rad.powi(2));
+    while best.effects().len() < MOST && best.fit_loss(growth.evidence) > enough {
+        match added(growth, &best, &groups, chance) {
+            // Brought to rest, so that what it has not yet reached is taken for no cause.
+            Some(more) => best = growth.pruned(more.continued(growth.evidence, REST)),
+            None => break,
+        }
+    }
+    best
+}
+
+/// Cause number `k` in the logs of one group, or in all others, where that is clearly better.
+fn restricted(evidence: &Evidence, best: Trial, k: usize, groups: &Groups) -> Trial {
+    let missed: Vec<bool> = groups.groups.par_iter().map(|group| is_missed(evidence, &best, k, group)).collect();
+    let missing = missed.iter().filter(|missed| **missed).count();
+    let alone = |(i, group): (usize, &Group)| match (missed[i], missing) {
+        (true, 1) => Some(group.inside.clone()),
+        (false, _) if missing > 0 => Some(group.outside.clone()),
+        _ => None,
+    };
+    let mut sets: Vec<LogSet> = groups.groups.iter().enumerate().filter_map(alone).collect();
+    // Of two groups one is all others.
+    sets.sort_by_key(|set| set.words.contains(" but "));
+    let mut seen: Vec<Vec<String>> = Vec::new();
+    sets.retain(|set| {
+        let mut files = set.files.clone();
+        files.sort_unstable();
+        let is_new = !seen.contains(&files);
+        seen.push(files);
+        is_new
+    });
+    let tried = sets.into_par_iter().map(|set| {
+        let model = best.model.clone().only_in(k, Arc::new(set));
+        Trial::solved(evidence, model, &best.found.values, best.found.starts.clone(), AGAIN)
+    });
+    let tried: Vec<Trial> = tried.collect();
+    let Some(other) = least(evidence, &best, tried) else { return best };
+    let is_better = score(evidence, &best, &other) < score(evidence, &best, &best) - CLEARLY;
+    if is_better && predicts(evidence, &other, &best) > 0.0 { other } else { best }
+}
+
+/// Whether logs are explained clearly worse without cause number `k`, everything else as it is.
+fn is_missed(evidence: &Evidence, best: &Trial, k: usize, group: &Group) -> bool {
+    let bare = best.model.clone().only_in(k, Arc::new(group.outside.clone()));
+    let (mut with, mut without) = (0.0, 0.0);
+    for (i, e) in evidence.fit.iter().enumerate().filter(|(_, e)| group.inside.holds(e)) {
+        with += loss(e, &best.fit[i]);
+        without += loss(e, &predicted(&bare, e, &best.found.values, Some(best.found.starts[i])).1);
+    }
+    !(without < MISSED * with)
+}
+
+/// The best with one cause more, which holds in one group only, where that is clearly better than chance.
+fn added(growth: &Growth<'_>, best: &Trial, groups: &Groups, chance: f64) -> Option<Trial> {
+    let evidence = growth.evidence;
+    let others: Vec<EffectId> = growth.effects.iter().copied().filter(|e| !best.effects().contains(e)).collect();
+    let tried = groups.groups.iter().flat_map(|group| of_group(evidence, best, group, &others)).collect();
+    let more = least(evidence, best, tried)?;
+    let gained = score(evidence, &more, best) - score(evidence, &more, &more);
+    let closes = more.fit_loss(evidence) < LESS * best.fit_loss(evidence);
+    (closes && gained > chance.max(0.0) + CLEARLY && predicts(evidence, &more, best) > PREDICTS).then_some(more)
+}
+
+/// The best with each of the causes that stand out in what it leaves of one group, fitted to all logs.
+fn of_group(evidence: &Evidence, best: &Trial, group: &Group, effects: &[EffectId]) -> Vec<Trial> {
+    let own: Vec<usize> = (0..evidence.fit.len()).filter(|k| group.inside.holds(&evidence.fit[*k])).collect();
+    let there = evidence.with_logs(own.iter().map(|&k| evidence.fit[k].clone()).collect(), Vec::new());
+    let starts = own.iter().map(|&k| best.found.starts[k]).collect();
+    // The numbers are those of all logs.
+    let all: Vec<usize> = (0..best.model.parameters().len()).collect();
+    let held = best.model.clone().holding(&all, &best.found.values);
+    let base = Trial::solved(&there, held, &best.found.values, starts, AGAIN);
+    let sights = Sight::from_each(&there, &base, &[], effects);
+    let found = explore(&there, &base, &sights);
+    let set = Arc::new(group.inside.clone());
+    let everywhere = |t: &Trial| {
+        let effect = *t.effects().last()?;
+        let k = best.effects().len();
+        let model = best.model.with(effect, &evidence.reach).only_in(k, Arc::clone(&set));
+        let values = [&best.found.values[..], &t.found.values[best.found.values.len()..]].concat();
+        let fitted = Trial::solved(evidence, model, &values, best.found.starts.clone(), AGAIN);
+        Some(fitted.settled(evidence, AGAIN))
+    };
+    found.par_iter().take(TRIED).filter_map(everywhere).collect()
+}
+
+fn least(evidence: &Evidence, best: &Trial, tried: Vec<Trial>) -> Option<Trial> {
+    let of = |t: &Trial| score(evidence, best, t);
+    tried.into_iter().min_by(|a, b| of(a).total_cmp(&of(b)))
+}
+
+/// Score of a hypothesis, in the measure of another.
+fn score(evidence: &Evidence, by: &Trial, trial: &Trial) -> f64 {
+    Measure::by(evidence, by).score(evidence, trial)
+}
+
+/// By how many standard deviations parts of the logs are predicted better by `a` than by `b`.
+fn predicts(evidence: &Evidence, a: &Trial, b: &Trial) -> f64 {
+    let folds = Folds::of(evidence);
+    folds.difference(&folds.residuals(b), &folds.residuals(a)).z()
+}
