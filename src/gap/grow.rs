@@ -30,6 +30,8 @@ const STEP_SAMPLES: f64 = 10.0;
 const FEEBLE: f64 = 0.5;
 /// Steps that are made once motor side and link move apart.
 const APART: usize = 1;
+/// Causes that part motor side and link have to lower the square sum by so much more than others.
+const IMITATES: f64 = 2.0;
 /// Rivals that are kept for each member.
 const RIVALS: usize = 4;
 
@@ -100,10 +102,12 @@ impl Growth<'_> {
         } else {
             Vec::new()
         };
-        // Two have to do more than one: their share of the step is weighed as that of two steps.
+        // Two have to do more than one: their share of the step is weighed as that of two steps. Motor side and link
+        // apart can imitate much, and nothing is easily added to them.
         let worth = |t: &Trial| {
             let added = (t.effects().len() - from.effects().len()).max(1) as f64;
-            (loss(t) / before).max(1e-12).ln() / added.sqrt()
+            let apart = if t.model.has_two_bodies() { IMITATES } else { 1.0 };
+            (apart * loss(t) / before).max(1e-12).ln() / added.sqrt()
         };
         let best = singles.iter().chain(&together).min_by(|a, b| worth(a).total_cmp(&worth(b))).cloned();
         super::dbg(self.evidence,"step from", from);

@@ -84,6 +84,8 @@ impl StribeckCurve {
     fn share<T: Real>(self, ratio: T) -> T {
         match self {
             StribeckCurve::Gaussian => (-(ratio * ratio)).exp(),
+            // A step may look a little beyond the turning point.
+            StribeckCurve::Exponential if ratio.re() < 0.0 => T::constant(1.0),
             StribeckCurve::Exponential => (-ratio).exp(),
             StribeckCurve::Rational => (ratio * ratio + 1.0).recip(),
         }

@@ -43,7 +43,8 @@ pub(super) fn zero_of(speed: impl Fn(f64) -> f64, at_start: f64, bracket: f64) -
         if f_high == 0.0 || high - low <= 1e-15 * bracket.max(1e-9) {
             break;
         }
-        let dt = ((low * f_high - high * f_low) / (f_high - f_low)).clamp(low, high);
+        let between = (low * f_high - high * f_low) / (f_high - f_low);
+        let dt = if between.is_finite() { between.clamp(low, high) } else { 0.5 * (low + high) };
         let f = speed(dt);
         if f.abs() < 1e-13 {
             return Some(dt);

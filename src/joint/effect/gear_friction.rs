@@ -120,7 +120,9 @@ impl<T: Real> FrictionTerm<T> for GearTerm<T> {
         let driving = at.motor_nm.re() * at.direction > 0.0;
         let mut share = T::constant(if self.is_driving && !driving { WHEN_DRIVEN } else { 1.0 });
         if let Some(slow_rad_s) = self.slow_rad_s {
-            share *= (-(at.speed_rad_s / slow_rad_s)).exp() * WHEN_SLOW + 1.0;
+            // A step may look a little beyond the turning point.
+            let speed_rad_s = if at.speed_rad_s.re() < 0.0 { T::nought() } else { at.speed_rad_s };
+            share *= (-(speed_rad_s / slow_rad_s)).exp() * WHEN_SLOW + 1.0;
         }
         if let Some(more_nm) = self.more_nm {
             share *= load_nm / more_nm + 1.0;
