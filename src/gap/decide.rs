@@ -127,6 +127,7 @@ impl<'a> Judge<'a, '_> {
         let simplest = equivalent.iter().copied().min_by_key(|e| e.searched_count());
         if let ([only], Some(simplest)) = (&effects[..], simplest)
             && simplest != *only
+            && answer.model.only()[0].is_none()
             && let Some(trial) = a.rivals[0].iter().find(|t| t.effects() == [simplest])
         {
             equivalent.sort_by_key(|e| *e != simplest);

@@ -6,6 +6,7 @@ use super::logs::{By, Group, Groups};
 use super::model::{COULOMB, GAIN, REST};
 use super::score::Measure;
 use super::trial::Trial;
+use super::within::predicts;
 use crate::fit::Budget;
 use crate::identify::JointModel;
 use crate::number::{mrad, quantity};
@@ -107,7 +108,8 @@ fn from(coarse: &Evidence, mut base: Trial, groups: &Groups) -> (Trial, Vec<Diff
         let Some((number, best)) = tried.into_iter().min_by(|a, b| loss(&a.1).total_cmp(&loss(&b.1))) else { break };
         let measure = Measure::by(coarse, &best);
         let gained = measure.score(coarse, &base) - measure.score(coarse, &best);
-        if !(gained > CLEARLY && loss(&best) < LESS * loss(&base)) {
+        let is_clear = gained > CLEARLY && loss(&best) < LESS * loss(&base);
+        if !is_clear || predicts(coarse, &best, &base) <= 0.0 {
             break;
         }
         found.push(stated(coarse, &base, &best, number, groups));

@@ -8,7 +8,8 @@ use super::evidence::{Evidence, counts};
 use super::explore::explore;
 use super::folds::Folds;
 use super::grow::{Growth, MOST};
-use super::logs::{Group, Groups, LogSet};
+use super::held_out::HeldOut;
+use super::logs::{By, Group, Groups, LogSet};
 use super::score::Measure;
 use super::sight::Sight;
 use super::trial::{Trial, loss, predicted};
@@ -30,8 +31,10 @@ const PREDICTS: f64 = 2.0;
 const MISSED: f64 = 1.1;
 /// A rest of so many times what noise leaves is worth a look at single groups.
 const WORTH_A_LOOK: f64 = 1.25;
-/// A cause of one group has to lower the square sum over all logs to less than this share.
-const LESS: f64 = 0.9;
+/// A cause of one group has to lower the square sum over all logs to less than this share: one that no second log can
+/// confirm to less than where the study names sessions.
+const LESS_OF_SESSIONS: f64 = 0.6;
+const LESS_OF_LOGS: f64 = 0.1;
 /// Causes of one group that are refitted on all logs.
 const TRIED: usize = 2;
 
@@ -103,8 +106,13 @@ fn added(growth: &Growth<'_>, best: &Trial, groups: &Groups, chance: f64) -> Opt
     let tried = groups.groups.iter().flat_map(|group| of_group(evidence, best, group, &others)).collect();
     let more = least(evidence, best, tried)?;
     let gained = score(evidence, &more, best) - score(evidence, &more, &more);
-    let closes = more.fit_loss(evidence) < LESS * best.fit_loss(evidence);
-    (closes && gained > chance.max(0.0) + CLEARLY && predicts(evidence, &more, best) > PREDICTS).then_some(more)
+    let less = match groups.by {
+        By::Session => LESS_OF_SESSIONS,
+        By::Log => LESS_OF_LOGS,
+    };
+    let closes = more.fit_loss(evidence) < less * best.fit_loss(evidence);
+    let stands_out = closes && gained > chance.max(0.0) + CLEARLY && predicts(evidence, &more, best) > PREDICTS;
+    (stands_out && elsewhere(evidence, &more, best) > 0.0).then_some(more)
 }
 
 /// The best with each of the causes that stand out in what it leaves of one group, fitted to all logs.
@@ -130,6 +138,19 @@ fn of_group(evidence: &Evidence, best: &Trial, group: &Group, effects: &[EffectI
     found.par_iter().take(TRIED).filter_map(everywhere).collect()
 }
 
+/// By how many standard deviations the logs in which a restricted cause of `a` does not hold are predicted better by fits
+/// of `a` to the others than by those of `b`: what is explained where it is frees the numbers of its bias.
+fn elsewhere(evidence: &Evidence, a: &Trial, b: &Trial) -> f64 {
+    let logs = HeldOut::in_turn(evidence);
+    let (mut with, without) = (logs.residuals(evidence, a), logs.residuals(evidence, b));
+    let own = a.model.only().last().and_then(Option::as_ref);
+    for (k, _) in evidence.fit.iter().enumerate().filter(|(_, e)| own.is_some_and(|set| set.holds(e))) {
+        // No other log shows it: this one says nothing of how it predicts.
+        with[k].clone_from(&without[k]);
+    }
+    logs.difference(&without, &with).z()
+}
+
 fn least(evidence: &Evidence, best: &Trial, tried: Vec<Trial>) -> Option<Trial> {
     let of = |t: &Trial| score(evidence, best, t);
     tried.into_iter().min_by(|a, b| of(a).total_cmp(&of(b)))
@@ -141,7 +162,7 @@ fn score(evidence: &Evidence, by: &Trial, trial: &Trial) -> f64 {
 }
 
 /// By how many standard deviations parts of the logs are predicted better by `a` than by `b`.
-fn predicts(evidence: &Evidence, a: &Trial, b: &Trial) -> f64 {
+pub(super) fn predicts(evidence: &Evidence, a: &Trial, b: &Trial) -> f64 {
     let folds = Folds::of(evidence);
     folds.difference(&folds.residuals(b), &folds.residuals(a)).z()
 }
