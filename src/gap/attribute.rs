@@ -7,7 +7,7 @@ use super::explore::{explore, one_of_each};
 use super::floor::noise_rad;
 use super::folds::Folds;
 use super::grow::Growth;
-use super::held_out::predicts_elsewhere;
+use super::held_out::Elsewhere;
 use super::laws::lawful;
 use super::model::GapModel;
 use super::score::Measure;
@@ -132,9 +132,7 @@ impl Attribution {
         if firsts.is_empty() {
             firsts = explore(&coarse, &calibrated, &sights);
         }
-        super::dbg(&coarse, "PRUNED", &best);
         let (exchanged, without, rivals) = growth.exchanged(best);
-        super::dbg(&coarse, "EXCHANGED", &exchanged);
         let members = exchanged.effects().to_vec();
         let best = growth.formed(proven(&coarse, exchanged, without, chance));
         stage("looking at single sessions")?;
@@ -334,15 +332,14 @@ fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance:
         let worth = |t: &Trial| {
             let gained = deviance(t) - deviance(&best);
             let lost = folds.difference(&folds.residuals(t), &held);
+            let elsewhere =
+                if few { Elsewhere::of(evidence, t, &best, measure.effective) } else { Elsewhere::default() };
             // What predicts clearly need not exceed chance by itself, but its charge.
-            let needed = if lost.z() > CLEARLY { measure.charge(&best) - measure.charge(t) } else { chance };
-            let elsewhere = if few { predicts_elsewhere(evidence, t, &best, measure.effective) } else { 0.0 };
-            if std::env::var("GAP_DEBUG").is_ok() { eprintln!("     gained {gained:.1} needed {needed:.1} lost z {:.2} elsewhere {elsewhere:.2}", lost.z()); }
-            if lost.sum > PREDICTS * lost.sd && elsewhere > -ELSEWHERE { gained - needed } else { f64::NEG_INFINITY }
+            let clearly = lost.z() > CLEARLY || elsewhere.z > CLEARLY;
+            let needed = if clearly { measure.charge(&best) - measure.charge(t) } else { chance };
+            if lost.sum > PREDICTS * lost.sd && elsewhere.z > -ELSEWHERE { gained - needed } else { f64::NEG_INFINITY }
         };
         let worths: Vec<f64> = without.par_iter().map(worth).collect();
-        super::dbg(evidence, "PROVE", &best);
-        for (w, t) in worths.iter().zip(&without) { super::dbg(evidence, &format!("   worth {w:.1} without"), t); }
         let worst = (0..worths.len()).min_by(|a, b| worths[*a].total_cmp(&worths[*b]));
         match worst {
             Some(k) if worths[k] < 0.0 => {

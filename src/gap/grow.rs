@@ -6,6 +6,8 @@
 
 use super::evidence::{Evidence, counts};
 use super::explore::{explore, one_of_each, refitted};
+use super::folds::Folds;
+use super::held_out::Elsewhere;
 use super::model::COULOMB;
 use super::pairs::pairs;
 use super::score::Measure;
@@ -23,7 +25,7 @@ const AGAIN: Budget = Budget { evaluations: 14 };
 /// Evaluations with which a grown set is brought to rest.
 const SETTLE: Budget = Budget { evaluations: 24 };
 /// A step has to lower the square sum to this share, and by this deviance if every so many samples count as one.
-const STEP: f64 = 0.98;
+const STEP: f64 = 0.96;
 const STEP_DEVIANCE: f64 = 24.0;
 const STEP_SAMPLES: f64 = 10.0;
 /// Where the best single effect lowers the square sum to no less than this share, pairs are tried too.
@@ -110,8 +112,6 @@ impl Growth<'_> {
             (apart * loss(t) / before).max(1e-12).ln() / added.sqrt()
         };
         let best = singles.iter().chain(&together).min_by(|a, b| worth(a).total_cmp(&worth(b))).cloned();
-        super::dbg(self.evidence,"step from", from);
-        for t in singles.iter().chain(&together) { super::dbg(self.evidence,"   tried", t); }
         (best, singles)
     }
 
@@ -202,11 +202,20 @@ impl Growth<'_> {
             let score = |t: &Trial| measure.score(self.evidence, t);
             if let Some(other) = tried.into_iter().min_by(|a, b| score(a).total_cmp(&score(b)))
                 && score(&other) < score(&best) - FORM
+                && self.predicts(&other, &best)
             {
                 best = other;
             }
         }
         best
+    }
+
+    /// Whether one form predicts parts of the logs, and whole logs, better than another.
+    fn predicts(&self, other: &Trial, best: &Trial) -> bool {
+        let folds = Folds::of(self.evidence);
+        let better = folds.difference(&folds.residuals(best), &folds.residuals(other)).sum > 0.0;
+        let effective = Measure::by(self.evidence, other).effective;
+        better && (self.evidence.fit.len() == 1 || Elsewhere::of(self.evidence, best, other, effective).z >= 0.0)
     }
 
     /// Sets carried over from other samples or parts of the same logs, fitted again here.

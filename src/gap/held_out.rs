@@ -3,12 +3,13 @@
 use super::compare::{Difference, block_samples, blocks};
 use super::evidence::Evidence;
 use super::folds::Folds;
-use super::trial::{Trial, predicted};
+use super::trial::{Trial, loss, predicted};
 use crate::fit::Budget;
 use crate::identify::Experiment;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use std::slice::from_ref as one;
 
 /// Logs, or parts of one, that were held out, in the order of the residuals below.
 pub(super) struct HeldOut {
@@ -48,6 +49,11 @@ impl HeldOut {
             "each log predicted by a fit to all others"
         };
         Self { experiments: all.clone(), how, from: From::InTurn }
+    }
+
+    /// The fitted logs, each predicted by the others.
+    pub fn in_turn(evidence: &Evidence) -> Self {
+        Self { experiments: evidence.fit.clone(), how: "each log predicted by a fit to all others", from: From::InTurn }
     }
 
     /// Whether no choice was made on these logs.
@@ -108,21 +114,43 @@ impl HeldOut {
     }
 }
 
-/// How many standard deviations `poor` predicts fitted logs worse than `rich`, each log by fits to the others; 0 where that
-/// says nothing. Where the others do not show what `rich` has more, they cannot tell its size either: such a log is left
-/// out.
-pub(super) fn predicts_elsewhere(evidence: &Evidence, poor: &Trial, rich: &Trial, effective: f64) -> f64 {
-    let logs = evidence.fit.len();
-    let of_log = |k: usize| -> Vec<f64> {
-        let [(poor_left, poor), (rich_left, rich)] = [poor, rich].map(|t| without_log(evidence, t, k));
+/// How much better `rich` predicts fitted logs than `poor`, each log by fits to the others.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Elsewhere {
+    /// Standard deviations by which it predicts them better; 0 where that says nothing.
+    pub z: f64,
+    /// Share of the squares that it leaves.
+    pub left: f64,
+    /// The same of the log that it predicts worst.
+    pub worst: f64,
+}
+
+impl Elsewhere {
+    /// Where the other logs do not show what `rich` has more, they cannot tell its size either: such a log is left out.
+    pub fn of(evidence: &Evidence, poor: &Trial, rich: &Trial, effective: f64) -> Self {
+        let logs = evidence.fit.len();
         let share = (logs - 1) as f64 / logs as f64;
-        if effective * share * (poor_left / rich_left.max(1e-300)).ln() < SHOWN {
-            return Vec::new();
+        let of_log = |k: usize| {
+            let [(poor_left, poor), (rich_left, rich)] = [poor, rich].map(|t| without_log(evidence, t, k));
+            let shown = effective * share * (poor_left / rich_left.max(1e-300)).ln() > SHOWN;
+            shown.then(|| {
+                let e = &evidence.fit[k];
+                let lost: Vec<f64> = blocks(one(e), one(&poor), one(&rich)).collect();
+                (lost, loss(e, &poor), loss(e, &rich))
+            })
+        };
+        let shown: Vec<(Vec<f64>, f64, f64)> = (0..logs).into_par_iter().filter_map(of_log).collect();
+        if shown.is_empty() {
+            return Self { z: 0.0, left: 1.0, worst: 1.0 };
         }
-        blocks(std::slice::from_ref(&evidence.fit[k]), &[poor], &[rich]).collect()
-    };
-    let lost: Vec<f64> = (0..logs).into_par_iter().flat_map_iter(of_log).collect();
-    if lost.len() < 2 { 0.0 } else { Difference::of(&lost).z() }
+        let lost: Vec<f64> = shown.iter().flat_map(|(lost, ..)| lost.iter().copied()).collect();
+        let sum = |of: fn(&(Vec<f64>, f64, f64)) -> f64| shown.iter().map(of).sum::<f64>();
+        Self {
+            z: Difference::of(&lost).z(),
+            left: sum(|s| s.2) / sum(|s| s.1),
+            worst: shown.iter().map(|(_, poor, rich)| rich / poor).fold(0.0, f64::max),
+        }
+    }
 }
 
 /// Deviance from which on logs show something.

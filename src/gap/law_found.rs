@@ -5,7 +5,7 @@ use super::decide::Decision;
 use super::diagnosis::LawFound;
 use super::evidence::Evidence;
 use super::held_out::HeldOut;
-use super::looks_like;
+use super::looks_like::{self, looks_like};
 use super::numbers::spread_of;
 use super::trial::Trial;
 use crate::joint::LawTable;
@@ -29,6 +29,8 @@ pub(super) fn law_found(
     let (calibrated, before, after) = (rms(&a.calibrated), rms(&a.best), rms(answer));
     let left = calibrated.max(before) - a.noise_rad;
     table.closed = (left > 0.0).then(|| ((before - after) / left).min(1.0));
-    table.looks_like = looks_like(&table, sd.as_deref());
+    // It predicts other logs, so that it is there, even where each of its values by itself is uncertain.
+    let shape = looks_like(&table, sd.as_deref());
+    table.looks_like = if shape == looks_like::NOTHING { looks_like(&table, None) } else { shape };
     Some(LawFound { table, sd, after })
 }

@@ -24,7 +24,7 @@ pub(super) struct LawShape {
 
 /// Waves of a law of the angle, where teeth and magnets make ripples, and of any other.
 const WAVES_OF_ANGLE: usize = 32;
-const WAVES: usize = 14;
+const WAVES: usize = 12;
 /// Knots for each wave.
 const KNOTS: usize = 2;
 /// Readings beyond these shares are left out of a variable's range.
@@ -152,7 +152,8 @@ impl LawShape {
         let needed = MOST * square.iter().sum::<f64>();
         let n = square.len();
         let holds = |width: usize, from: usize| square[from..from + width].iter().sum::<f64>() >= needed;
-        let found = (1..=n).find_map(|width| (0..=n - width).find(|from| holds(width, *from)).map(|from| (from, width)));
+        let found =
+            (1..=n).find_map(|width| (0..=n - width).find(|from| holds(width, *from)).map(|from| (from, width)));
         let (from, width) = found.unwrap_or((0, n));
         [self.at[from], self.at[from + width - 1]]
     }
@@ -179,7 +180,8 @@ fn values_of(evidence: &Evidence, e: &Experiment, variable: LawVariable) -> Vec<
         (LawVariable::Load, _) => {
             let nominal = evidence.nominal.moment_kg_m;
             let load = e.load.map_or((0.0, 0.0), |l| (l.moment_kg_m, l.angle_rad));
-            let pull = |q: &f64| nominal * (q - evidence.rest_rad).sin() + load.0 * (q - evidence.rest_rad - load.1).sin();
+            let pull =
+                |q: &f64| nominal * (q - evidence.rest_rad).sin() + load.0 * (q - evidence.rest_rad - load.1).sin();
             q.iter().map(|q| e.gravity_m_s2 * pull(q)).collect()
         }
         (LawVariable::Time, _) => t.iter().map(|t| t - e.t_s[0]).collect(),

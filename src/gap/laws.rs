@@ -7,13 +7,13 @@
 
 use super::evidence::Evidence;
 use super::folds::Folds;
-use super::held_out::predicts_elsewhere;
+use super::held_out::Elsewhere;
 use super::law_shape::LawShape;
 use super::model::GapModel;
 use super::projector::Projector;
 use super::score::{FOR_THE_CHOICE, Measure};
 use super::sight::weighted;
-use super::trial::Trial;
+use super::trial::{Trial, loss};
 use crate::fit::{Budget, Residuals};
 use crate::identify::{Found, JointModel, Problem};
 use nalgebra::{DMatrix, DVector};
@@ -24,17 +24,19 @@ const SIZES: [f64; 4] = [0.01, 0.04, 0.15, 0.6];
 /// Rounds in which size of the rest and size of the law are brought together.
 const ROUNDS: usize = 3;
 /// Laws that are fitted in full.
-const FITTED: usize = 4;
+const FITTED: usize = 3;
 /// Evaluations of a first fit, and of one that begins near its end.
 const FULL: Budget = Budget { evaluations: 16 };
 const AGAIN: Budget = Budget { evaluations: 10 };
 /// Score by which a law has to be better than none.
 const EARNS: f64 = 10.0;
-/// Standard deviations by which it has to predict parts better that were not fitted, and by which it may not predict
-/// whole logs worse.
+/// Standard deviations by which it has to predict parts better that were not fitted, and whole logs.
 const PREDICTS: f64 = 2.0;
-const ELSEWHERE: f64 = 0.5;
-
+const ELSEWHERE: f64 = 1.0;
+/// Share of the squares, as predicted, to which it has to lower them.
+const MATTERS: f64 = 0.7;
+/// No single log may be predicted worse by more than this factor.
+const WORSE: f64 = 1.1;
 
 /// The best hypothesis with a law: beside the causes that were found, beside some of them, or instead of them all.
 /// `None` where no law earns its place.
@@ -66,13 +68,21 @@ fn pruned(evidence: &Evidence, measure: Measure, mut best: Trial) -> Trial {
     best
 }
 
-/// Whether a hypothesis predicts parts of the logs better than one without its law, and whole logs no worse.
+/// Whether a hypothesis predicts parts of the logs better than one without its law, and whole logs: clearly, and by a
+/// share that matters.
 fn predicts(evidence: &Evidence, without: &Trial, with: &Trial) -> bool {
     let folds = Folds::of(evidence);
-    let lost = folds.difference(&folds.residuals(without), &folds.residuals(with));
-    let effective = Measure::by(evidence, with).effective;
-    let elsewhere = || predicts_elsewhere(evidence, without, with, effective);
-    lost.z() > PREDICTS && (evidence.fit.len() == 1 || elsewhere() > -ELSEWHERE)
+    let (poor, rich) = (folds.residuals(without), folds.residuals(with));
+    let lost = folds.difference(&poor, &rich);
+    let squares = |all: &[Vec<f64>]| evidence.fit.iter().zip(all).map(|(e, r)| loss(e, r)).sum::<f64>();
+    if !(lost.z() > PREDICTS && squares(&rich) < MATTERS * squares(&poor)) {
+        return false;
+    }
+    if evidence.fit.len() == 1 {
+        return true;
+    }
+    let elsewhere = Elsewhere::of(evidence, without, with, Measure::by(evidence, with).effective);
+    elsewhere.z > ELSEWHERE && elsewhere.left < MATTERS && elsewhere.worst < WORSE
 }
 
 /// A hypothesis with each of the laws that promise most added and everything refitted.
@@ -88,6 +98,7 @@ fn added(evidence: &Evidence, base: &Trial) -> Vec<Trial> {
         .filter_map(|shape| promise(evidence, base, &projector, &left, measure.effective, &shape))
         .collect();
     promising.sort_by(|a, b| a.score.total_cmp(&b.score));
+    promising.retain(|p| p.score < 0.0);
     promising.truncate(FITTED);
     promising.into_par_iter().map(|p| fitted(evidence, base, p)).collect()
 }

@@ -30,8 +30,8 @@ mod law_found;
 mod law_shape;
 mod laws;
 mod localise;
-mod looks_like;
 mod logs;
+mod looks_like;
 #[cfg(test)]
 mod made;
 mod map;
@@ -63,30 +63,14 @@ pub use crate::identify::BeliefFound;
 pub use check::{Checkup, check};
 pub use diagnose::{GapError, diagnose};
 pub use diagnosis::{
-    Answer, Candidate, CauseShare, Confusion, Detectable, Diagnosis, Gap, GapOptions, LawFound, LogGap, LogTraces, MapCell,
-    Next, Number, Phase, ProfileBin, ResidualTorque, Variable, Verdict, Where,
+    Answer, Candidate, CauseShare, Confusion, Detectable, Diagnosis, Gap, GapOptions, LawFound, LogGap, LogTraces,
+    MapCell, Next, Number, Phase, ProfileBin, ResidualTorque, Variable, Verdict, Where,
 };
 pub use differs::Differs;
 pub use localise::{LogPart, localise};
-pub use looks_like::looks_like;
 pub use logs::{By, LogSet};
+pub use looks_like::looks_like;
 pub(crate) use model::GapModel;
 pub use rates::{Rate, Rates};
 pub(crate) use reach::reach_of;
 pub use residual_torque::residual_torque;
-
-fn dbg(evidence: &evidence::Evidence, what: &str, t: &trial::Trial) {
-    if std::env::var("GAP_DEBUG").is_ok() {
-        let n: f64 = evidence.fit.iter().map(|e| evidence::counts(e).sum::<f64>()).sum();
-        let names: Vec<_> = t.effects().iter().map(|e| e.id()).collect();
-        let rms = 1e3 * (t.fit_loss(evidence) / n).sqrt();
-        let v: Vec<String> = t.found.values.iter().map(|v| format!("{v:.4}")).collect();
-        eprintln!("[{:?}] {what} {names:?} rms {rms:.2} strain {:.1} {}", std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap().as_millis() % 1000000, t.strain(), v.join(" "));
-    }
-}
-
-fn knob(name: &str, default: f64) -> f64 {
-    static K: std::sync::OnceLock<std::collections::HashMap<String, f64>> = std::sync::OnceLock::new();
-    let all = K.get_or_init(|| std::env::vars().filter_map(|(k, v)| Some((k, v.parse().ok()?))).collect());
-    all.get(name).copied().unwrap_or(default)
-}

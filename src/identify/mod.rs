@@ -36,6 +36,6 @@ pub use problem::Problem;
 pub use run::{Found, Prediction, predict, prediction, search};
 pub(crate) use run::{candidates, ranked};
 pub use scale::Scale;
-pub use with_laws::WithLaws;
 pub(crate) use undetermined::undetermined;
 pub(crate) use unit::{correlation_length, counts, unit_rad2_s};
+pub use with_laws::WithLaws;

@@ -21,6 +21,9 @@ const LEVEL: f64 = 0.1;
 /// A curve whose mean square is below this many times its variance is none at all.
 const NOISE: f64 = 2.0;
 
+/// What is said of a curve that may be nothing.
+pub(super) const NOTHING: &str = "nothing that stands out of its uncertainty";
+
 /// What the curve of a law looks like, in plain words; `sd` are standard deviations of the table's values, where known.
 ///
 /// ```
@@ -43,7 +46,7 @@ pub fn looks_like(law: &LawTable, sd: Option<&[f64]>) -> String {
     let samples = Samples::new(at, value, sd.as_deref(), x.len());
     let speak = words::Words { variable, acts: law.acts, range: [from, to] };
     if samples.noise > 0.0 && samples.mean_square() < NOISE * samples.noise {
-        return "nothing that stands out of its uncertainty".to_owned();
+        return NOTHING.to_owned();
     }
     let variation = samples.variation();
     let mean = samples.mean();
