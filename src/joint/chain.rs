@@ -115,7 +115,9 @@ impl<T: Real> Chain<T> {
         if let Some(stop) = &self.stop {
             torque_nm += stop.torque_nm(angle_rad, rate_rad_s);
         }
-        self.add_laws_of_state(angle_rad, rate_rad_s, &mut torque_nm);
+        if self.has_laws() {
+            self.add_laws_of_state(angle_rad, rate_rad_s, &mut torque_nm);
+        }
         torque_nm
     }
 
@@ -129,7 +131,9 @@ impl<T: Real> Chain<T> {
     #[inline]
     pub fn acting_nm(&self, t_s: T, angle_rad: T, rate_rad_s: T) -> T {
         let mut torque_nm = self.passive_nm(angle_rad, rate_rad_s);
-        self.add_laws_of_time(t_s, &mut torque_nm);
+        if self.has_laws() {
+            self.add_laws_of_time(t_s, &mut torque_nm);
+        }
         torque_nm
     }
 
@@ -153,7 +157,9 @@ impl<T: Real> Chain<T> {
         let speed_rad_s = rate_rad_s * direction;
         let at = Contact { t_s, angle_rad, speed_rad_s, direction, gravity_nm, motor_nm };
         let mut passive_nm = gravity_nm + self.elastic_nm(angle_rad, rate_rad_s);
-        self.add_laws_of_time(t_s, &mut passive_nm);
+        if self.has_laws() {
+            self.add_laws_of_time(t_s, &mut passive_nm);
+        }
         (motor_nm + passive_nm - self.friction.resistance_nm(&at) * direction) / self.inertia_kg_m2()
     }
 
@@ -168,7 +174,7 @@ impl<T: Real> Chain<T> {
                 [reading_rad, rate_rad_s * slope]
             }
         };
-        if self.has_laws_of_reading() { self.with_laws_of_reading(reading) } else { reading }
+        if self.has_laws() { self.with_laws_of_reading(reading) } else { reading }
     }
 
     /// What the encoder makes of a true angle.
@@ -178,13 +184,13 @@ impl<T: Real> Chain<T> {
             None => angle_rad * self.sensor_gain,
             Some(eccentric) => eccentric.read(angle_rad * self.sensor_gain)[0],
         };
-        if self.has_laws_of_reading() { self.with_laws_of_reading([reading_rad, T::nought()])[0] } else { reading_rad }
+        if self.has_laws() { self.with_laws_of_reading([reading_rad, T::nought()])[0] } else { reading_rad }
     }
 
     /// The true angle and rate at which the encoder reads these, its delay aside.
     pub fn read_back(&self, reading_rad: T, reading_rad_s: T) -> [T; 2] {
         let mut reading = [reading_rad, reading_rad_s];
-        if self.has_laws_of_reading() {
+        if self.has_laws() {
             reading = self.without_laws_of_reading(reading);
         }
         let [reading_rad, reading_rad_s] = reading;
@@ -248,15 +254,17 @@ impl<T: Real> Chain<T> {
         let (kp, kd) = self.stiffness_and_damping(driven);
         let speed_rad_s = rate_rad_s.abs();
         let inertia = self.inertia_kg_m2().re();
-        let [_, by_laws] = self.stiffness_and_damping_of_laws(driven, speed_rad_s);
-        let decay_1_s = (self.friction.slope_nm_s_rad(speed_rad_s) + kd + by_laws) / inertia;
+        let decay_1_s = (self.friction.slope_nm_s_rad(speed_rad_s) + kd) / inertia;
         let mut fastest_rad_s = fastest_rad_s;
         if let Some(spring @ Spring { curve: SpringCurve::Stiffening(_), .. }) = &self.spring {
             let stiffness = self.link.peak_gravity_nm() + kp + spring.slope_nm_rad(angle_rad);
             fastest_rad_s = fastest_rad_s.max((stiffness / inertia).sqrt());
         }
         let rate_1_s = (10.0 * fastest_rad_s).max(4.0 * decay_1_s).max(2.0 * speed_rad_s).max(1.0);
-        let step_s = 1.0 / rate_1_s.max(self.steps_for_laws_1_s(speed_rad_s));
+        let step_s = match self.has_laws() {
+            true => 1.0 / rate_1_s.max(self.steps_for_laws_1_s(4.0 * decay_1_s, speed_rad_s, driven)),
+            false => 1.0 / rate_1_s,
+        };
         match &self.stop {
             Some(stop) => {
                 let contact_s = stop.longest_step_s(inertia);

@@ -66,7 +66,10 @@ impl<T: Real> Command<T> {
                 None => T::nought(),
             },
         };
-        chain.with_laws_of_drive(delivered_nm, || self.setpoint_rad_s(t_s))
+        match chain.has_laws() {
+            true => chain.with_laws_of_drive(delivered_nm, || self.setpoint_rad_s(t_s)),
+            false => delivered_nm,
+        }
     }
 
     /// An answer of the control law to this command that is held from `t_s` on.

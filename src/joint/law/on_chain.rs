@@ -20,7 +20,7 @@ impl<T: Real> Chain<T> {
     }
 
     /// Adds the torques that the joint's angle and rate alone bring about \[N m\].
-    #[inline]
+    #[inline(never)]
     pub(in crate::joint) fn add_laws_of_state(&self, angle_rad: T, rate_rad_s: T, torque_nm: &mut T) {
         for law in self.torques() {
             *torque_nm += match law.variable {
@@ -33,7 +33,7 @@ impl<T: Real> Chain<T> {
     }
 
     /// Adds the torques that time brings about \[N m\].
-    #[inline]
+    #[inline(never)]
     pub(in crate::joint) fn add_laws_of_time(&self, t_s: T, torque_nm: &mut T) {
         for law in self.torques().filter(|law| law.variable == LawVariable::Time) {
             *torque_nm += law.at(t_s);
@@ -41,7 +41,7 @@ impl<T: Real> Chain<T> {
     }
 
     /// What arrives of a torque of the motor \[N m\], with the laws of it and of the setpoint's rate.
-    #[inline]
+    #[inline(never)]
     pub(crate) fn with_laws_of_drive(&self, delivered_nm: T, setpoint_rad_s: impl Fn() -> T) -> T {
         let mut torque_nm = delivered_nm;
         for law in self.torques() {
@@ -55,7 +55,7 @@ impl<T: Real> Chain<T> {
     }
 
     /// What the encoder's own laws make of a reading and its rate.
-    #[inline]
+    #[inline(never)]
     pub(in crate::joint) fn with_laws_of_reading(&self, [reading_rad, reading_rad_s]: [T; 2]) -> [T; 2] {
         let (mut shift_rad, mut slope) = (T::nought(), T::constant(1.0));
         for law in self.laws_of_reading() {
@@ -82,8 +82,13 @@ impl<T: Real> Chain<T> {
         self.friction.changes_with_time() || self.torques().any(|law| law.variable == LawVariable::Time)
     }
 
-    /// Whether the encoder has laws of its own.
+    /// Whether there are any. What they do is kept out of line: most joints have none.
     #[inline]
+    pub(crate) fn has_laws(&self) -> bool {
+        !self.laws.is_empty()
+    }
+
+    /// Whether the encoder has laws of its own.
     pub(in crate::joint) fn has_laws_of_reading(&self) -> bool {
         self.laws_of_reading().next().is_some()
     }
@@ -91,7 +96,7 @@ impl<T: Real> Chain<T> {
     /// What laws add to stiffness at the most, and to damping near a speed \[N m/rad, N m s/rad\], for the choice of the
     /// step.
     pub(in crate::joint) fn stiffness_and_damping_of_laws(&self, driven: Driven, speed_rad_s: f64) -> [f64; 2] {
-        if self.laws.is_empty() {
+        if !self.has_laws() {
             return [0.0; 2];
         }
         let (kp, kd) = self.stiffness_and_damping(driven);
@@ -113,8 +118,12 @@ impl<T: Real> Chain<T> {
         sum
     }
 
-    /// Steps per second that it takes to see every knot of the laws at a speed.
-    pub(in crate::joint) fn steps_for_laws_1_s(&self, speed_rad_s: f64) -> f64 {
+    /// Steps per second that it takes to see every knot of the laws at a speed, and to follow what they damp beside a decay
+    /// that alone takes `decaying_1_s`.
+    #[inline(never)]
+    pub(in crate::joint) fn steps_for_laws_1_s(&self, decaying_1_s: f64, speed_rad_s: f64, driven: Driven) -> f64 {
+        let [_, damping] = self.stiffness_and_damping_of_laws(driven, speed_rad_s);
+        let decay_1_s = decaying_1_s + 4.0 * damping / self.inertia_kg_m2().re();
         let of = |law: &Law<T>| {
             let finest = law.curve.finest();
             STEPS_PER_KNOT
@@ -125,15 +134,13 @@ impl<T: Real> Chain<T> {
                     LawVariable::Speed | LawVariable::MotorTorque | LawVariable::SetpointRate => 0.0,
                 }
         };
-        self.laws.iter().map(of).fold(0.0, f64::max)
+        self.laws.iter().map(of).fold(decay_1_s, f64::max)
     }
 
-    #[inline]
     fn torques(&self) -> impl Iterator<Item = &Law<T>> {
         self.laws.iter().filter(|law| law.acts == LawActs::Torque)
     }
 
-    #[inline]
     fn laws_of_reading(&self) -> impl Iterator<Item = &Law<T>> {
         self.laws.iter().filter(|law| law.acts == LawActs::Reading)
     }
