@@ -337,7 +337,8 @@ fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance:
             // What predicts clearly need not exceed chance by itself, but its charge.
             let clearly = lost.z() > CLEARLY || elsewhere.z > CLEARLY;
             let needed = if clearly { measure.charge(&best) - measure.charge(t) } else { chance };
-            if lost.sum > PREDICTS * lost.sd && elsewhere.z > -ELSEWHERE { gained - needed } else { f64::NEG_INFINITY }
+            let no_worse = elsewhere.z > -ELSEWHERE || lost.z() + elsewhere.z > ELSEWHERE;
+            if lost.sum > PREDICTS * lost.sd && no_worse { gained - needed } else { f64::NEG_INFINITY }
         };
         let worths: Vec<f64> = without.par_iter().map(worth).collect();
         let worst = (0..worths.len()).min_by(|a, b| worths[*a].total_cmp(&worths[*b]));

@@ -76,15 +76,14 @@ impl LawShape {
     fn between(acts: LawActs, variable: LawVariable, [from, to]: [f64; 2], count: usize) -> Self {
         let knots = KNOTS * count;
         let place = |k: usize| k as f64 / knots as f64;
-        // A constant friction is Coulomb's.
-        let first = usize::from(acts == LawActs::Friction);
+        // Constants have names: Coulomb friction, one that differs with the direction, a wrong zero.
         let wave = |j: usize| (0..=knots).map(|k| (PI * j as f64 * place(k)).cos()).collect::<Vec<f64>>();
         Self {
             variable,
             acts,
             at: (0..=knots).map(|k| from + (to - from) * place(k)).collect(),
-            waves: (first..count).map(wave).collect(),
-            sd: (first..count).map(|j| 1.0 / j.max(1) as f64).collect(),
+            waves: (1..count).map(wave).collect(),
+            sd: (1..count).map(|j| 1.0 / j as f64).collect(),
             charge: 0.0,
         }
     }

@@ -53,6 +53,8 @@ fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
 fn absent(effect: EffectForm) -> Vec<f64> {
     match (effect.id, effect.name()) {
         (EffectId::Stribeck, _) => vec![0.0, 0.3],
+        (EffectId::GearFriction, "falling" | "progressive") => vec![0.0, 0.3],
+        (EffectId::GearFriction, "rising") => vec![0.0, 0.3, 0.3],
         (EffectId::Backlash, _) => vec![1e-9, 0.3],
         (EffectId::JointSpring, "stiffening") => vec![0.0, 0.3, 1.0],
         (EffectId::JointSpring, "one_sided") => vec![0.0, 0.3, 1.0],
