@@ -17,6 +17,8 @@ const BRIEF: Budget = Budget { evaluations: 8 };
 /// Effects that are refitted at all, by what they promise; and the same for a second effect.
 const PROMISING: usize = 9;
 const PROMISING_SECONDS: usize = 4;
+/// Effects that part motor side and link cost many times as much: they are refitted among so many that promise most.
+const AFFORDABLE: usize = 3;
 /// Evaluations of the searches that are carried to the end.
 const FULL: Budget = Budget { evaluations: 24 };
 /// A brief fit is carried on where its criterion is below the best brief one times this, or it is among the best few.
@@ -34,7 +36,8 @@ pub(super) fn explore(evidence: &Evidence, base: &Trial, sights: &[Sight]) -> Ve
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut kept: Vec<EffectId> = Vec::new();
     for (_, effect, _) in &points {
-        if kept.len() < promising && !kept.contains(effect) {
+        let affordable = kept.len() < AFFORDABLE || !effect.parts_two_bodies();
+        if kept.len() < promising && affordable && !kept.contains(effect) {
             kept.push(*effect);
         }
     }

@@ -254,7 +254,7 @@ impl GapModel {
 
     /// Whether motor side and link move apart: such a motion takes many short steps.
     pub(super) fn has_two_bodies(&self) -> bool {
-        self.effects.iter().any(|e| matches!(e, EffectId::Backlash | EffectId::Compliance))
+        self.effects.iter().any(|e| e.parts_two_bodies())
     }
 
     /// The forms in which they are there.

@@ -30,7 +30,7 @@ fn promising(sight: &Sight) -> Vec<(Vec<EffectId>, Vec<f64>)> {
     for i in 0..usable.len() {
         for j in i + 1..usable.len() {
             let pair = [usable[i].effect, usable[j].effect];
-            if pair[0] == pair[1] {
+            if pair[0] == pair[1] || pair.iter().any(|effect| effect.parts_two_bodies()) {
                 continue;
             }
             let gained = least([slopes[i], slopes[j]], [gram[(i, i)], gram[(j, j)]], gram[(i, j)]);

@@ -59,8 +59,9 @@ fn unnamed(law: &LawFound) -> String {
         LawActs::Reading => "a shift of the reading",
     };
     let of: Vec<&str> = table.variables.iter().map(|variable| variable.words()).collect();
-    let closed = table.closed.map_or(String::new(), |closed| format!(", and closes {}", share(closed.max(0.0))));
-    format!("What is missing is {what} that depends on the {} ({}){closed}.", of.join(" and the "), table.looks_like)
+    let closed = |closed: f64| format!("; it closes {} of what recalibrated numbers leave", share(closed.max(0.0)));
+    let closed = table.closed.map_or(String::new(), closed);
+    format!("there is {what} that depends on the {} ({}){closed}.", of.join(" and the "), table.looks_like)
 }
 
 /// The sentence of a decision.
@@ -100,12 +101,13 @@ pub(super) fn sentence(
             if !others.is_empty() {
                 text += &format!(" These logs cannot tell the first apart from {}.", others.join(", nor from "));
             }
+            text.extend(law.map(|law| format!(" Beside it {}", unnamed(law))));
             text
         }
         (_, partial) => {
             let nearest =
                 partial.map_or(String::new(), |_| format!(" What is known so far is {}; {}.", all(), closing(gap)));
-            let unnamed = law.map_or(String::new(), |law| format!(" {}", unnamed(law)));
+            let unnamed = law.map_or(String::new(), |law| format!(" Without a name {}", unnamed(law)));
             format!(
                 "{joint}: the effects I know do not explain this gap; {} stay above the sensor's {}.{unnamed}{nearest}",
                 mrad(gap.after),

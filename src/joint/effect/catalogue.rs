@@ -233,6 +233,11 @@ impl EffectId {
         EffectForm::from(self).apply(values, bare_kg_m2, chain);
     }
 
+    /// Whether motor side and link move apart with it: such a motion takes many short steps.
+    pub(crate) fn parts_two_bodies(self) -> bool {
+        matches!(self, EffectId::Backlash | EffectId::Compliance)
+    }
+
     /// The default form's values under the catalogue's names, of the values as they are searched.
     pub fn named(self, values: &[f64], coulomb_nm: f64) -> Vec<f64> {
         EffectForm::from(self).named(values, coulomb_nm)

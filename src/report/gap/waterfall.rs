@@ -1,7 +1,7 @@
 //! From the model as given to the floor, step by step, and what became of what was believed: the same in text, figure and
 //! JSON.
 
-use crate::gap::{BeliefFound, CauseShare, Diagnosis, Gap, Verdict};
+use crate::gap::{BeliefFound, CauseShare, Diagnosis, Gap, LawFound, Verdict};
 use crate::report::beliefs;
 use crate::report::number::quantity;
 
@@ -41,12 +41,19 @@ pub(super) struct Step<'a> {
     pub closes: Option<f64>,
     /// The cause that it adds.
     pub cause: Option<&'a CauseShare>,
+    /// The law that it adds.
+    pub law: Option<&'a LawFound>,
 }
 
 impl Step<'_> {
     /// The step's name with the form of its cause and the logs in which it holds.
     pub fn label(&self) -> String {
-        let form = self.cause.map(|cause| cause.form).filter(|form| !form.is_empty());
+        let of_law = |law: &LawFound| {
+            let by: Vec<&str> = law.table.variables.iter().map(|variable| variable.name()).collect();
+            format!("{} by {}", law.table.acts, by.join(", "))
+        };
+        let form = self.cause.map(|cause| cause.form.to_owned()).filter(|form| !form.is_empty());
+        let form = form.or_else(|| self.law.map(of_law));
         let form = form.map_or(String::new(), |form| format!(" ({form})"));
         let only = self.cause.and_then(|cause| cause.only.as_ref());
         let only = only.map_or(String::new(), |set| format!(", {}", set.words));
@@ -67,13 +74,14 @@ impl Step<'_> {
 /// The steps from as given down to the floor. What recalibration closes is its own step and in no other.
 pub(super) fn steps(diagnosis: &Diagnosis) -> Vec<Step<'_>> {
     let gap = &diagnosis.gap;
-    let step = |kind, name, rms_rad, cause| Step { kind, name, rms_rad, closes: None, cause };
+    let step = |kind, name, rms_rad, cause| Step { kind, name, rms_rad, closes: None, cause, law: None };
     let mut steps = vec![
         step(Kind::Given, "as given", gap.before, None),
         step(Kind::Recalibrated, "recalibrated", gap.calibrated, None),
     ];
     steps.extend(diagnosis.causes.iter().map(|c| step(Kind::Cause, c.effect.id(), c.after, Some(c))));
-    steps.extend(diagnosis.law.as_ref().map(|law| step(Kind::Law, "law", law.after, None)));
+    let law = diagnosis.law.as_ref();
+    steps.extend(law.map(|found| Step { law, ..step(Kind::Law, "law", found.after, None) }));
     let whole = gap.before - gap.floor;
     if gap.before > HARDLY * gap.floor {
         for k in 1..steps.len() {
