@@ -1,4 +1,4 @@
-//! A law as it is searched: smooth waves over the range of its variable, believed to be the smaller the faster they swing.
+//! A law as it is searched: waves over the range of its variable, believed to be smooth or rough.
 
 use super::evidence::Evidence;
 use crate::identify::{Belief, Experiment, Parameter, Search, Signal};
@@ -88,9 +88,11 @@ impl LawShape {
         }
     }
 
-    /// The same law, believed to be so many times as large.
-    pub fn sized(&self, factor: f64) -> Self {
-        Self { sd: self.sd.iter().map(|sd| sd * factor).collect(), ..self.clone() }
+    /// The same law, believed to be so large, with waves that get smaller the faster they swing, or all alike.
+    pub fn sized(&self, size: f64, falls: bool) -> Self {
+        let alike = 1.0 / (self.sd.len() as f64).sqrt();
+        let sd = |j: usize| size * if falls { 1.0 / (j + 1) as f64 } else { alike };
+        Self { sd: (0..self.sd.len()).map(sd).collect(), ..self.clone() }
     }
 
     /// The same law with what its freedom is charged.

@@ -132,8 +132,9 @@ fn promise(
     let slopes = DVector::from_iterator(n, columns.iter().map(|c| -dot(c, left)));
     let before: f64 = left.iter().map(|r| r.norm_squared()).sum();
     let typical = shape.typical(evidence);
-    let sized = SIZES.iter().filter_map(|size| {
-        let shape = shape.sized(size * typical);
+    let roughness = [true, false].into_iter().flat_map(|falls| SIZES.map(|size| (size, falls)));
+    let sized = roughness.filter_map(|(size, falls)| {
+        let shape = shape.sized(size * typical, falls);
         let sd = DVector::from_column_slice(shape.sd());
         let mut unit = before / effective;
         let mut found = None;

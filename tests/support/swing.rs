@@ -9,14 +9,19 @@ pub fn swing(from_rad: f64, samples: u32, friction: [f64; 2]) -> String {
 
 /// The same with a stop, of 2 N m/rad and 0.004 N m s/rad, above an angle.
 pub fn swing_against(stop_rad: f64, from_rad: f64, samples: u32, friction: [f64; 2]) -> String {
+    let stop = |q: f64, w: f64| if q > stop_rad { -(2.0 * (q - stop_rad) + 0.004 * w).max(0.0) } else { 0.0 };
+    swing_under(&stop, from_rad, samples, friction)
+}
+
+/// The same with a further torque \[N m\], a function of angle \[rad\] and rate \[rad/s\].
+pub fn swing_under(further: &dyn Fn(f64, f64) -> f64, from_rad: f64, samples: u32, friction: [f64; 2]) -> String {
     const STEP_S: f64 = 1e-5;
     let [coulomb, viscous] = friction.map(|f| f / 9.0e-4);
     let (mut q, mut w, mut text) = (from_rad, 0.0_f64, String::from("t,q\n"));
     for k in 0..samples {
         text += &format!("{:.3},{:.3}\n", f64::from(k) * 0.008, q);
         for _ in 0..800 {
-            let push = if q > stop_rad { (2.0 * (q - stop_rad) + 0.004 * w).max(0.0) / 9.0e-4 } else { 0.0 };
-            let pull = -9.81 * 5.0e-3 / 9.0e-4 * q.sin() - viscous * w - push;
+            let pull = -9.81 * 5.0e-3 / 9.0e-4 * q.sin() - viscous * w + further(q, w) / 9.0e-4;
             if w == 0.0 && pull.abs() <= coulomb {
                 continue;
             }
