@@ -33,7 +33,7 @@ const FEEBLE: f64 = 0.5;
 /// Steps that are made once motor side and link move apart.
 const APART: usize = 1;
 /// Causes that part motor side and link have to lower the square sum by so much more than others.
-const IMITATES: f64 = 2.0;
+const IMITATES: f64 = 4.0;
 /// Rivals that are kept for each member.
 const RIVALS: usize = 4;
 
