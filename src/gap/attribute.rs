@@ -10,6 +10,7 @@ use super::grow::Growth;
 use super::held_out::Elsewhere;
 use super::laws::lawful;
 use super::model::GapModel;
+use super::refuted::{refutes, unrefuted};
 use super::score::Measure;
 use super::trial::Trial;
 use super::within::within_logs;
@@ -39,6 +40,8 @@ pub(super) struct Attribution {
     pub firsts: Vec<Trial>,
     /// The best with a law beside its causes, where one predicts what the causes leave.
     pub law: Option<Trial>,
+    /// Causes that the fitted logs ask for and the held-out ones refute.
+    pub refuted: Vec<EffectId>,
     /// Standard deviation of the sensor's own noise \[rad\].
     pub noise_rad: f64,
     /// How many successive residuals of the best hypothesis count as one.
@@ -57,8 +60,6 @@ const AGAIN: Budget = Budget { evaluations: 24 };
 /// too long for it to begin with.
 const FAR: f64 = 0.5;
 const VERY_FAR: f64 = 4.0;
-/// A set from short parts that leaves less than this share of the squares on whole logs is in the right place.
-const CLOSES_MOST: f64 = 0.15;
 /// Held-out logs show more where they exceed the noise by this many times as much as the fitted ones.
 const SHOWS_MORE: f64 = 6.0;
 /// A hypothesis whose squared residuals exceed the noise by this share leaves something to explain.
@@ -69,10 +70,8 @@ const WORTH_A_LAW: f64 = 0.3;
 const NEAR: f64 = 60.0;
 /// Standard deviations by which a cause has to predict logs better that were not fitted.
 const PREDICTS: f64 = 0.5;
-/// Up to so many logs each is also predicted whole by the others, and a cause may not do that worse by so many standard
-/// deviations.
+/// Up to so many logs each is also predicted whole by the others, and a cause may not do that worse.
 const FEW_LOGS: usize = 4;
-const ELSEWHERE: f64 = 1.0;
 /// Standard deviations from which on it clearly does.
 const CLEARLY: f64 = 2.0;
 
@@ -106,11 +105,10 @@ impl Attribution {
         }
         let noise = noise_rad(&coarse, &[&given, &calibrated, &best]);
         let growth = Growth { enough: enough(noise), ..growth };
-        let closes_most = best.fit_loss(&coarse) < CLOSES_MOST * calibrated.fit_loss(&coarse);
         if !best.effects().is_empty() && beyond(&best, FAR, noise) {
             best = growth.from(&best).0;
         }
-        if best.effects().is_empty() || (beyond(&best, FAR, noise) && !closes_most) {
+        if best.effects().is_empty() || beyond(&best, FAR, noise) {
             stage("looking at whole logs")?;
             let (other, singles) = growth.from(&calibrated);
             firsts = singles;
@@ -136,11 +134,16 @@ impl Attribution {
         let members = exchanged.effects().to_vec();
         let best = growth.formed(proven(&coarse, exchanged, without, chance));
         stage("looking at single sessions")?;
-        let best = within_logs(&growth, best, chance);
+        let (best, refuted) = unrefuted(&coarse, within_logs(&growth, best, chance));
         stage("looking for a law in what is left")?;
         let step_rad = coarse.reach.resolution_rad;
         let worth_a_law = best.fit_loss(&coarse) > samples * step_rad.max(noise_of_law(noise)).powi(2);
         let law = if worth_a_law { lawful(&coarse, &best, &calibrated) } else { None };
+        let law = law.filter(|law| {
+            let mut law = law.clone();
+            law.predict(&coarse, Some(&best));
+            !refutes(&coarse, &law, &best)
+        });
         let best = match &law {
             Some(law) if law.effects().len() < best.effects().len() => {
                 let kept: Vec<usize> =
@@ -165,6 +168,7 @@ impl Attribution {
             rivals,
             firsts,
             law,
+            refuted,
             noise_rad: noise,
             correlation: 1.0,
             best,
@@ -337,8 +341,11 @@ fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance:
             // What predicts clearly need not exceed chance by itself, but its charge.
             let clearly = lost.z() > CLEARLY || elsewhere.z > CLEARLY;
             let needed = if clearly { measure.charge(&best) - measure.charge(t) } else { chance };
-            let no_worse = elsewhere.z > -ELSEWHERE || lost.z() + elsewhere.z > ELSEWHERE;
-            if lost.sum > PREDICTS * lost.sd && no_worse { gained - needed } else { f64::NEG_INFINITY }
+            if lost.sum > PREDICTS * lost.sd && elsewhere.no_worse(lost.z()) {
+                gained - needed
+            } else {
+                f64::NEG_INFINITY
+            }
         };
         let worths: Vec<f64> = without.par_iter().map(worth).collect();
         let worst = (0..worths.len()).min_by(|a, b| worths[*a].total_cmp(&worths[*b]));

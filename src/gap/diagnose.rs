@@ -149,7 +149,7 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &dyn Progress) -> R
         next,
         confusion: twins.map(|t| t.confusion),
         traces,
-        notes: notes(&evidence, &decision, intervals_trusted, &differs),
+        notes: notes(&evidence, &attribution.refuted, &decision, intervals_trusted, &differs),
         differs,
         withheld: EffectId::ALL.iter().copied().filter(|e| !effects.contains(e)).collect(),
         demands: Arc::unwrap_or_clone(demands),
@@ -200,7 +200,7 @@ fn gap(evidence: &Evidence, held: &HeldOut, a: &Attribution, decision: &Decision
         floor,
         closed: closed(before, after, floor),
         closed_interval: closed(before, after, floor).and_then(|_| held.closed_interval(&given, &answer, floor)),
-        outer: held.is_outer(),
+        outer: held.is_outer() && a.refuted.is_empty(),
         held_out: held.how.to_owned(),
         per_log: per_log(held, [&given, &calibrated, &answer], floor),
     }
@@ -297,7 +297,13 @@ fn traces(
     fit.chain(held).zip(torques).map(|(log, torque)| of(log, torque)).collect()
 }
 
-fn notes(evidence: &Evidence, decision: &Decision<'_>, trusted: bool, differs: &[Differs]) -> Vec<String> {
+fn notes(
+    evidence: &Evidence,
+    refuted: &[EffectId],
+    decision: &Decision<'_>,
+    trusted: bool,
+    differs: &[Differs],
+) -> Vec<String> {
     let mut notes: Vec<String> = in_words(&evidence.demands).into_iter().collect();
     if !trusted {
         notes.push(
@@ -307,6 +313,14 @@ fn notes(evidence: &Evidence, decision: &Decision<'_>, trusted: bool, differs: &
         );
     }
     notes.extend(differs.iter().map(Differs::in_words));
+    if !refuted.is_empty() {
+        let ids: Vec<&str> = refuted.iter().map(|e| e.id()).collect();
+        notes.push(format!(
+            "The fitted logs ask for {} as well, and with that the held-out logs are predicted clearly worse: it was left \
+             out, so the held-out figures are no longer of logs on which no choice was made.",
+            ids.join(", ")
+        ));
+    }
     if !evidence.scale_known {
         notes.push(
             "No log is driven and no known mass is hung on: the logs show ratios of torques only; how large all of them \

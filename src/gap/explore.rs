@@ -8,7 +8,7 @@ use super::hold_fit::{held_setpoint, settled};
 use super::sight::Sight;
 use super::trial::Trial;
 use crate::fit::Budget;
-use crate::joint::EffectId;
+use crate::joint::{EffectForm, EffectId};
 use rayon::prelude::*;
 
 /// Points of each effect that are refitted briefly, and evaluations for each.
@@ -42,13 +42,16 @@ pub(super) fn explore(evidence: &Evidence, base: &Trial, sights: &[Sight]) -> Ve
         }
     }
     points.retain(|(_, effect, _)| kept.contains(effect));
-    let candidates = points.into_iter().map(|(_, effect, values)| (vec![effect], values)).collect();
+    let candidates = points.into_iter().map(|(_, effect, values)| (vec![effect.into()], values)).collect();
     refitted(evidence, base, candidates)
 }
 
+/// Effects in their forms, with values of all parameters from which to fit.
+pub(super) type Added = (Vec<EffectForm>, Vec<f64>);
+
 /// `base` with effects added, fitted from the values given: all of them briefly, the serious ones to the end. The best
 /// for each set of effects; best first.
-pub(super) fn refitted(evidence: &Evidence, base: &Trial, candidates: Vec<(Vec<EffectId>, Vec<f64>)>) -> Vec<Trial> {
+pub(super) fn refitted(evidence: &Evidence, base: &Trial, candidates: Vec<Added>) -> Vec<Trial> {
     let brief: Vec<Trial> = candidates
         .into_par_iter()
         .map(|(effects, values)| {

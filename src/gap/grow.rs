@@ -68,7 +68,8 @@ impl Growth<'_> {
                 singles = others;
             }
             let Some(grown) = grown.filter(|grown| self.lowers(&best, grown)) else { break };
-            best = self.shaken(grown.settled(self.evidence, SETTLE));
+            let settled = self.shaken(grown.settled(self.evidence, SETTLE));
+            best = self.reshaped(settled, done);
         }
         (best, singles)
     }
@@ -191,18 +192,27 @@ impl Growth<'_> {
     /// The same causes in the forms that explain the logs best: the formula is a detail that the evidence picks.
     pub fn formed(&self, mut best: Trial) -> Trial {
         for k in 0..best.effects().len() {
-            let measure = Measure::by(self.evidence, &best);
-            let own = best.model.forms()[k];
-            let others: Vec<EffectForm> = best.effects()[k].forms().filter(|form| *form != own).collect();
-            let tried = others.into_par_iter().filter(|_| own.is_default()).map(|form| {
-                let (model, values) = best.model.reformed(&best.found.values, k, form, self.evidence);
-                Trial::solved(self.evidence, model, &values, best.found.starts.clone(), AGAIN)
-            });
-            let tried: Vec<Trial> = tried.collect();
-            let score = |t: &Trial| measure.score(self.evidence, t);
-            if let Some(other) = tried.into_iter().min_by(|a, b| score(a).total_cmp(&score(b)))
-                && score(&other) < score(&best) - FORM
+            if let Some(other) = self.in_other_form(&best, k)
                 && self.predicts(&other, &best)
+            {
+                best = other;
+            }
+            if !best.model.forms()[k].is_default() {
+                let plain = self.in_form(&best, k, best.effects()[k].into());
+                if !self.predicts(&best, &plain) {
+                    best = plain;
+                }
+            }
+        }
+        best
+    }
+
+    /// The causes from number `from` on in the forms that explain the logs best, where much is left: what the wrong
+    /// formula leaves would be taken for further causes.
+    fn reshaped(&self, mut best: Trial, from: usize) -> Trial {
+        for k in from..best.effects().len() {
+            if best.fit_loss(self.evidence) > SHAKE * self.enough
+                && let Some(other) = self.in_other_form(&best, k)
             {
                 best = other;
             }
@@ -210,17 +220,35 @@ impl Growth<'_> {
         best
     }
 
+    /// Cause number `k` in the form that explains the logs clearly better than its own, if there is one.
+    fn in_other_form(&self, best: &Trial, k: usize) -> Option<Trial> {
+        let measure = Measure::by(self.evidence, best);
+        let own = best.model.forms()[k];
+        let others: Vec<EffectForm> = best.effects()[k].forms().filter(|form| *form != own).collect();
+        let tried: Vec<Trial> = others.into_par_iter().map(|form| self.in_form(best, k, form)).collect();
+        let score = |t: &Trial| measure.score(self.evidence, t);
+        let other = tried.into_iter().min_by(|a, b| score(a).total_cmp(&score(b)))?;
+        (score(&other) < score(best) - FORM).then_some(other)
+    }
+
+    fn in_form(&self, best: &Trial, k: usize, form: EffectForm) -> Trial {
+        let (model, values) = best.model.reformed(&best.found.values, k, form, self.evidence);
+        Trial::solved(self.evidence, model, &values, best.found.starts.clone(), FORMING)
+    }
+
     /// Whether one form predicts parts of the logs, and whole logs, better than another.
     fn predicts(&self, other: &Trial, best: &Trial) -> bool {
         let folds = Folds::of(self.evidence);
-        let better = folds.difference(&folds.residuals(best), &folds.residuals(other)).sum > 0.0;
+        let better = folds.difference(&folds.residuals(best), &folds.residuals(other));
         let effective = Measure::by(self.evidence, other).effective;
-        better && (self.evidence.fit.len() == 1 || Elsewhere::of(self.evidence, best, other, effective).z >= 0.0)
+        better.sum > 0.0
+            && (self.evidence.fit.len() == 1
+                || Elsewhere::of(self.evidence, best, other, effective).no_worse(better.z()))
     }
 
     /// Sets carried over from other samples or parts of the same logs, fitted again here.
     pub fn carried(&self, base: &Trial, found: &[Trial]) -> Vec<Trial> {
-        let candidates = found.iter().map(|t| (t.effects().to_vec(), t.found.values.clone())).collect();
+        let candidates = found.iter().map(|t| (t.model.forms().to_vec(), t.found.values.clone())).collect();
         one_of_each(refitted(self.evidence, base, candidates))
     }
 }
@@ -228,6 +256,8 @@ impl Growth<'_> {
 /// Factors on the Coulomb friction that are tried, where a fit leaves more than this many times what is enough.
 const FACTORS: [f64; 4] = [0.4, 0.75, 1.35, 2.5];
 const SHAKE: f64 = 3.0;
+/// Evaluations with which another form is fitted.
+const FORMING: Budget = Budget { evaluations: 30 };
 /// Score by which another form has to be better to be stated.
 const FORM: f64 = 6.0;
 /// Score by which an exchange has to be better to be worth another round.

@@ -50,7 +50,12 @@ impl LogPart {
         let motor_nm = Along::new(chain, e.input(), &e.t_s).motor_compared_nm(&torque, e.uncompared);
         Self {
             file: e.file.clone(),
-            gravity_nm: torque.angle_rad.iter().map(|q| chain.link.gravity_nm(*q)).collect(),
+            gravity_nm: torque
+                .t_s
+                .iter()
+                .zip(&torque.angle_rad)
+                .map(|(t, q)| chain.link_at(*t).0.gravity_nm(*q))
+                .collect(),
             motor_nm,
             setpoint_rate_rad_s: setpoint_rates(e),
             weights_s: e.weights_s.clone(),

@@ -44,6 +44,7 @@ mod place;
 mod projector;
 mod rates;
 mod reach;
+mod refuted;
 mod residual_torque;
 mod rest;
 pub mod robot;

@@ -237,7 +237,7 @@ impl GapModel {
             let as_it_was = &values[self.place(i)];
             if i == k {
                 model = model.with(form, &evidence.reach);
-                there.extend(form.from_default(as_it_was, &evidence.reach));
+                there.extend(form.from_other(as_it_was, &evidence.reach));
             } else {
                 model = model.with(own, &evidence.reach);
                 there.extend(as_it_was);
@@ -283,18 +283,20 @@ pub(super) fn parameters_of(form: EffectForm, reach: &Reach) -> Vec<Parameter> {
             Scan::Linear(scale) => Search::Linear { scale },
             Scan::Held => Search::Linear { scale: 1.0 },
         };
-        Parameter {
+        let parameter = Parameter {
             search,
             lower: p.lower,
             upper: p.upper,
             fixed: p.scan == Scan::Held,
             start: p.lower,
             ..Parameter::positive(format!("{}.{}", form.id, p.name), p.name, p.unit, None, p.lower)
-        }
+        };
+        let belief = p.likely.map(|[middle, sd]| Belief { at: parameter.to_coordinate(middle), sd });
+        Parameter { belief, ..parameter }
     };
     let mut parameters: Vec<Parameter> = form.parameters(reach).into_iter().map(searched).collect();
     if let Some(first) = parameters.first_mut() {
-        first.belief = plausible(form.id);
+        first.belief = first.belief.or(plausible(form.id));
     }
     parameters
 }
@@ -347,6 +349,7 @@ impl JointModel for GapModel {
         let coulomb_nm = values[self.at_experiment(COULOMB, experiment)];
         let friction = Friction::coulomb_viscous(coulomb_nm, values[VISCOUS]);
         let mut chain = Chain::new(link, friction, motor).geared(experiment.motor.as_ref());
+        chain.carriage.clone_from(&experiment.carriage);
         let mut rest_of = &values[BASELINE.min(values.len())..];
         for (effect, only) in self.forms.iter().zip(&self.only) {
             let (own, later) = rest_of.split_at(effect.searched_count());

@@ -4,10 +4,9 @@
 //! them changes by itself. The pairs that promise most are refitted.
 
 use super::evidence::Evidence;
-use super::explore::refitted;
+use super::explore::{Added, refitted};
 use super::sight::{LARGEST, Point, Sight};
 use super::trial::Trial;
-use crate::joint::EffectId;
 use nalgebra::{DMatrix, DVector};
 
 /// Pairs that are refitted from each view.
@@ -20,7 +19,7 @@ pub(super) fn pairs(evidence: &Evidence, base: &Trial, sights: &[Sight]) -> Vec<
 }
 
 /// The pairs that promise most, with the values from which to refit.
-fn promising(sight: &Sight) -> Vec<(Vec<EffectId>, Vec<f64>)> {
+fn promising(sight: &Sight) -> Vec<Added> {
     let usable: Vec<&Point> = sight.points.iter().filter(|p| p.moved.iter().all(|m| m.is_finite())).collect();
     let absent = DVector::from_column_slice(&sight.absent);
     let rows = absent.len();
@@ -48,7 +47,7 @@ fn promising(sight: &Sight) -> Vec<(Vec<EffectId>, Vec<f64>)> {
     best.sort_by(|a, b| a.0.total_cmp(&b.0));
     best.truncate(PROMISING);
     let chosen = |&(_, i, j): &(f64, usize, usize)| {
-        (vec![usable[i].effect, usable[j].effect], sight.with(&[usable[i], usable[j]]))
+        (vec![usable[i].effect.into(), usable[j].effect.into()], sight.with(&[usable[i], usable[j]]))
     };
     best.iter().map(chosen).collect()
 }

@@ -167,7 +167,7 @@ impl<'a> Record<'a> {
         let release_s = self.start.release_s.filter(|r| k == 0 && *r > from_s);
         let p = self.along.pass(from, release_s.unwrap_or(from_s), x, direction, may_turn && !rested, memory);
         let offset = std::array::from_fn(|i| p.end[i] - (0..4).map(|j| p.upper[i][j] * x[j]).sum::<f64>());
-        let jolted_rad_s2 = self.along.jolt_nm(from, x[0]).abs() / self.chain.inertia_kg_m2();
+        let jolted_rad_s2 = self.along.jolt_nm(from, x[0]).abs() / self.chain.inertia_at_kg_m2(from_s);
         let jumps = p.turned || jolted_rad_s2 > JOLT * self.scale_rad_s2;
         // A joint that was at rest has left at some instant in between.
         let leaves = rested || (k == 0 && self.start.release_s.is_some());
@@ -195,7 +195,7 @@ impl<'a> Record<'a> {
     fn pull_nm(&self, k: usize, x: &State) -> f64 {
         let sample = self.first + k;
         let motor_nm = self.along.resting_nm(sample, x[0]);
-        self.chain.drive_nm(self.e.t_s[sample], x[0], motor_nm) + x[2] * self.chain.inertia_kg_m2()
+        self.chain.drive_nm(self.e.t_s[sample], x[0], motor_nm) + x[2] * self.chain.inertia_at_kg_m2(self.e.t_s[sample])
     }
 
     /// The steps about a path that moves in these directions.
@@ -272,7 +272,6 @@ impl<'a> Record<'a> {
 
     fn answer(&self, path: &[Smoothed], scale: f64) -> ResidualTorque {
         let (e, chain) = (self.e, self.chain);
-        let inertia = chain.inertia_kg_m2();
         let n = e.t_s.len();
         let mut out = ResidualTorque { t_s: e.t_s[e.uncompared..].to_vec(), ..ResidualTorque::default() };
         let released = |k: usize| k > self.first || self.start.release_s.is_none();
@@ -283,6 +282,7 @@ impl<'a> Record<'a> {
                         Some(rest) => self.holding(&rest),
                         None => {
                             let doubt_nm = self.friction_doubt_nm(k, s);
+                            let inertia = chain.inertia_at_kg_m2(e.t_s[k]);
                             let variance = scale * s.variance[2] * inertia * inertia;
                             (s.mean[2] * inertia, (variance + doubt_nm * doubt_nm).sqrt())
                         }

@@ -2,7 +2,7 @@
 
 use crate::fit::Rounding;
 use crate::geometry::LinkBody;
-use crate::joint::Real;
+use crate::joint::{Carriage, Real};
 use crate::log::{DriveMode, ExtraMass, Health, Hold, Log, MotorSpec, Role, StudyLog};
 use crate::pendulum::{Input, Start};
 use std::ops::Range;
@@ -104,6 +104,8 @@ pub struct Experiment {
     pub load: Option<Load>,
     /// Bodies of the bare link, where its geometry is known.
     pub bodies: Vec<Body>,
+    /// What a joint of a robot carries along the log; `None`: the same link all the time.
+    pub carriage: Option<Carriage>,
     /// Gravity in the plane of motion \[m/s^2\].
     pub gravity_m_s2: f64,
     /// Quantisation step \[rad\]; 0: none known.
@@ -173,6 +175,7 @@ impl Experiment {
             start,
             load: entry.extra.as_ref().map(Load::on_the_link),
             bodies: Vec::new(),
+            carriage: None,
             gravity_m_s2,
             resolution_rad,
             runs,
@@ -244,6 +247,7 @@ impl Experiment {
             start,
             runs: Vec::new(),
             bodies: self.bodies.clone(),
+            carriage: self.carriage.clone(),
             file: self.file.clone(),
             session: self.session.clone(),
             t_s,

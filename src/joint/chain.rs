@@ -2,8 +2,8 @@
 
 use super::motor::Driven;
 use super::{
-    Compliance, Contact, Eccentric, EndStop, Friction, Law, Link, Motor, Play, Real, Setpoint, SetpointPath, Spring,
-    SpringCurve,
+    Carriage, Compliance, Contact, Eccentric, EndStop, Friction, Law, Link, Motor, Play, Real, Setpoint, SetpointPath,
+    Spring, SpringCurve,
 };
 use crate::log::{EncoderSide, MotorSpec};
 
@@ -22,8 +22,10 @@ pub struct Chain<T: Real> {
     /// Inertia of rotor and gears as the joint feels it, whether the motor is on or off \[kg m^2\]; on the motor side of
     /// a play.
     pub armature_kg_m2: f64,
-    /// Inertia and gravity.
+    /// Inertia and gravity; nominal ones, where time changes them.
     pub link: Link<T>,
+    /// How time changes them, because other joints of a robot move.
+    pub carriage: Option<Carriage>,
     /// What resists.
     pub friction: Friction<T>,
     /// A spring in parallel to the joint.
@@ -67,6 +69,7 @@ impl<T: Real> Chain<T> {
             compliance: None,
             armature_kg_m2: 0.0,
             link,
+            carriage: None,
             friction,
             spring: None,
             stop: None,
@@ -92,6 +95,24 @@ impl<T: Real> Chain<T> {
         self.link.inertia_kg_m2 + self.armature_kg_m2
     }
 
+    /// The link at an instant, and what the motion of other joints pushes \[N m\].
+    #[inline]
+    pub fn link_at(&self, t_s: T) -> (Link<T>, T) {
+        match &self.carriage {
+            None => (self.link, T::nought()),
+            Some(carriage) => {
+                let now = carriage.at(t_s);
+                (self.link.carrying(&now), self.link.inertia_kg_m2 * now.pushed_rad_s2)
+            }
+        }
+    }
+
+    /// Inertia of all that turns with the joint at an instant \[kg m^2\].
+    #[inline]
+    pub fn inertia_at_kg_m2(&self, t_s: T) -> T {
+        self.link_at(t_s).0.inertia_kg_m2 + self.armature_kg_m2
+    }
+
     /// Motor side and link, where something gives between them.
     pub(crate) fn two_sides(&self) -> Option<TwoSides<T>> {
         let of_play = self.play.as_ref().map(|play| play.motor_side_kg_m2);
@@ -105,9 +126,9 @@ impl<T: Real> Chain<T> {
         (width_rad.is_some() || compliance.is_some()).then_some(TwoSides { width_rad, compliance, motor_side_kg_m2 })
     }
 
-    /// Torque of spring, stop and laws \[N m\], that of time aside.
+    /// Torque of spring, stop and laws \[N m\], that of time aside, beside a gravity torque.
     #[inline]
-    fn elastic_nm(&self, angle_rad: T, rate_rad_s: T) -> T {
+    fn elastic_nm(&self, angle_rad: T, rate_rad_s: T, gravity_nm: T) -> T {
         let mut torque_nm = T::nought();
         if let Some(spring) = &self.spring {
             torque_nm += spring.torque_nm(angle_rad);
@@ -116,21 +137,24 @@ impl<T: Real> Chain<T> {
             torque_nm += stop.torque_nm(angle_rad, rate_rad_s);
         }
         if self.has_laws() {
-            self.add_laws_of_state(angle_rad, rate_rad_s, &mut torque_nm);
+            self.add_laws_of_state(angle_rad, rate_rad_s, gravity_nm, &mut torque_nm);
         }
         torque_nm
     }
 
-    /// Torque of gravity, spring, stop and laws \[N m\], that of time aside.
+    /// Torque of nominal gravity, spring, stop and laws \[N m\], that of time aside.
     #[inline]
     pub fn passive_nm(&self, angle_rad: T, rate_rad_s: T) -> T {
-        self.link.gravity_nm(angle_rad) + self.elastic_nm(angle_rad, rate_rad_s)
+        let gravity_nm = self.link.gravity_nm(angle_rad);
+        gravity_nm + self.elastic_nm(angle_rad, rate_rad_s, gravity_nm)
     }
 
     /// Torque of all that acts on the link beside motor and friction \[N m\].
     #[inline]
     pub fn acting_nm(&self, t_s: T, angle_rad: T, rate_rad_s: T) -> T {
-        let mut torque_nm = self.passive_nm(angle_rad, rate_rad_s);
+        let (link, pushed_nm) = self.link_at(t_s);
+        let gravity_nm = link.gravity_nm(angle_rad);
+        let mut torque_nm = gravity_nm + pushed_nm + self.elastic_nm(angle_rad, rate_rad_s, gravity_nm);
         if self.has_laws() {
             self.add_laws_of_time(t_s, &mut torque_nm);
         }
@@ -146,21 +170,23 @@ impl<T: Real> Chain<T> {
     /// Torque that resists motion in `direction` \[N m\].
     #[inline]
     pub fn resistance_nm(&self, t_s: T, angle_rad: T, speed_rad_s: T, direction: f64, motor_nm: T) -> T {
-        let gravity_nm = self.link.gravity_nm(angle_rad);
+        let gravity_nm = self.link_at(t_s).0.gravity_nm(angle_rad);
         self.friction.resistance_nm(&Contact { t_s, angle_rad, speed_rad_s, direction, gravity_nm, motor_nm })
     }
 
     /// Angular acceleration \[rad/s^2\] of a joint that slips in `direction` (3.12).
     #[inline]
     pub fn slip_rate_rad_s2(&self, t_s: T, angle_rad: T, rate_rad_s: T, direction: f64, motor_nm: T) -> T {
-        let gravity_nm = self.link.gravity_nm(angle_rad);
+        let (link, pushed_nm) = self.link_at(t_s);
+        let gravity_nm = link.gravity_nm(angle_rad);
         let speed_rad_s = rate_rad_s * direction;
         let at = Contact { t_s, angle_rad, speed_rad_s, direction, gravity_nm, motor_nm };
-        let mut passive_nm = gravity_nm + self.elastic_nm(angle_rad, rate_rad_s);
+        let mut passive_nm = gravity_nm + pushed_nm + self.elastic_nm(angle_rad, rate_rad_s, gravity_nm);
         if self.has_laws() {
             self.add_laws_of_time(t_s, &mut passive_nm);
         }
-        (motor_nm + passive_nm - self.friction.resistance_nm(&at) * direction) / self.inertia_kg_m2()
+        (motor_nm + passive_nm - self.friction.resistance_nm(&at) * direction)
+            / (link.inertia_kg_m2 + self.armature_kg_m2)
     }
 
     /// What the encoder makes of a true angle and rate on its side of the gearing.

@@ -43,6 +43,16 @@ impl<T: Real> Link<T> {
         }
     }
 
+    /// The link with its inertia times a factor, and its gravity as a vector times another: length and direction.
+    pub(super) fn scaled(self, inertia: T, gravity: [T; 2]) -> Self {
+        let [cos, sin] = gravity;
+        Self {
+            inertia_kg_m2: self.inertia_kg_m2 * inertia,
+            sine_nm: self.sine_nm * cos - self.cosine_nm * sin,
+            cosine_nm: self.cosine_nm * cos + self.sine_nm * sin,
+        }
+    }
+
     /// Gravity torque at a joint angle \[N m\].
     #[inline]
     pub fn gravity_nm(&self, angle_rad: T) -> T {

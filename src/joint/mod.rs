@@ -7,6 +7,7 @@
 //! A stage is perfect until the logs say otherwise; an unmodelled effect is a term added to one stage. The equations
 //! are written once, over [`Real`], so that a run on dual numbers gives exact sensitivities.
 
+mod carriage;
 mod chain;
 mod effect;
 mod friction;
@@ -20,6 +21,7 @@ mod real;
 mod sensor;
 mod setpoint;
 
+pub use carriage::{Carriage, Carried};
 pub use chain::Chain;
 pub(crate) use chain::TwoSides;
 pub use effect::{

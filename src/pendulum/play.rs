@@ -167,8 +167,8 @@ impl<T: Real> Mechanism<T> for TwoBodies<'_, T> {
 }
 
 impl<T: Real> TwoBodies<'_, T> {
-    fn link_kg_m2(&self) -> T {
-        self.chain.inertia_kg_m2() - self.motor_side_kg_m2
+    fn link_kg_m2(&self, t_s: T) -> T {
+        self.chain.inertia_at_kg_m2(t_s) - self.motor_side_kg_m2
     }
 
     /// Angle and rate of the side on which the encoder sits.
@@ -265,7 +265,7 @@ impl<T: Real> TwoBodies<'_, T> {
     fn pressing_nm(&self, command: Command<T>, flank: f64, direction: f64, t_s: T, y: &[T; 5]) -> T {
         let motor_nm = self.motor_nm(command, t_s, y);
         let own_nm = self.resistance_nm(t_s, y[0], y[1] * direction, direction, motor_nm) * (LINK_SHARE * direction);
-        let on_link_nm = self.link_kg_m2() * self.together(command, direction, t_s, y)
+        let on_link_nm = self.link_kg_m2(t_s) * self.together(command, direction, t_s, y)
             - self.chain.acting_nm(t_s, y[0], y[1])
             + own_nm;
         on_link_nm * -flank
@@ -287,7 +287,7 @@ impl<T: Real> TwoBodies<'_, T> {
                 };
                 let a_link = match link {
                     Motion::Rest => nought,
-                    Motion::Slip(d) => (self.on_link_nm(t_s, y) - friction(y[1], d, LINK_SHARE)) / self.link_kg_m2(),
+                    Motion::Slip(d) => (self.on_link_nm(t_s, y) - friction(y[1], d, LINK_SHARE)) / self.link_kg_m2(t_s),
                 };
                 let a_motor = match motor {
                     Motion::Rest => nought,
@@ -352,7 +352,7 @@ impl<T: Real> TwoBodies<'_, T> {
             longest_s *= share.clamp(1e-3, 1.0).sqrt();
         }
         if let Some(spring) = &self.spring {
-            let per_inertia = 1.0 / self.motor_side_kg_m2.re() + 1.0 / self.link_kg_m2().re();
+            let per_inertia = 1.0 / self.motor_side_kg_m2.re() + 1.0 / self.link_kg_m2(self.t_s).re();
             let swing_rad_s = (spring.stiffness_nm_rad.re() * per_inertia).sqrt();
             longest_s = longest_s.min(1.0 / (4.0 * swing_rad_s).max(3.0 * spring.damping_nm_s_rad.re() * per_inertia));
         }
@@ -417,8 +417,8 @@ impl<T: Real> TwoBodies<'_, T> {
                 self.mode = Mode::Apart(Motion::Slip(d), Motion::Slip(d));
             }
             (Event::Meets(flank), _) => {
-                let whole = self.chain.inertia_kg_m2();
-                let momentum = self.link_kg_m2() * self.y[1] + self.motor_side_kg_m2 * self.y[3];
+                let whole = self.chain.inertia_at_kg_m2(self.t_s);
+                let momentum = self.link_kg_m2(self.t_s) * self.y[1] + self.motor_side_kg_m2 * self.y[3];
                 let rate = momentum / whole;
                 (self.y[1], self.y[3]) = (rate, rate);
                 self.y[2] = self.y[0] - self.width_rad * (0.5 * flank);

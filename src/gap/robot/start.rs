@@ -182,9 +182,16 @@ impl Cause {
             lower,
             upper,
             scan: Scan::Linear(scale),
+            likely: None,
         };
-        let logarithm =
-            |name, unit, [lower, upper]: [f64; 2]| EffectParameter { name, unit, lower, upper, scan: Scan::Logarithm };
+        let logarithm = |name, unit, [lower, upper]: [f64; 2]| EffectParameter {
+            name,
+            unit,
+            lower,
+            upper,
+            scan: Scan::Logarithm,
+            likely: None,
+        };
         match self {
             Cause::Effect(effect @ (EffectId::JointSpring | EffectId::AsymmetricFriction | EffectId::Stribeck)) => {
                 effect.parameters(&beyond(reach))

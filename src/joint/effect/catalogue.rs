@@ -261,12 +261,12 @@ impl EffectForm {
         self.form == 0
     }
 
-    /// Where a refit of this form starts, given fitted values of the default form, both as they are searched.
-    pub fn from_default(self, default_values: &[f64], reach: &Reach) -> Vec<f64> {
-        if self.is_default() {
-            return default_values.to_vec();
-        }
-        let mut values = self.near_default(default_values, reach);
+    /// Where a refit of this form starts, given fitted values of another form of its family, both as they are searched:
+    /// parameters of a form begin with those of the default one.
+    pub fn from_other(self, other_values: &[f64], reach: &Reach) -> Vec<f64> {
+        let default_values = &other_values[..self.id.searched_count()];
+        let mut values =
+            if self.is_default() { default_values.to_vec() } else { self.near_default(default_values, reach) };
         for (value, p) in values.iter_mut().zip(self.parameters(reach)) {
             *value = value.clamp(p.lower, p.upper);
         }

@@ -2,7 +2,10 @@
 //!
 //! Forms: the same whether the motor drives or brakes (both_ways); half as much where it brakes (driving); half as much
 //! again where the teeth hardly slide, `1 + exp(-w/v_g)/2` times (falling); more than in proportion, `1 + |motor
-//! torque|/tau_g` times (progressive); and both of these (rising).
+//! torque|/tau_g` times (progressive); both of these (rising); with what the link's gravity presses on the teeth as well,
+//! `|mu_g motor torque - mu_l gravity torque|` (directional); and with all of it, `|mu_g motor torque - mu_l gravity
+//! torque| (1 + r exp(-w/v_g)) + mu_g (motor torque)^2/tau_g` (servo). The last two are those of Duclusaud, Passault, Padois
+//! and Ly, "Extended Friction Models for the Physics Simulation of Servo Actuators" (2024).
 //!
 //! Teeth that transmit a torque rub in proportion to it, and the more the less their oil carries. Only a motor that is on
 //! shows it: as friction that rises with the drive, and as a motor that pushes less than it brakes.
@@ -17,19 +20,27 @@ pub(super) enum Term {
     Falling,
     Progressive,
     Rising,
+    Directional,
+    Servo,
 }
 
 const MU: Named = Named { name: "mu_g", unit: "", zero: 0.0, bounds: Bounds::NOT_NEGATIVE };
+const MU_L: Named = Named { name: "mu_l", unit: "", zero: 0.0, bounds: Bounds::NOT_NEGATIVE };
+const RISE: Named = Named { name: "r", unit: "", zero: 0.0, bounds: Bounds::NOT_NEGATIVE };
 const SPEED: Named = Named { name: "v_g", unit: "rad/s", zero: 0.0, bounds: Bounds::POSITIVE };
 const TORQUE: Named = Named { name: "tau_g", unit: "N m", zero: f64::INFINITY, bounds: Bounds::POSITIVE };
 
 impl Term {
     fn falls(self) -> bool {
-        matches!(self, Term::Falling | Term::Rising)
+        matches!(self, Term::Falling | Term::Rising | Term::Servo)
     }
 
     fn is_progressive(self) -> bool {
-        matches!(self, Term::Progressive | Term::Rising)
+        matches!(self, Term::Progressive | Term::Rising | Term::Servo)
+    }
+
+    fn feels_the_link(self) -> bool {
+        matches!(self, Term::Directional | Term::Servo)
     }
 
     /// Speed and torque at which it changes, for a joint that reaches so far.
@@ -40,7 +51,9 @@ impl Term {
 }
 
 /// Share of a joint's largest speed below which teeth hardly slide.
-const SLOW: f64 = 0.02;
+const SLOW: f64 = 0.1;
+/// Relative standard deviation of what is believed of a speed or torque at which friction changes.
+const ROUGHLY: f64 = 1.0;
 
 impl Effect for Term {
     const FORMS: &'static [(Self, &'static str)] = &[
@@ -49,6 +62,8 @@ impl Effect for Term {
         (Term::Falling, "falling"),
         (Term::Progressive, "progressive"),
         (Term::Rising, "rising"),
+        (Term::Directional, "directional"),
+        (Term::Servo, "servo"),
     ];
     const NAMED: &'static [Named] = &[MU];
 
@@ -58,12 +73,17 @@ impl Effect for Term {
             Term::Falling => &[MU, SPEED],
             Term::Progressive => &[MU, TORQUE],
             Term::Rising => &[MU, SPEED, TORQUE],
+            Term::Directional => &[MU, MU_L],
+            Term::Servo => &[MU, MU_L, RISE, SPEED, TORQUE],
         }
     }
 
     fn near_default(self, values: &[f64], reach: &Reach) -> Vec<f64> {
         let [speed_rad_s, torque_nm] = Self::typical(reach);
-        let mut near = vec![if self.is_progressive() { LESS * values[0] } else { values[0] }];
+        let less = if self.is_progressive() || self.feels_the_link() { LESS } else { 1.0 };
+        let mut near = vec![less * values[0]];
+        near.extend(self.feels_the_link().then_some((1.0 - LESS) * values[0]));
+        near.extend(matches!(self, Term::Servo).then_some(WHEN_SLOW));
         near.extend(self.falls().then_some(speed_rad_s));
         near.extend(self.is_progressive().then_some(torque_nm));
         near
@@ -72,11 +92,19 @@ impl Effect for Term {
     fn parameters(self, reach: &Reach) -> Vec<EffectParameter> {
         let [speed_rad_s, torque_nm] = Self::typical(reach);
         let mut all = vec![EffectParameter::linear("mu_g", "", [0.0, 0.9], 0.1)];
+        if self.feels_the_link() {
+            all.push(EffectParameter::linear("mu_l", "", [0.0, 0.9], 0.1));
+        }
+        if matches!(self, Term::Servo) {
+            all.push(EffectParameter::linear("r", "", [0.0, 5.0], 0.5).likely(WHEN_SLOW, WHEN_SLOW));
+        }
         if self.falls() {
-            all.push(EffectParameter::logarithm("v_g", "rad/s", [0.05 * speed_rad_s, 20.0 * speed_rad_s]));
+            let range = [0.02 * speed_rad_s, 4.0 * speed_rad_s];
+            all.push(EffectParameter::logarithm("v_g", "rad/s", range).likely(speed_rad_s, ROUGHLY));
         }
         if self.is_progressive() {
-            all.push(EffectParameter::logarithm("tau_g", "N m", [0.1 * torque_nm, 30.0 * torque_nm]));
+            let range = [0.1 * torque_nm, 30.0 * torque_nm];
+            all.push(EffectParameter::logarithm("tau_g", "N m", range).likely(2.0 * torque_nm, ROUGHLY));
         }
         all
     }
@@ -89,12 +117,20 @@ impl Effect for Term {
     }
 
     fn apply<T: Real>(self, values: &[T], _bare_kg_m2: T, chain: &mut Chain<T>) {
-        let slow_rad_s = if self.falls() { values.get(1).copied() } else { None };
-        let more_nm = if self.is_progressive() { values.last().copied() } else { None };
-        let is_driving = matches!(self, Term::Driving);
-        let holding_nm = chain.link.peak_gravity_nm();
-        let term = GearTerm { mu_g: values[0], is_driving, slow_rad_s, more_nm, holding_nm };
-        chain.friction.terms.push(Box::new(term));
+        let mut rest = values[1..].iter().copied();
+        let mut next_if = |there: bool| if there { rest.next() } else { None };
+        let of_link = next_if(self.feels_the_link());
+        let rise = next_if(matches!(self, Term::Servo));
+        let slow_rad_s = next_if(self.falls());
+        let more_nm = next_if(self.is_progressive());
+        chain.friction.terms.push(Box::new(GearTerm {
+            mu_g: values[0],
+            of_link,
+            slow: slow_rad_s.map(|slow| (rise.unwrap_or(T::constant(WHEN_SLOW)), slow)),
+            more_nm,
+            form: self,
+            holding_nm: chain.link.peak_gravity_nm(),
+        }));
     }
 }
 
@@ -107,22 +143,30 @@ const LESS: f64 = 0.7;
 
 struct GearTerm<T> {
     mu_g: T,
-    is_driving: bool,
-    slow_rad_s: Option<T>,
+    /// `mu_l`, where the link presses on the teeth too.
+    of_link: Option<T>,
+    /// What is added where the teeth hardly slide, and the speed up to which they do \[rad/s\].
+    slow: Option<(T, T)>,
     more_nm: Option<T>,
+    form: Term,
     /// A torque that the motor has to hold \[N m\].
     holding_nm: f64,
 }
 
 impl<T: Real> FrictionTerm<T> for GearTerm<T> {
     fn resistance_nm(&self, at: &Contact<T>) -> T {
-        let load_nm = if at.motor_nm.re() < 0.0 { -at.motor_nm } else { at.motor_nm };
+        let size = |x: T| if x.re() < 0.0 { -x } else { x };
+        let load_nm = size(at.motor_nm);
         let driving = at.motor_nm.re() * at.direction > 0.0;
-        let mut share = T::constant(if self.is_driving && !driving { WHEN_DRIVEN } else { 1.0 });
-        if let Some(slow_rad_s) = self.slow_rad_s {
+        let mut share = T::constant(if matches!(self.form, Term::Driving) && !driving { WHEN_DRIVEN } else { 1.0 });
+        if let Some((rise, slow_rad_s)) = self.slow {
             // A step may look a little beyond the turning point.
             let speed_rad_s = if at.speed_rad_s.re() < 0.0 { T::nought() } else { at.speed_rad_s };
-            share *= (-(speed_rad_s / slow_rad_s)).exp() * WHEN_SLOW + 1.0;
+            share += (-(speed_rad_s / slow_rad_s)).exp() * rise;
+        }
+        if let Some(mu_l) = self.of_link {
+            let pressed_nm = size(self.mu_g * at.motor_nm - mu_l * at.gravity_nm) * share;
+            return self.more_nm.map_or(pressed_nm, |more_nm| pressed_nm + self.mu_g * load_nm * load_nm / more_nm);
         }
         if let Some(more_nm) = self.more_nm {
             share *= load_nm / more_nm + 1.0;
@@ -131,8 +175,8 @@ impl<T: Real> FrictionTerm<T> for GearTerm<T> {
     }
 
     fn slope_nm_s_rad(&self, speed_rad_s: f64) -> f64 {
-        let Some(slow_rad_s) = self.slow_rad_s.map(|slow| slow.re()) else { return 0.0 };
-        let steepest = self.mu_g.re() * self.holding_nm * WHEN_SLOW / slow_rad_s;
-        steepest * (-0.5 * speed_rad_s / slow_rad_s).exp()
+        let Some((rise, slow_rad_s)) = self.slow.map(|(rise, slow)| (rise.re(), slow.re())) else { return 0.0 };
+        let mu = self.mu_g.re() + self.of_link.map_or(0.0, |mu_l| mu_l.re());
+        mu * self.holding_nm * rise / slow_rad_s * (-0.5 * speed_rad_s / slow_rad_s).exp()
     }
 }

@@ -58,20 +58,27 @@ pub struct EffectParameter {
     pub upper: f64,
     /// How it is searched.
     pub scan: Scan,
+    /// What is believed of it before any log is seen, where that says something: middle, in its unit, and standard
+    /// deviation, relative where it is searched by its logarithm.
+    pub likely: Option<[f64; 2]>,
 }
 
 impl EffectParameter {
     fn linear(name: &'static str, unit: &'static str, [lower, upper]: [f64; 2], scale: f64) -> Self {
-        Self { name, unit, lower, upper, scan: Scan::Linear(scale) }
+        Self { name, unit, lower, upper, scan: Scan::Linear(scale), likely: None }
     }
 
     /// One of the values of the starting points.
     fn held(name: &'static str, unit: &'static str, [lower, upper]: [f64; 2]) -> Self {
-        Self { name, unit, lower, upper, scan: Scan::Held }
+        Self { name, unit, lower, upper, scan: Scan::Held, likely: None }
     }
 
     fn logarithm(name: &'static str, unit: &'static str, [lower, upper]: [f64; 2]) -> Self {
-        Self { name, unit, lower, upper, scan: Scan::Logarithm }
+        Self { name, unit, lower, upper, scan: Scan::Logarithm, likely: None }
+    }
+
+    fn likely(self, middle: f64, sd: f64) -> Self {
+        Self { likely: Some([middle, sd]), ..self }
     }
 }
 

@@ -18,8 +18,8 @@ impl Effect for Term {
 
     fn parameters(self, _reach: &Reach) -> Vec<EffectParameter> {
         vec![
-            EffectParameter::linear("a_cos_phi", "", [-2.0, 2.0], 0.3),
-            EffectParameter::linear("a_sin_phi", "", [-2.0, 2.0], 0.3),
+            EffectParameter::linear("a_cos_phi", "", [-1.0, 1.0], 0.3),
+            EffectParameter::linear("a_sin_phi", "", [-1.0, 1.0], 0.3),
         ]
     }
 

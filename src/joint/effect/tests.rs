@@ -194,7 +194,7 @@ fn a_form_starts_within_its_bounds_and_near_what_the_default_form_does() {
     for &id in EffectId::ALL {
         for form in id.forms() {
             for start in id.starts(&reach()) {
-                let own = form.from_default(&start, &reach());
+                let own = form.from_other(&start, &reach());
                 let parameters = form.parameters(&reach());
                 assert_eq!(own.len(), parameters.len(), "{form}");
                 for (value, p) in own.iter().zip(&parameters) {
@@ -208,7 +208,7 @@ fn a_form_starts_within_its_bounds_and_near_what_the_default_form_does() {
         let form: EffectForm = form.parse().unwrap();
         let start = form.id.starts(&reach()).swap_remove(0);
         let default = motion::<f64>(form.id, &start, false, 1.0);
-        let own = motion::<f64>(form, &form.from_default(&start, &reach()), false, 1.0);
+        let own = motion::<f64>(form, &form.from_other(&start, &reach()), false, 1.0);
         let moved = largest_difference(&default, &angles(None, false));
         assert!(largest_difference(&default, &own) <= within * moved.max(1e-3) + 1e-9, "{form}");
     }

@@ -19,14 +19,14 @@ impl<T: Real> Chain<T> {
         self.laws.push(law);
     }
 
-    /// Adds the torques that the joint's angle and rate alone bring about \[N m\].
+    /// Adds the torques that the joint's angle, rate and load alone bring about \[N m\].
     #[inline(never)]
-    pub(in crate::joint) fn add_laws_of_state(&self, angle_rad: T, rate_rad_s: T, torque_nm: &mut T) {
+    pub(in crate::joint) fn add_laws_of_state(&self, angle_rad: T, rate_rad_s: T, gravity_nm: T, torque_nm: &mut T) {
         for law in self.torques() {
             *torque_nm += match law.variable {
                 LawVariable::Angle => law.at(angle_rad),
                 LawVariable::Speed => law.at(rate_rad_s),
-                LawVariable::Load => law.at(self.link.gravity_nm(angle_rad)),
+                LawVariable::Load => law.at(gravity_nm),
                 LawVariable::MotorTorque | LawVariable::Time | LawVariable::SetpointRate => continue,
             };
         }
@@ -79,7 +79,9 @@ impl<T: Real> Chain<T> {
 
     /// Whether a resting joint may be moved by time alone.
     pub(crate) fn changes_with_time(&self) -> bool {
-        self.friction.changes_with_time() || self.torques().any(|law| law.variable == LawVariable::Time)
+        self.carriage.is_some()
+            || self.friction.changes_with_time()
+            || self.torques().any(|law| law.variable == LawVariable::Time)
     }
 
     /// Whether there are any. What they do is kept out of line: most joints have none.

@@ -1,0 +1,108 @@
+//! What a joint carries in a robot: an inertia and a load that change with time, because other joints move.
+//!
+//! Along the measured motion of all joints, joint j of a robot with a clamped base obeys `M_jj q'' = tau - F - b`, with
+//! `M_jj` and `b` by inverse dynamics. About a turning joint neither its inertia nor what the others push depends on its
+//! own angle, and gravity depends on it as that of a pendulum: `-g M* sin(q - rest)`, whose `M*` and rest angle the other
+//! joints set. So a joint of a robot is the bench pendulum with a link that time changes, exactly, as long as the other
+//! joints are where they were measured.
+
+use super::{Link, Real};
+use std::sync::Arc;
+
+/// What a joint carries at one instant, relative to its nominal link.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Carried {
+    /// `M_jj`, as a share of the nominal inertia.
+    pub inertia: f64,
+    /// Gravity as a vector, as a share of the nominal largest torque: `cos` and `sin` of the angle at which the joint
+    /// would hang, times that share.
+    pub gravity: [f64; 2],
+    /// What the other joints' motion pushes, per nominal inertia \[rad/s^2\].
+    pub pushed_rad_s2: f64,
+}
+
+impl Carried {
+    /// Of a joint that carries its nominal link.
+    pub const NOMINAL: Self = Self { inertia: 1.0, gravity: [1.0, 0.0], pushed_rad_s2: 0.0 };
+
+    fn between<T: Real>(&self, next: &Self, share: T) -> CarriedNow<T> {
+        let at = |a: f64, b: f64| share * (b - a) + a;
+        CarriedNow {
+            inertia: at(self.inertia, next.inertia),
+            gravity: [at(self.gravity[0], next.gravity[0]), at(self.gravity[1], next.gravity[1])],
+            pushed_rad_s2: at(self.pushed_rad_s2, next.pushed_rad_s2),
+        }
+    }
+}
+
+/// [`Carried`] at an instant that may depend on what is fitted.
+#[derive(Clone, Copy)]
+pub(super) struct CarriedNow<T> {
+    pub inertia: T,
+    pub gravity: [T; 2],
+    pub pushed_rad_s2: T,
+}
+
+/// What a joint carries along a log, linear between its samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Carriage {
+    t_s: Arc<[f64]>,
+    carried: Arc<[Carried]>,
+}
+
+impl Carriage {
+    /// What is carried at instants \[s\]; `None` where these do not increase, are not as many, or something is not finite.
+    pub fn new(t_s: &[f64], carried: &[Carried]) -> Option<Self> {
+        let finite =
+            |c: &Carried| [c.inertia, c.gravity[0], c.gravity[1], c.pushed_rad_s2].iter().all(|x| x.is_finite());
+        let sound = !t_s.is_empty()
+            && t_s.len() == carried.len()
+            && t_s.windows(2).all(|pair| pair[1] > pair[0])
+            && carried.iter().all(|c| finite(c) && c.inertia > 0.0);
+        sound.then(|| Self { t_s: t_s.into(), carried: carried.into() })
+    }
+
+    /// What is carried at an instant.
+    #[inline(never)]
+    pub(super) fn at<T: Real>(&self, t_s: T) -> CarriedNow<T> {
+        let after = self.t_s.partition_point(|t| *t <= t_s.re());
+        let (from, to) = (after.saturating_sub(1), after.min(self.t_s.len() - 1));
+        let span_s = self.t_s[to] - self.t_s[from];
+        let inside = span_s > 0.0 && t_s.re() >= self.t_s[from];
+        let share = if inside { (t_s - self.t_s[from]) / span_s } else { T::nought() };
+        self.carried[from].between(&self.carried[to], share)
+    }
+}
+
+impl<T: Real> Link<T> {
+    /// The link with what is carried at an instant.
+    pub(super) fn carrying(self, now: &CarriedNow<T>) -> Self {
+        self.scaled(now.inertia, now.gravity)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn the_load_is_linear_between_samples_and_holds_beyond_them() {
+        let later = Carried { inertia: 3.0, gravity: [0.0, 2.0], pushed_rad_s2: 4.0 };
+        let carriage = Carriage::new(&[0.0, 0.1], &[Carried::NOMINAL, later]).unwrap();
+        let link = Link::new(2e-3, 5e-3, 0.0, 9.81);
+        let middle = carriage.at(0.05);
+        assert_relative_eq!(link.carrying(&middle).inertia_kg_m2, 4e-3, max_relative = 1e-14);
+        assert_relative_eq!(middle.pushed_rad_s2, 2.0, max_relative = 1e-14);
+        // Half of each vector: as much down as to the side.
+        assert_relative_eq!(link.carrying(&middle).hanging_rad(), 2f64.atan2(1.0), max_relative = 1e-14);
+        assert_eq!((carriage.at(-1.0).inertia, carriage.at(9.0).inertia), (1.0, 3.0));
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_refused() {
+        assert!(Carriage::new(&[0.0, 0.0], &[Carried::NOMINAL; 2]).is_none());
+        assert!(Carriage::new(&[0.0], &[Carried { inertia: f64::NAN, ..Carried::NOMINAL }]).is_none());
+        assert!(Carriage::new(&[], &[]).is_none());
+    }
+}
