@@ -155,14 +155,13 @@ impl Elsewhere {
 
 impl Elsewhere {
     /// Whether whole logs are predicted no worse: not by themselves, or not together with parts of logs, which are better
-    /// by so many standard deviations, and no log far worse.
+    /// by so many standard deviations.
     pub fn no_worse(self, parts_z: f64) -> bool {
-        self.z > -WORSE_BY || parts_z + self.z > WORSE_BY && self.worst < FAR_WORSE
+        self.z > -WORSE_BY || parts_z + self.z > WORSE_BY
     }
 }
 
 const WORSE_BY: f64 = 1.0;
-const FAR_WORSE: f64 = 4.0;
 
 /// Deviance from which on logs show something.
 const SHOWN: f64 = 8.0;
