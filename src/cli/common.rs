@@ -70,6 +70,12 @@ pub(super) fn print(text: &str) {
     let _ = std::io::stdout().lock().write_all(text.as_bytes());
 }
 
+/// Says on stderr what looks like a mistake.
+pub(super) fn warn(text: &str) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stderr().lock(), "warning: {text}");
+}
+
 /// Name for the output of a study: its folder's, or the file's own where it lies in the working folder.
 pub(super) fn study_name(study: &Path) -> String {
     let folder = study.parent().and_then(Path::file_name).or(study.file_stem());

@@ -6,7 +6,9 @@ use crate::identify::{CaseError, DropError};
 use crate::log::LogError;
 use crate::report::ReportError;
 use crate::robot::RobotError;
+use crate::robot::description::DescriptionError;
 use crate::robot::simulate::SimulateError;
+use crate::robot::tree::TreeError;
 use crate::synth::SynthError;
 use crate::thesis::TablesError;
 use std::path::PathBuf;
@@ -78,6 +80,12 @@ pub enum CliError {
     /// The robot cannot be read or is none.
     #[error(transparent)]
     Robot(#[from] RobotError),
+    /// A robot description cannot be used.
+    #[error(transparent)]
+    Description(Box<DescriptionError>),
+    /// A described robot cannot be held so.
+    #[error(transparent)]
+    Tree(#[from] TreeError),
     /// A simulation cannot begin.
     #[error(transparent)]
     Simulate(Box<SimulateError>),
@@ -120,6 +128,12 @@ impl From<SynthError> for CliError {
     }
 }
 
+impl From<DescriptionError> for CliError {
+    fn from(error: DescriptionError) -> Self {
+        CliError::Description(Box::new(error))
+    }
+}
+
 impl CliError {
     /// The exit code of the specification.
     pub fn exit_code(&self) -> u8 {
@@ -159,6 +173,8 @@ impl CliError {
             | CliError::Drop(_)
             | CliError::Diverged { .. }
             | CliError::NotFinite { .. } => NOT_CONVERGED,
+            CliError::Description(error) if error.is_io() => IO,
+            CliError::Description(_) | CliError::Tree(_) => DATA,
             CliError::Case(_) | CliError::FitFile { .. } | CliError::Robot(_) | CliError::States { .. } => DATA,
             CliError::Report(_) | CliError::Threads(_) | CliError::Encode(_) => IO,
         }

@@ -10,6 +10,7 @@
 //! - [`Floor`]: what stands under it (eqs 2.3-2.6), with what an implicit step needs.
 //! - [`Gait`]: what is asked of its joints (section 4.1).
 //! - [`mod@bench`]: the drop test of 3.4 on the whole robot.
+//! - [`description`]: robots that others described, as URDF or MJCF, and [`mod@tree`]: the dynamics of any of them.
 //! - [`study`]: a robot study, and its logs as scenes of that.
 //! - [`simulate`]: joints with controllers, motors, friction and effects on the tree, moved through time.
 //!
@@ -22,6 +23,7 @@
 
 pub mod bench;
 mod contact;
+pub mod description;
 mod dynamics;
 mod error;
 mod gait;
@@ -31,6 +33,7 @@ pub mod simulate;
 mod spatial;
 mod state;
 pub mod study;
+pub mod tree;
 
 pub use contact::{Contact, Floor, FloorParameters, Resting, Touching};
 pub use dynamics::{BodyMotion, ContactDamping, Dynamics, Energy, Force, Input, Momentum};

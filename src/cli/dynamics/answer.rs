@@ -1,11 +1,13 @@
 //! What is answered for a state, under the keys of the shared sample.
 
 use super::read::Asked;
+use crate::cli::common::print;
 use crate::report::Provenance;
 use crate::robot::{Dynamics, Input, Model};
 use nalgebra::{DMatrix, DVector, Vector3};
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::time::Instant;
 
 /// The whole answer.
 #[derive(Serialize)]
@@ -41,6 +43,32 @@ pub(super) struct Timing {
     pub median_us: f64,
     /// Goes that the median is of.
     pub goes: u32,
+}
+
+/// A go takes at least so many evaluations, so that the clock's own time does not count.
+const EVALUATIONS: usize = 16;
+
+impl Timing {
+    /// The median of so many goes of evaluations at the states in turn.
+    pub fn of<T>(goes: u32, states: &[T], mut evaluate: impl FnMut(&T)) -> Self {
+        let rounds = EVALUATIONS.div_ceil(states.len());
+        let mut go = || {
+            let start = Instant::now();
+            for _ in 0..rounds {
+                states.iter().for_each(&mut evaluate);
+            }
+            1e6 * start.elapsed().as_secs_f64() / (rounds * states.len()) as f64
+        };
+        let mut times_us: Vec<f64> = (0..goes).map(|_| go()).collect();
+        times_us.sort_by(f64::total_cmp);
+        Self { median_us: times_us[times_us.len() / 2], goes }
+    }
+
+    /// Prints it.
+    pub fn print(&self) {
+        let Self { median_us, goes } = self;
+        print(&format!("forward dynamics: {median_us:.3} us (median of {goes} goes over the states)\n"));
+    }
 }
 
 /// A state with its answer.

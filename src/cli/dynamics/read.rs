@@ -15,29 +15,41 @@ pub(super) struct Asked {
 }
 
 /// How far a quaternion may be from one that rotates.
-const QUATERNION_TOLERANCE: f64 = 1e-6;
+pub(super) const QUATERNION_TOLERANCE: f64 = 1e-6;
 const EXPECTED: &str = "expected {\"states\": [...]} with base_pos, base_quat_wxyz, base_vel_world, base_omega_body, q, \
                         dq and tau in each, as in data/examples/states.json";
 
-/// The states of a file.
-pub(super) fn states(file: &Path, model: &Model) -> Result<Vec<Asked>, CliError> {
+/// What a file of states says.
+pub(super) fn opened(file: &Path) -> Result<Value, CliError> {
     let bytes = std::fs::read(file).map_err(|source| LogError::Read { file: file.to_path_buf(), source })?;
     let wrong = |what: String| CliError::States { file: file.to_path_buf(), what };
     let text = String::from_utf8(bytes).map_err(|_| wrong(format!("not UTF-8 text; {EXPECTED}")))?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
-    let value: Value = serde_json::from_str(text).map_err(|error| wrong(not_json(text, &error)))?;
-    let list = match &value {
+    serde_json::from_str(text).map_err(|error| wrong(not_json(text, &error)))
+}
+
+/// The states in it, at least one.
+pub(super) fn list(value: &Value) -> Result<&[Value], String> {
+    let list = match value {
         Value::Array(list) => list,
         Value::Object(object) => match object.get("states") {
             Some(Value::Array(list)) => list,
-            Some(other) => return Err(wrong(format!("states: found {}, expected a list", kind(other)))),
-            None => return Err(wrong(format!("key `states` is missing; {EXPECTED}"))),
+            Some(other) => return Err(format!("states: found {}, expected a list", kind(other))),
+            None => return Err(format!("key `states` is missing; {EXPECTED}")),
         },
-        other => return Err(wrong(format!("found {}; {EXPECTED}", kind(other)))),
+        other => return Err(format!("found {}; {EXPECTED}", kind(other))),
     };
     if list.is_empty() {
-        return Err(wrong("states: the list is empty, expected at least one state".to_owned()));
+        return Err("states: the list is empty, expected at least one state".to_owned());
     }
+    Ok(list)
+}
+
+/// The states of a file.
+pub(super) fn states(file: &Path, model: &Model) -> Result<Vec<Asked>, CliError> {
+    let value = opened(file)?;
+    let wrong = |what: String| CliError::States { file: file.to_path_buf(), what };
+    let list = list(&value).map_err(wrong)?;
     list.iter().enumerate().map(|(index, one)| state(index, one, model).map_err(wrong)).collect()
 }
 
@@ -123,7 +135,8 @@ impl Reader<'_> {
     }
 }
 
-fn kind(value: &Value) -> String {
+/// What a value is, for a message.
+pub(super) fn kind(value: &Value) -> String {
     match value {
         Value::Null => "null (not a number?)".to_owned(),
         Value::Bool(found) => found.to_string(),

@@ -1,0 +1,105 @@
+//! `<joint>`: what it joins, how it moves, what limits it, what it follows.
+
+use super::{number, numbers, one, origin, plain, unknown};
+use crate::robot::description::error::DescriptionError;
+use crate::robot::description::parts::JointKind;
+use crate::robot::description::xml::Element;
+use nalgebra::{Isometry3, Unit, Vector3};
+
+/// A joint as it is written.
+pub(super) struct RawJoint<'a> {
+    pub name: &'a str,
+    pub parent: &'a str,
+    pub child: &'a str,
+    pub pose: Isometry3<f64>,
+    /// `None`: fixed.
+    pub moves: Option<Moves>,
+    /// The joint that it follows, with multiplier and offset.
+    pub mimic: Option<(&'a str, f64, f64)>,
+    pub element: &'a Element,
+}
+
+/// What a joint that is not fixed has.
+pub(super) struct Moves {
+    pub kind: JointKind,
+    pub axis: Unit<Vector3<f64>>,
+    pub limit_rad: Option<[f64; 2]>,
+    pub effort_nm: Option<f64>,
+    pub rate_limit_rad_s: Option<f64>,
+    pub damping_nm_s_rad: f64,
+    pub friction_nm: f64,
+}
+
+/// Reads a joint.
+pub(super) fn read<'a>(joint: &'a Element, warnings: &mut Vec<String>) -> Result<RawJoint<'a>, DescriptionError> {
+    let name = plain(joint, "name")?.ok_or_else(|| joint.wrong("the attribute `name` is missing"))?;
+    let parent = end(joint, "parent", warnings)?;
+    let child = end(joint, "child", warnings)?;
+    let kind = match plain(joint, "type")?.unwrap_or_default().trim() {
+        "fixed" => None,
+        "revolute" => Some(JointKind::Revolute),
+        "continuous" => Some(JointKind::Continuous),
+        "prismatic" => Some(JointKind::Prismatic),
+        kind @ ("floating" | "planar" | "spherical" | "ball" | "universal" | "screw") => {
+            let hint = "joints may be revolute, continuous, prismatic or fixed; a free base is chosen with --base free";
+            return Err(joint.unsupported(format!("a {kind} joint"), hint));
+        }
+        _ => return Err(joint.bad("type", "revolute, continuous, prismatic or fixed")),
+    };
+    let moves = kind.map(|kind| moves(joint, kind, warnings)).transpose()?;
+    let mimic = match one(joint, "mimic", warnings) {
+        Some(mimic) if moves.is_some() => {
+            unknown(mimic, &["joint", "multiplier", "offset"], warnings);
+            let leader = plain(mimic, "joint")?.ok_or_else(|| mimic.wrong("the attribute `joint` is missing"))?;
+            Some((leader, number(mimic, "multiplier")?.unwrap_or(1.0), number(mimic, "offset")?.unwrap_or(0.0)))
+        }
+        Some(mimic) => {
+            warnings.push(mimic.say(format!("{} is fixed and follows nothing", joint.label())));
+            None
+        }
+        None => None,
+    };
+    Ok(RawJoint { name, parent, child, pose: origin(joint, warnings)?, moves, mimic, element: joint })
+}
+
+/// The link of `<parent>` or `<child>`.
+fn end<'a>(joint: &'a Element, tag: &str, warnings: &mut Vec<String>) -> Result<&'a str, DescriptionError> {
+    let end = one(joint, tag, warnings).ok_or_else(|| joint.wrong(format!("<{tag} link=\"...\"> is missing")))?;
+    plain(end, "link")?.ok_or_else(|| end.wrong(format!("the attribute `link` is missing in {}", joint.label())))
+}
+
+fn moves(joint: &Element, kind: JointKind, warnings: &mut Vec<String>) -> Result<Moves, DescriptionError> {
+    let axis = match one(joint, "axis", warnings) {
+        Some(axis) => {
+            unknown(axis, &["xyz"], warnings);
+            let written = Vector3::from(numbers::<3>(axis, "xyz")?.unwrap_or([1.0, 0.0, 0.0]));
+            let expected = || axis.bad("xyz", format!("an axis of {} that is not zero", joint.label()));
+            Unit::try_new(written, f64::MIN_POSITIVE).ok_or_else(expected)?
+        }
+        None => Vector3::x_axis(),
+    };
+    let (mut limit_rad, mut effort_nm, mut rate_limit_rad_s) = (None, None, None);
+    match one(joint, "limit", warnings) {
+        Some(limit) => {
+            unknown(limit, &["lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"], warnings);
+            let ends = [number(limit, "lower")?.unwrap_or(0.0), number(limit, "upper")?.unwrap_or(0.0)];
+            (effort_nm, rate_limit_rad_s) = (number(limit, "effort")?, number(limit, "velocity")?);
+            if kind != JointKind::Continuous {
+                if ends[0] > ends[1] {
+                    warnings.push(limit.say(format!("{}: lower is above upper", joint.label())));
+                } else if ends[0] == ends[1] {
+                    warnings.push(limit.say(format!("{}: by its limits it cannot move", joint.label())));
+                }
+                limit_rad = Some(ends);
+            }
+        }
+        None if kind != JointKind::Continuous => warnings.push(joint.say("no <limit>; taken as without limits")),
+        None => {}
+    }
+    let (mut damping_nm_s_rad, mut friction_nm) = (0.0, 0.0);
+    if let Some(dynamics) = one(joint, "dynamics", warnings) {
+        damping_nm_s_rad = number(dynamics, "damping")?.unwrap_or(0.0);
+        friction_nm = number(dynamics, "friction")?.unwrap_or(0.0);
+    }
+    Ok(Moves { kind, axis, limit_rad, effort_nm, rate_limit_rad_s, damping_nm_s_rad, friction_nm })
+}

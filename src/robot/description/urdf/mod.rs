@@ -1,0 +1,98 @@
+//! Reads URDF.
+//!
+//! `urdf-rs` was looked at and not taken: it makes a misspelt attribute 0 and a missing `<inertial>` mass 0 without a word,
+//! refuses a `<limit>` without `velocity`, knows no lines, and runs an external `xacro`. Here elements may come in any order,
+//! as they do; of repeated ones the first counts, as in Pinocchio.
+
+mod joint;
+mod link;
+mod order;
+
+use super::error::DescriptionError;
+use super::format::xacro_hint;
+use super::xml::Element;
+use super::{Description, Format};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use std::path::Path;
+
+/// The robot under a `<robot>` element.
+pub(super) fn read(file: &Path, root: &Element) -> Result<Description, DescriptionError> {
+    let mut warnings = Vec::new();
+    refuse_xacro(root)?;
+    let links = root.all("link").map(|link| link::read(link, &mut warnings)).collect::<Result<Vec<_>, _>>()?;
+    let joints = root.all("joint").map(|joint| joint::read(joint, &mut warnings)).collect::<Result<Vec<_>, _>>()?;
+    let name = root.text("name").map_or_else(|| super::of_tables::stem(file), str::to_owned);
+    let mut description = Description {
+        name,
+        format: Format::Urdf,
+        files: vec![file.to_path_buf()],
+        gravity_m_s2: Vector3::new(0.0, 0.0, -9.81),
+        links: Vec::new(),
+        joints: Vec::new(),
+        free_joint: None,
+        couplings: Vec::new(),
+        actuators: Vec::new(),
+        warnings,
+        left_out: Vec::new(),
+    };
+    order::assemble(&mut description, root, links, joints)?;
+    Ok(description)
+}
+
+/// Elements of xacro's namespace are macros that were not expanded; that the namespace is declared says nothing.
+fn refuse_xacro(root: &Element) -> Result<(), DescriptionError> {
+    let mut open = vec![root];
+    while let Some(element) = open.pop() {
+        let namespace = element.namespace.as_deref().unwrap_or_default();
+        if namespace.ends_with("xacro") {
+            return Err(element.unsupported(format!("xacro (an element xacro:{})", element.tag), xacro_hint("macros")));
+        }
+        // What simulators put into their own elements is theirs.
+        open.extend(element.children.iter().rev().filter(|child| child.tag != "gazebo"));
+    }
+    Ok(())
+}
+
+/// An attribute that is used, and that no macro is left in.
+fn plain<'a>(element: &'a Element, name: &str) -> Result<Option<&'a str>, DescriptionError> {
+    match element.text(name) {
+        Some(text) if text.contains("${") || text.contains("$(") => {
+            Err(element.unsupported(format!("xacro ({name}=\"{text}\")"), xacro_hint("an expression")))
+        }
+        text => Ok(text),
+    }
+}
+
+/// The finite numbers of an attribute that no macro is left in.
+fn numbers<const N: usize>(element: &Element, name: &str) -> Result<Option<[f64; N]>, DescriptionError> {
+    plain(element, name)?;
+    element.exactly(name)
+}
+
+/// A number of an attribute that no macro is left in.
+fn number(element: &Element, name: &str) -> Result<Option<f64>, DescriptionError> {
+    Ok(numbers::<1>(element, name)?.map(|[number]| number))
+}
+
+/// The first child with a tag; says so where there are more.
+fn one<'a>(element: &'a Element, tag: &str, warnings: &mut Vec<String>) -> Option<&'a Element> {
+    if let Some(second) = element.all(tag).nth(1) {
+        warnings.push(second.say(format!("a second one in {}; the first counts", element.label())));
+    }
+    element.first(tag)
+}
+
+/// The pose of an `<origin>`: Rz(yaw) Ry(pitch) Rx(roll), radians always; the identity where there is none.
+fn origin(element: &Element, warnings: &mut Vec<String>) -> Result<Isometry3<f64>, DescriptionError> {
+    let Some(origin) = one(element, "origin", warnings) else { return Ok(Isometry3::identity()) };
+    let place = numbers::<3>(origin, "xyz")?.unwrap_or_default();
+    let [roll, pitch, yaw] = numbers::<3>(origin, "rpy")?.unwrap_or_default();
+    Ok(Isometry3::from_parts(Translation3::from(place), UnitQuaternion::from_euler_angles(roll, pitch, yaw)))
+}
+
+/// Warns of attributes that URDF does not have here: most are misspelt.
+fn unknown(element: &Element, known: &[&str], warnings: &mut Vec<String>) {
+    for attribute in element.attributes.iter().filter(|attribute| !known.contains(&attribute.name.as_str())) {
+        warnings.push(element.say(format!("unknown attribute `{}`, ignored", attribute.name)));
+    }
+}
