@@ -59,7 +59,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<u8, CliError> {
 /// A study of a joint; those of robots are refused.
 fn joint_study(path: &Path) -> Result<Case, CliError> {
     match study_kind(path)? {
-        StudyKind::Robot => Err(CliError::Usage(format!(
+        StudyKind::Robot | StudyKind::Clamped => Err(CliError::Usage(format!(
             "{}: the study of a whole robot; check looks at the study of a joint, or at one log",
             path.display()
         ))),

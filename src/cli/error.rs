@@ -1,6 +1,7 @@
 //! How a command fails, and with which exit code.
 
 use crate::gap::GapError;
+use crate::gap::clamped::ClampedCaseError;
 use crate::gap::robot::RobotGapError;
 use crate::identify::{CaseError, DropError};
 use crate::log::LogError;
@@ -43,6 +44,9 @@ pub enum CliError {
     /// A robot study does not make a case.
     #[error(transparent)]
     RobotCase(Box<SimulateError>),
+    /// The study of a robot with a clamped base does not make a case.
+    #[error(transparent)]
+    ClampedCase(Box<ClampedCaseError>),
     /// No diagnosis of a robot can be made.
     #[error(transparent)]
     RobotGap(#[from] RobotGapError),
@@ -151,6 +155,11 @@ impl CliError {
             {
                 of_file(error)
             }
+            CliError::ClampedCase(error) => match error.as_ref() {
+                ClampedCaseError::Log(error) => of_file(error),
+                ClampedCaseError::Description(error) if error.is_io() => IO,
+                _ => DATA,
+            },
             // All that a robot study is made of stands in files.
             CliError::RobotCase(_) => DATA,
             CliError::Simulate(error) => match error.as_ref() {

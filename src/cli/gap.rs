@@ -1,12 +1,12 @@
-//! `aibo-fit gap`: where model and logs of a joint part, which effect is behind it, how far the gap closes. Robot studies
-//! go to [`robot_gap`].
+//! `aibo-fit gap`: where model and logs of a joint part, which effect is behind it, how far the gap closes. Studies of
+//! robots go to [`robot_gap`] and [`clamped_gap`].
 
 use super::common::{CommonArgs, json_text, print, study_name, write_outputs};
 use super::demands::DemandArgs;
 use super::progress::Progress;
 use super::provenance::provenance;
 use super::still::never_moved;
-use super::{CliError, robot_gap};
+use super::{CliError, clamped_gap, robot_gap};
 use crate::gap::robot::{Cause, UnknownCause};
 use crate::gap::{GapError, GapOptions, diagnose};
 use crate::identify::Case;
@@ -15,7 +15,7 @@ use crate::log::{Outputs, StudyKind, study_kind};
 use crate::report::{FitFile, GapReport, NEXT_FILE, gap_figures, gap_json, gap_text, render_gap_html};
 use clap::Args;
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Diagnose the gap between a nominal model and logs, of a joint or of the whole robot
 ///
@@ -80,21 +80,28 @@ fn effects(causes: &[Cause]) -> Result<Vec<EffectId>, CliError> {
     causes.iter().map(effect).collect()
 }
 
-/// Runs the command.
-pub(super) fn run(args: &GapArgs) -> Result<u8, CliError> {
-    if let Some(both) = args.only.iter().find(|effect| args.without.contains(effect)) {
-        return Err(CliError::Usage(format!("`{both}` stands in --without and in --only; leave it out of one")));
-    }
-    if study_kind(&args.study)? == StudyKind::Robot {
-        return robot_gap::run(args);
-    }
-    let options = GapOptions {
+/// What is asked of a joint's diagnosis.
+pub(super) fn options(args: &GapArgs) -> Result<GapOptions, CliError> {
+    Ok(GapOptions {
         without: effects(&args.without)?,
         only: effects(&args.only)?,
         twins: args.twins as usize,
         seed: args.seed,
         demands: args.demands.directives(),
-    };
+    })
+}
+
+/// Runs the command.
+pub(super) fn run(args: &GapArgs) -> Result<u8, CliError> {
+    if let Some(both) = args.only.iter().find(|effect| args.without.contains(effect)) {
+        return Err(CliError::Usage(format!("`{both}` stands in --without and in --only; leave it out of one")));
+    }
+    match study_kind(&args.study)? {
+        StudyKind::Robot => return robot_gap::run(args),
+        StudyKind::Clamped => return clamped_gap::run(args),
+        StudyKind::Joint => {}
+    }
+    let options = options(args)?;
     let progress = Progress::new(args.common.quiet);
     progress.say("reading");
     let case = Case::of_study(&args.study)?;
@@ -118,6 +125,14 @@ pub(super) fn run(args: &GapArgs) -> Result<u8, CliError> {
 fn write_report(args: &GapArgs, case: &Case, report: &GapReport) -> Result<PathBuf, CliError> {
     let folder = args.common.folder(&study_name(&args.study));
     let mut outputs = Outputs::default();
+    let page = add_report(&mut outputs, &folder, report)?;
+    args.common.add_json(&mut outputs, &gap_json(report))?;
+    write_outputs(outputs, &case.inputs())?;
+    Ok(page)
+}
+
+/// A joint's page, figures, fit and next motion in a folder; answers with the page.
+pub(super) fn add_report(outputs: &mut Outputs, folder: &Path, report: &GapReport) -> Result<PathBuf, CliError> {
     for figure in gap_figures(report)? {
         outputs.add(folder.join(figure.file_name), figure.svg);
     }
@@ -128,8 +143,6 @@ fn write_report(args: &GapArgs, case: &Case, report: &GapReport) -> Result<PathB
     }
     let page = folder.join("report.html");
     outputs.add_page(&page, render_gap_html(report)?);
-    args.common.add_json(&mut outputs, &gap_json(report))?;
-    write_outputs(outputs, &case.inputs())?;
     Ok(page)
 }
 

@@ -2,6 +2,7 @@
 
 mod blind;
 mod check;
+mod clamped_gap;
 mod common;
 mod demands;
 mod drop;

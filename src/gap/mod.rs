@@ -11,6 +11,7 @@ mod binned;
 mod blocks;
 mod chance;
 mod check;
+pub mod clamped;
 mod compare;
 mod decide;
 mod demands;

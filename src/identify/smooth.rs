@@ -55,6 +55,24 @@ pub(super) fn motion(t_s: &[f64], q_rad: &[f64], from: usize, stride: usize) -> 
     moments
 }
 
+/// Smoothed angle, rate and acceleration at every sample \[rad, rad/s, rad/s^2\]; windows are cut short at either end.
+pub(crate) fn along(t_s: &[f64], q_rad: &[f64]) -> Vec<[f64; 3]> {
+    let n = t_s.len();
+    let (mut low, mut high) = (0, 0);
+    (0..n)
+        .map(|k| {
+            while t_s[low] < t_s[k] - HALF_WINDOW_S {
+                low += 1;
+            }
+            while high + 1 < n && t_s[high + 1] <= t_s[k] + HALF_WINDOW_S {
+                high += 1;
+            }
+            let (from, to) = (low.min(k.saturating_sub(FEWEST)), high.max((k + FEWEST).min(n - 1)));
+            quadratic(&t_s[from..=to], &q_rad[from..=to], t_s[k]).unwrap_or([q_rad[k], 0.0, 0.0])
+        })
+        .collect()
+}
+
 /// Angle and speed at the first sample.
 pub(super) fn at_start(t_s: &[f64], q_rad: &[f64]) -> (f64, f64) {
     let inside = t_s.iter().take_while(|t| **t <= t_s[0] + 2.0 * HALF_WINDOW_S).count();

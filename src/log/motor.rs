@@ -63,7 +63,7 @@ pub(super) fn motor(document: &Document<'_>, table: &str, raw: &RawMotor) -> Res
 }
 
 /// What turns the law's answer into torque; the keys of a motor fed by voltage belong to that model only.
-fn model(document: &Document<'_>, table: &str, raw: &RawMotor) -> Result<MotorModel, LogError> {
+pub(super) fn model(document: &Document<'_>, table: &str, raw: &RawMotor) -> Result<MotorModel, LogError> {
     let key = |name: &str| format!("{table}{name}");
     let said = document.word(&key("model"), &raw.model, &MODELS)?;
     let is_current = document.word(&key("tau_is"), &raw.tau_is, &TAUS)? == Some(Tau::Current);

@@ -183,7 +183,7 @@ fn joint(document: &Document<'_>, raw: &RawJoint, full: bool) -> Result<JointSpe
     })
 }
 
-fn sensor(document: &Document<'_>, raw: &RawSensor) -> Result<SensorSpec, LogError> {
+pub(super) fn sensor(document: &Document<'_>, raw: &RawSensor) -> Result<SensorSpec, LogError> {
     let resolution = document.number("[sensor] resolution", &raw.resolution, RESOLUTION)?;
     Ok(SensorSpec {
         resolution_rad: resolution.filter(|step| *step > 0.0),

@@ -9,6 +9,7 @@ mod assemble;
 mod beliefs;
 mod blind;
 mod check;
+mod clamped_gap;
 mod error;
 mod fit_json;
 mod full;
@@ -36,6 +37,7 @@ pub use blind::{
     robot_blind_text,
 };
 pub use check::{CheckReport, check_json, check_text};
+pub use clamped_gap::{ClampedGapReport, clamped_gap_figures, clamped_gap_html, clamped_gap_json, clamped_gap_text};
 pub use error::ReportError;
 pub use fit_json::{EffectFit, FitFile, JointFit, LogFit, ModelFit, Quantity, SCHEMA};
 pub use full::{FullCurves, FullDrop, FullRow, HeldRow, RefitFit, RefitSummary};

@@ -42,20 +42,26 @@ pub enum StudyKind {
     Joint,
     /// A whole robot: [`read_robot_study`].
     Robot,
+    /// Any robot with a clamped base, `scenario = "fixed"`: [`read_clamped_study`](crate::log::read_clamped_study).
+    Clamped,
 }
 
-/// Which kind of study a file is, by its table `[robot]`; a file that is no TOML is the kind that its text looks like, so
+/// Which kind of study a file is, by its table `[robot]` and the scenario there; a file that is no TOML is the kind that its text looks like, so
 /// that its reader says what is wrong.
 ///
 /// # Errors
 /// [`LogError`] where the file cannot be read as text.
 pub fn study_kind(path: &Path) -> Result<StudyKind, LogError> {
     let document = Document::open(path)?;
-    let is_robot = match toml::from_str::<toml::Table>(document.text()) {
-        Ok(table) => table.contains_key("robot"),
-        Err(_) => document.text().lines().any(|line| line.trim_start().starts_with("[robot]")),
-    };
-    Ok(if is_robot { StudyKind::Robot } else { StudyKind::Joint })
+    Ok(match toml::from_str::<toml::Table>(document.text()) {
+        Ok(table) => match table.get("robot") {
+            Some(robot) if robot.get("scenario").and_then(toml::Value::as_str) == Some("fixed") => StudyKind::Clamped,
+            Some(_) => StudyKind::Robot,
+            None => StudyKind::Joint,
+        },
+        Err(_) if document.text().lines().any(|line| line.trim_start().starts_with("[robot]")) => StudyKind::Robot,
+        Err(_) => StudyKind::Joint,
+    })
 }
 
 /// Reads a robot study: what is believed of robot, friction, control, floor and sensors, and the logs, which have to

@@ -1,0 +1,240 @@
+//! Every joint of a robot diagnosed, and what they have in common.
+
+use super::case::{ClampedCase, ClampedJoint};
+use crate::gap::sentence::words;
+use crate::gap::{CauseShare, Diagnosis, GapError, GapOptions, Verdict, diagnose};
+use crate::joint::EffectId;
+use crate::number::mrad;
+use crate::progress::{Cancelled, Progress, Step};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// What was found on a robot.
+#[derive(Clone, Debug, Serialize)]
+pub struct ClampedDiagnosis {
+    /// The robot's name.
+    pub robot: String,
+    /// In short.
+    pub answer: ClampedAnswer,
+    /// Over all joints that move.
+    pub gap: ClampedGap,
+    /// Causes with all joints that have them, the one that closes most first.
+    pub causes: Vec<SharedCause>,
+    /// In the description's order.
+    pub joints: Vec<JointAnswer>,
+    /// What the reader has to know beside it.
+    pub notes: Vec<String>,
+}
+
+/// The answer in short.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ClampedAnswer {
+    /// The gravest of the joints' verdicts: unexplained, effect, calibration, none.
+    pub verdict: Verdict,
+    /// The cause that closes most.
+    pub effect: Option<EffectId>,
+    /// The one that closes most beside it.
+    pub second: Option<EffectId>,
+    /// Lowest measured rate at which answers like those of the joints were right.
+    pub probability: f64,
+    /// What a colleague would say.
+    pub sentence: String,
+}
+
+/// How far the gap closes: roots of the mean squares over all joints, each as much as the others, on held-out logs.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ClampedGap {
+    /// As given \[rad\].
+    pub before: f64,
+    /// With numbers refitted within their beliefs \[rad\].
+    pub calibrated: f64,
+    /// With the causes that were found \[rad\].
+    pub after: f64,
+    /// What the sensors leave \[rad\].
+    pub floor: f64,
+    /// Share of the gap above the floor that is closed; `None` where there is none.
+    pub closed: Option<f64>,
+    /// Whether the figures come from logs on which no choice was made.
+    pub outer: bool,
+}
+
+/// A cause with the joints that have it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SharedCause {
+    /// Which family.
+    pub effect: EffectId,
+    /// Those that have it, in the description's order.
+    pub joints: Vec<String>,
+    /// The group of the study that they make up, or `all`.
+    pub group: Option<String>,
+    /// Share of the robot's recalibrated squares that it closes where it is added.
+    pub share: f64,
+}
+
+/// A joint's own answer.
+#[derive(Clone, Debug, Serialize)]
+pub struct JointAnswer {
+    /// Its name.
+    pub joint: String,
+    /// What was found; `None` where it never moved in a log.
+    pub diagnosis: Option<Diagnosis>,
+}
+
+/// Diagnoses a robot's joints, each along the measured motion of the others. `progress` is told what is being tried, and
+/// how many joints are done.
+///
+/// # Errors
+/// [`GapError`] where no joint can be diagnosed.
+pub fn diagnose_clamped(
+    case: &ClampedCase,
+    options: &GapOptions,
+    progress: &dyn Progress,
+) -> Result<ClampedDiagnosis, GapError> {
+    let counted = Counted { progress, done: AtomicUsize::new(0), of: case.joints.len() };
+    let of_joint = |joint: &ClampedJoint| {
+        let found = match diagnose(&joint.case, options, &counted) {
+            Ok(diagnosis) => Ok(Some(diagnosis)),
+            Err(GapError::NeverMoved) => Ok(None),
+            Err(other) => Err(other),
+        };
+        counted.done.fetch_add(1, Ordering::Relaxed);
+        Ok(JointAnswer { joint: joint.name.clone(), diagnosis: found? })
+    };
+    let joints: Vec<JointAnswer> = case.joints.par_iter().map(of_joint).collect::<Result<_, GapError>>()?;
+    if joints.iter().all(|joint| joint.diagnosis.is_none()) {
+        return Err(GapError::NeverMoved);
+    }
+    let gap = gap(&joints);
+    let causes = shared(case, &joints);
+    let found = || joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
+    let verdict = found().map(|d| d.answer.verdict).max_by_key(|verdict| gravity(*verdict)).unwrap_or(Verdict::None);
+    let answer = ClampedAnswer {
+        verdict,
+        effect: causes.first().map(|cause| cause.effect),
+        second: causes.get(1).map(|cause| cause.effect),
+        probability: found().map(|d| d.answer.probability).fold(1.0, f64::min),
+        sentence: sentence(&case.robot, &joints, &gap, &causes),
+    };
+    let mut notes = case.notes.clone();
+    notes.push(
+        "Each joint is simulated along the measured motion of the others: it answers for its own fault.".to_owned(),
+    );
+    Ok(ClampedDiagnosis { robot: case.robot.clone(), answer, gap, causes, joints, notes })
+}
+
+/// Tells another how many joints are done.
+struct Counted<'a> {
+    progress: &'a dyn Progress,
+    done: AtomicUsize,
+    of: usize,
+}
+
+impl Progress for Counted<'_> {
+    fn step(&self, step: Step) {
+        self.progress.step(Step { done: self.done.load(Ordering::Relaxed), of: self.of, ..step });
+    }
+
+    fn cancelled(&self) -> bool {
+        self.progress.cancelled()
+    }
+
+    fn go_on(&self, step: Step) -> Result<(), Cancelled> {
+        if self.cancelled() {
+            return Err(Cancelled);
+        }
+        self.step(step);
+        Ok(())
+    }
+}
+
+/// What outweighs what.
+fn gravity(verdict: Verdict) -> u8 {
+    match verdict {
+        Verdict::None => 0,
+        Verdict::Calibration => 1,
+        Verdict::Effect => 2,
+        Verdict::Unexplained => 3,
+    }
+}
+
+fn gap(joints: &[JointAnswer]) -> ClampedGap {
+    let found: Vec<&Diagnosis> = joints.iter().filter_map(|joint| joint.diagnosis.as_ref()).collect();
+    let root = |of: fn(&Diagnosis) -> f64| {
+        (found.iter().map(|d| of(d).powi(2)).sum::<f64>() / found.len().max(1) as f64).sqrt()
+    };
+    let (before, after, floor) = (root(|d| d.gap.before), root(|d| d.gap.after), root(|d| d.gap.floor));
+    ClampedGap {
+        before,
+        calibrated: root(|d| d.gap.calibrated),
+        after,
+        floor,
+        closed: (before > floor).then(|| 1.0 - (after - floor) / (before - floor)),
+        outer: found.iter().all(|d| d.gap.outer),
+    }
+}
+
+/// Squares that each cause of a joint closes where it is added \[rad^2\].
+fn steps(diagnosis: &Diagnosis) -> impl Iterator<Item = (&CauseShare, f64)> {
+    let before = std::iter::once(diagnosis.gap.calibrated).chain(diagnosis.causes.iter().map(|cause| cause.after));
+    diagnosis.causes.iter().zip(before).map(|(cause, before)| (cause, before.powi(2) - cause.after.powi(2)))
+}
+
+/// Causes with all joints that have them, the one that closes most first.
+fn shared(case: &ClampedCase, joints: &[JointAnswer]) -> Vec<SharedCause> {
+    let found: Vec<(&str, &Diagnosis)> =
+        joints.iter().filter_map(|joint| Some((joint.joint.as_str(), joint.diagnosis.as_ref()?))).collect();
+    let all: f64 = found.iter().map(|(_, d)| d.gap.calibrated.powi(2)).sum();
+    let mut causes: Vec<SharedCause> = Vec::new();
+    for (joint, diagnosis) in &found {
+        for (cause, squares) in steps(diagnosis) {
+            let share = if all > 0.0 { squares / all } else { 0.0 };
+            match causes.iter_mut().find(|known| known.effect == cause.effect) {
+                Some(known) => {
+                    known.joints.push((*joint).to_owned());
+                    known.share += share;
+                }
+                None => {
+                    let joints = vec![(*joint).to_owned()];
+                    causes.push(SharedCause { effect: cause.effect, joints, group: None, share });
+                }
+            }
+        }
+    }
+    let same = |a: &[String], b: &[String]| a.len() == b.len() && a.iter().all(|name| b.contains(name));
+    for cause in &mut causes {
+        let group = case.groups.iter().find(|(_, joints)| same(joints, &cause.joints)).map(|(name, _)| name.clone());
+        let is_all = cause.joints.len() == found.len() && found.len() > 1;
+        cause.group = group.or(is_all.then(|| "all".to_owned()));
+    }
+    causes.sort_by(|a, b| b.share.total_cmp(&a.share));
+    causes
+}
+
+fn sentence(robot: &str, joints: &[JointAnswer], gap: &ClampedGap, causes: &[SharedCause]) -> String {
+    let found = || joints.iter().filter_map(|joint| Some((&joint.joint, joint.diagnosis.as_ref()?)));
+    let [given, calibrated, after] = [gap.before, gap.calibrated, gap.after].map(mrad);
+    let mut text = format!(
+        "{robot}: over {} joints the error is {given} as given, {calibrated} with recalibrated numbers and {after} with \
+         the causes that were found.",
+        found().count()
+    );
+    for cause in causes.iter().filter(|cause| cause.share > 0.0).take(SAID) {
+        let on = cause.group.clone().unwrap_or_else(|| cause.joints.join(", "));
+        text += &format!(" {} on {on}.", capital(words(cause.effect)));
+    }
+    let unexplained: Vec<&str> =
+        found().filter(|(_, d)| d.answer.verdict == Verdict::Unexplained).map(|(joint, _)| joint.as_str()).collect();
+    if !unexplained.is_empty() {
+        text += &format!(" The effects I know do not explain all of {}.", unexplained.join(", "));
+    }
+    text
+}
+
+/// Causes that the sentence names.
+const SAID: usize = 3;
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}

@@ -1,0 +1,88 @@
+//! The TOML of a study as it stands in the file; unknown keys are errors, missing ones are not yet.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use crate::log::schema::{Number, RawMotor, RawSensor, RawUncertain, Text};
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawClampedStudy {
+    pub schema: Option<Spanned<i64>>,
+    pub robot: RawDescribed,
+    #[serde(default)]
+    pub joints: BTreeMap<String, RawBeliefs>,
+    #[serde(default)]
+    pub groups: BTreeMap<String, Spanned<Vec<String>>>,
+    #[serde(default)]
+    pub control: RawLoop,
+    #[serde(default)]
+    pub sensor: RawSensor,
+    #[serde(default)]
+    pub uncertain: RawUncertain,
+    #[serde(default)]
+    pub log: Vec<RawClampedLog>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawDescribed {
+    pub model: Text,
+    pub scenario: Text,
+    pub tip: Text,
+    pub gravity: Option<Spanned<Vec<f64>>>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawLoop {
+    pub hold: Text,
+    pub derivative: Text,
+    pub sample_period: Number,
+}
+
+/// What a study says of a joint: friction, and keys of `[motor]`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawBeliefs {
+    pub coulomb: Number,
+    pub viscous: Number,
+    pub armature: Number,
+    pub kp: Number,
+    pub ki: Number,
+    pub kd: Number,
+    pub torque_limit: Number,
+    pub speed_limit: Number,
+    pub model: Text,
+    pub kt: Number,
+    pub resistance: Number,
+    pub supply: Number,
+    pub duty_limit: Number,
+    pub encoder: Text,
+}
+
+impl RawBeliefs {
+    /// What of it turns the law's answer into torque, as a motor has it.
+    pub fn as_motor(&self) -> RawMotor {
+        RawMotor {
+            model: self.model.clone(),
+            kt: self.kt.clone(),
+            resistance: self.resistance.clone(),
+            supply: self.supply.clone(),
+            duty_limit: self.duty_limit.clone(),
+            ..RawMotor::default()
+        }
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawClampedLog {
+    pub file: Text,
+    pub role: Text,
+    pub drive: Text,
+    pub session: Text,
+    pub predict: Text,
+}

@@ -1,0 +1,144 @@
+//! From the TOML to a checked study.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use rayon::prelude::*;
+use toml::Spanned;
+
+use super::raw::{RawBeliefs, RawClampedLog, RawClampedStudy};
+use super::{ClampedStudy, ClampedStudyLog, JointBeliefs};
+use crate::log::beliefs::{ANY_NAME, uncertain};
+use crate::log::document::{Document, NOT_NEGATIVE, PERIOD, POSITIVE, Range64, range};
+use crate::log::error::LogError;
+use crate::log::motor::{DERIVATIVES, ENCODERS, HOLDS, model};
+use crate::log::plausible::check_stamps;
+use crate::log::robot_log::{RobotLog, read_robot_log};
+use crate::log::schema::Text;
+use crate::log::study::{DRIVES, ROLES, check_schema, named_log, sensor};
+use crate::log::types::{Derivative, DriveMode, Hold, Role};
+
+/// The table of beliefs that holds for all joints.
+const ALL: &str = "default";
+
+const GRAVITY: Range64 = range(|x| x.abs() <= 100.0, "components of at most 100 m/s^2");
+
+/// Reads a study of a robot with a clamped base; its logs have to exist but are not read yet.
+///
+/// # Errors
+/// [`LogError`] naming the file and the key: unknown keys, missing keys, values out of range, logs that are not there.
+pub fn read_clamped_study(path: &Path) -> Result<ClampedStudy, LogError> {
+    let document = Document::open(path)?;
+    let raw: RawClampedStudy = document.parse_any()?;
+    check_schema(&document, &raw.schema)?;
+    let scenario = [("fixed", ())];
+    document.needed_word("[robot] scenario", &raw.robot.scenario, &scenario)?;
+    let expected = "the path of a robot's description: URDF, MJCF or TOML";
+    let model = raw.robot.model.as_ref().ok_or_else(|| document.missing("[robot] model", expected))?;
+    if model.get_ref().trim().is_empty() {
+        return Err(document.wrong("[robot] model", model.span(), "an empty name", expected));
+    }
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let gravity_m_s2 = raw.robot.gravity.as_ref().map(|gravity| self::gravity(&document, gravity)).transpose()?;
+    let mut by_joint = BTreeMap::new();
+    for (name, joint) in &raw.joints {
+        by_joint.insert(name.clone(), beliefs(&document, name, joint)?);
+    }
+    let all = by_joint.remove(ALL).unwrap_or_default();
+    let hold = document.word("[control] hold", &raw.control.hold, &HOLDS)?.unwrap_or(Hold::Step);
+    let derivative = document.word("[control] derivative", &raw.control.derivative, &DERIVATIVES)?;
+    let derivative = derivative.unwrap_or(Derivative::Measurement);
+    if derivative == Derivative::Error && hold == Hold::Step {
+        let span = raw.control.derivative.as_ref().map_or(0..0, Spanned::span);
+        let expected = "hold = \"linear\" beside it: a setpoint held in steps has no derivative";
+        return Err(document.wrong("[control] derivative", span, "\"error\" with hold = \"step\"", expected));
+    }
+    if raw.log.is_empty() {
+        return Err(document.missing("[[log]]", "at least one log"));
+    }
+    let mut seen = BTreeMap::new();
+    let logs = raw.log.iter().enumerate().map(|(i, entry)| log(&document, i, entry, &mut seen));
+    let logs: Vec<ClampedStudyLog> = logs.collect::<Result<_, _>>()?;
+    if !logs.iter().any(|log| log.role == Role::Fit) {
+        return Err(document.missing("[[log]] role", "at least one log with role = \"fit\""));
+    }
+    Ok(ClampedStudy {
+        file: path.to_path_buf(),
+        model_path: folder.join(model.get_ref()),
+        tip: raw.robot.tip.map(Spanned::into_inner),
+        gravity_m_s2,
+        all,
+        by_joint,
+        groups: raw.groups.into_iter().map(|(name, joints)| (name, joints.into_inner())).collect(),
+        hold,
+        derivative,
+        sample_period_s: document.number("[control] sample_period", &raw.control.sample_period, PERIOD)?,
+        sensor: sensor(&document, &raw.sensor)?,
+        uncertain: uncertain(&document, &raw.uncertain, ANY_NAME)?,
+        logs,
+    })
+}
+
+/// Reads the logs of a study, in the study's order.
+///
+/// # Errors
+/// The error of the first log, in the study's order, that cannot be read, or whose period is about 1000 times off
+/// `[sensor] period`.
+pub fn read_clamped_study_logs(study: &ClampedStudy) -> Result<Vec<RobotLog>, LogError> {
+    let read = |entry: &ClampedStudyLog| {
+        let log = read_robot_log(&entry.path)?;
+        study.sensor.period_s.map_or(Ok(()), |period_s| check_stamps(&log.file, &log.t_s, period_s))?;
+        Ok(log)
+    };
+    let logs: Vec<Result<RobotLog, LogError>> = study.logs.par_iter().map(read).collect();
+    logs.into_iter().collect()
+}
+
+fn gravity(document: &Document<'_>, raw: &Spanned<Vec<f64>>) -> Result<[f64; 3], LogError> {
+    let key = "[robot] gravity";
+    let Ok(numbers) = <[f64; 3]>::try_from(raw.get_ref().as_slice()) else {
+        let found = format!("{} numbers", raw.get_ref().len());
+        return Err(document.wrong(key, raw.span(), found, "3 numbers [m/s^2], in the description's axes"));
+    };
+    for number in numbers {
+        document.within(key, raw.span(), number, GRAVITY)?;
+    }
+    Ok(numbers)
+}
+
+fn beliefs(document: &Document<'_>, joint: &str, raw: &RawBeliefs) -> Result<JointBeliefs, LogError> {
+    let table = format!("[joints.{joint}] ");
+    let number = |name: &str, value, of| document.number(&format!("{table}{name}"), value, of);
+    Ok(JointBeliefs {
+        coulomb_nm: number("coulomb", &raw.coulomb, NOT_NEGATIVE)?,
+        viscous_nm_s_rad: number("viscous", &raw.viscous, NOT_NEGATIVE)?,
+        armature_kg_m2: number("armature", &raw.armature, NOT_NEGATIVE)?,
+        kp_nm_rad: number("kp", &raw.kp, NOT_NEGATIVE)?,
+        ki_nm_rad_s: number("ki", &raw.ki, NOT_NEGATIVE)?,
+        kd_nm_s_rad: number("kd", &raw.kd, NOT_NEGATIVE)?,
+        torque_limit_nm: number("torque_limit", &raw.torque_limit, POSITIVE)?,
+        speed_limit_rad_s: number("speed_limit", &raw.speed_limit, POSITIVE)?,
+        model: raw.model.as_ref().map(|_| model(document, &table, &raw.as_motor())).transpose()?,
+        encoder: document.word(&format!("{table}encoder"), &raw.encoder, &ENCODERS)?,
+    })
+}
+
+fn log(
+    document: &Document<'_>,
+    i: usize,
+    raw: &RawClampedLog,
+    seen: &mut BTreeMap<std::path::PathBuf, usize>,
+) -> Result<ClampedStudyLog, LogError> {
+    let key = |name: &str| format!("[[log]] {} {name}", i + 1);
+    let (file, path) = named_log(document, i, &raw.file, seen)?;
+    let session: &Text = &raw.session;
+    // Torques along a motion are another question than the motion that torques make.
+    document.word(&key("predict"), &raw.predict, &[("motion", ())])?;
+    Ok(ClampedStudyLog {
+        file,
+        path,
+        role: document.needed_word(&key("role"), &raw.role, &ROLES)?,
+        drive: document.word(&key("drive"), &raw.drive, &DRIVES)?.unwrap_or(DriveMode::Position),
+        session: session.as_ref().map(|session| session.get_ref().clone()),
+    })
+}

@@ -1,0 +1,70 @@
+//! A robot's diagnosis as one page that opens without a network; its joints have pages of their own.
+
+use minijinja::{Value, context};
+
+use super::{ClampedGapReport, summary};
+use crate::report::gap::plot::how_far::errors;
+use crate::report::gap::{gap_view, with_code};
+use crate::report::html::{figure_views, render};
+use crate::report::number::{share, significant};
+use crate::report::{Figure, GapReport, ReportError};
+
+/// Draws the joints at a glance.
+///
+/// # Errors
+/// [`ReportError::Font`] and [`ReportError::Draw`], neither of which depends on the data.
+pub fn clamped_gap_figures(report: &ClampedGapReport) -> Result<Vec<Figure>, ReportError> {
+    let rows = report.rows();
+    let title = format!("{}: error of each joint", report.diagnosis.robot);
+    Ok(vec![Figure {
+        file_name: "joints.svg".to_owned(),
+        title: title.clone(),
+        caption:
+            "RMS of the angle error over the held-out logs: as given, with numbers refitted within their beliefs, \
+                  with the causes that were found, and what the sensor leaves."
+                .to_owned(),
+        svg: errors(&title, &rows.iter().collect::<Vec<_>>(), Some("with causes".to_owned()))?,
+    }])
+}
+
+/// Puts a robot's diagnosis into one HTML page: verdict, joints at a glance, what each of them says, notes, provenance.
+///
+/// # Errors
+/// [`ReportError`] from the figures or the template; none depends on the data.
+pub fn clamped_gap_html(report: &ClampedGapReport) -> Result<String, ReportError> {
+    let ClampedGapReport { diagnosis, joints, provenance } = report;
+    let (gap, answer) = (&diagnosis.gap, &diagnosis.answer);
+    let still = diagnosis.joints.iter().filter(|joint| joint.diagnosis.is_none());
+    let values = context! {
+        robot => diagnosis.robot.as_str(),
+        sentence => with_code(&answer.sentence),
+        verdict => answer.verdict.name(),
+        gap => gap_view([gap.before, gap.calibrated, gap.after, gap.after, gap.floor]),
+        closed => gap.closed.map_or_else(|| "–".to_owned(), share),
+        figures => figure_views(clamped_gap_figures(report)?),
+        joints => joints.iter().map(|(folder, joint)| joint_view(folder, joint)).collect::<Vec<_>>(),
+        still => still.map(|joint| joint.joint.clone()).collect::<Vec<_>>(),
+        notes => diagnosis.notes.iter().map(|note| with_code(note)).collect::<Vec<_>>(),
+        version => provenance.version.as_str(),
+        command => provenance.command.as_str(),
+        inputs => provenance.inputs.clone(),
+    };
+    render("clamped_gap.html", include_str!("../templates/clamped_gap.html"), values)
+}
+
+fn joint_view(folder: &str, joint: &GapReport) -> Value {
+    let diagnosis = &joint.diagnosis;
+    let milli = |rad: f64| significant(1e3 * rad, 3);
+    context! {
+        joint => diagnosis.joint.as_str(),
+        page => format!("{folder}/report.html"),
+        verdict => diagnosis.answer.verdict.name(),
+        what => summary(diagnosis),
+        before => milli(diagnosis.gap.before),
+        calibrated => milli(diagnosis.gap.calibrated),
+        after => milli(diagnosis.gap.after),
+        floor => milli(diagnosis.gap.floor),
+        probability => share(diagnosis.answer.probability),
+        sentence => with_code(&diagnosis.answer.sentence),
+    }
+}

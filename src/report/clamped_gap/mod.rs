@@ -1,0 +1,80 @@
+//! The report of a robot with a clamped base: all joints at a glance, and a report for each of them.
+//!
+//! A joint's own report is that of the bench (`report::gap`), in a folder with the joint's name.
+
+mod html;
+mod json;
+mod text;
+
+pub use html::{clamped_gap_figures, clamped_gap_html};
+pub use json::clamped_gap_json;
+pub use text::clamped_gap_text;
+
+use super::{GapReport, Provenance};
+use crate::gap::clamped::{ClampedCase, ClampedDiagnosis};
+use crate::gap::{Diagnosis, GapOptions, LogGap};
+
+/// A robot's diagnosis with what was asked and where it comes from.
+#[derive(Clone, Debug)]
+pub struct ClampedGapReport {
+    /// What was found.
+    pub diagnosis: ClampedDiagnosis,
+    /// The reports of those joints that move, with the joint's folder.
+    pub joints: Vec<(String, GapReport)>,
+    /// Where the report comes from.
+    pub provenance: Provenance,
+}
+
+impl ClampedGapReport {
+    /// The report of a case's diagnosis.
+    pub fn new(case: &ClampedCase, diagnosis: ClampedDiagnosis, options: &GapOptions, provenance: &Provenance) -> Self {
+        let found = diagnosis.joints.iter().filter_map(|joint| Some((&joint.joint, joint.diagnosis.clone()?)));
+        let report = |(name, diagnosis): (&String, Diagnosis)| {
+            let own = case.joints.iter().find(|joint| joint.name == *name)?;
+            let report = GapReport::new(&own.case, diagnosis, options.clone(), provenance.clone());
+            Some((folder_of(name), report))
+        };
+        let joints = found.filter_map(report).collect();
+        Self { diagnosis, joints, provenance: provenance.clone() }
+    }
+
+    /// How far each joint's gap closes, and all of them together.
+    fn rows(&self) -> Vec<LogGap> {
+        let gap = &self.diagnosis.gap;
+        let of = |diagnosis: &Diagnosis| {
+            let own = &diagnosis.gap;
+            LogGap {
+                file: diagnosis.joint.clone(),
+                before: own.before,
+                calibrated: own.calibrated,
+                after: own.after,
+                floor: own.floor,
+            }
+        };
+        let all = LogGap {
+            file: "all joints".to_owned(),
+            before: gap.before,
+            calibrated: gap.calibrated,
+            after: gap.after,
+            floor: gap.floor,
+        };
+        self.joints.iter().map(|(_, report)| of(&report.diagnosis)).chain([all]).collect()
+    }
+}
+
+/// A joint's name as the name of a folder: descriptions have names with slashes, blanks and points.
+fn folder_of(joint: &str) -> String {
+    let plain = |c: char| if c.is_ascii_alphanumeric() || "-_".contains(c) { c } else { '_' };
+    joint.chars().map(plain).collect()
+}
+
+/// A joint's causes in few words; the number that moved most where there are none.
+fn summary(diagnosis: &Diagnosis) -> String {
+    let causes = diagnosis.causes.iter().map(|cause| cause.effect.id());
+    let all: Vec<&str> = causes.chain(diagnosis.law.is_some().then_some("a law")).collect();
+    match (&all[..], &diagnosis.answer.effect) {
+        ([], Some(number)) => number.clone(),
+        ([], None) => "–".to_owned(),
+        _ => all.join(", "),
+    }
+}

@@ -1,0 +1,51 @@
+//! A robot's diagnosis as text for a terminal.
+
+use comfy_table::Cell;
+
+use super::{ClampedGapReport, summary};
+use crate::gap::Diagnosis;
+use crate::report::gap::text::{WIDTH, mrad, paragraph, undetermined};
+use crate::report::number::share;
+use crate::report::text::{finish, number, one_line, table, wrap};
+
+/// Writes a robot's diagnosis as plain text, as a rule at most 100 columns wide, ending in a newline: what was found in
+/// short, the joints at a glance, every joint's own sentence, what cannot be determined, notes.
+pub fn clamped_gap_text(report: &ClampedGapReport) -> String {
+    let diagnosis = &report.diagnosis;
+    let mut blocks = vec![paragraph(&diagnosis.answer.sentence), joints(report)];
+    blocks.extend(report.joints.iter().map(|(_, joint)| sentence(&joint.diagnosis)));
+    let open = report.joints.iter().flat_map(|(_, joint)| {
+        let own = &joint.diagnosis;
+        own.undetermined.iter().map(|sentence| format!("{}: {sentence}", own.joint))
+    });
+    blocks.extend(undetermined(&open.collect::<Vec<_>>()));
+    let still: Vec<&str> =
+        diagnosis.joints.iter().filter(|joint| joint.diagnosis.is_none()).map(|joint| joint.joint.as_str()).collect();
+    if !still.is_empty() {
+        blocks.push(paragraph(&format!("Never moved: {}.", still.join(", "))));
+    }
+    blocks.extend(diagnosis.notes.iter().map(|note| wrap(WIDTH, note, "- ", "  ")));
+    blocks.join("\n\n") + "\n"
+}
+
+fn joints(report: &ClampedGapReport) -> String {
+    let numbers = ["as given\n[mrad]", "calibrated\n[mrad]", "after\n[mrad]", "floor\n[mrad]", "sure"];
+    let mut table = table(WIDTH, &["joint", "verdict", "what"], &numbers);
+    let rows = report.rows();
+    let answers = report.joints.iter().map(|(_, joint)| Some(&joint.diagnosis)).chain([None]);
+    for (row, diagnosis) in rows.iter().zip(answers) {
+        let verdict = diagnosis.map_or_else(String::new, |d| d.answer.verdict.name().to_owned());
+        let sure = diagnosis.map_or_else(String::new, |d| share(d.answer.probability));
+        let name = Cell::new(one_line(&row.file));
+        let mut cells = vec![name, Cell::new(verdict), Cell::new(diagnosis.map_or_else(String::new, summary))];
+        cells.extend([row.before, row.calibrated, row.after, row.floor].map(mrad));
+        cells.push(number(sure));
+        table.add_row(cells);
+    }
+    finish(&mut table)
+}
+
+/// A joint's own sentence.
+fn sentence(diagnosis: &Diagnosis) -> String {
+    paragraph(&diagnosis.answer.sentence)
+}
