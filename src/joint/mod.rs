@@ -8,6 +8,7 @@
 //! are written once, over [`Real`], so that a run on dual numbers gives exact sensitivities.
 
 mod chain;
+mod dual;
 mod effect;
 mod friction;
 mod gain;
@@ -22,6 +23,7 @@ mod setpoint;
 
 pub use chain::Chain;
 pub(crate) use chain::TwoSides;
+pub use dual::Dual;
 pub use effect::{
     Bounds, DrivenReach, EffectForm, EffectId, EffectParameter, Named, Reach, Scan, Stage, UnknownEffect,
 };
@@ -34,6 +36,5 @@ pub(crate) use motor::Driven;
 pub use motor::{Knee, Motor, Setpoint, SpeedLine, TorqueLimit};
 pub use passive::{EndStop, Push, Spring, SpringCurve};
 pub use real::Real;
-pub(crate) use real::{gradient, variable};
 pub use sensor::{Eccentric, Encoder};
 pub use setpoint::{ProfileLimits, SetpointPath};

@@ -365,10 +365,11 @@ impl<T: Real> TwoBodies<'_, T> {
         let (t_s, y) = (self.t_s, self.y);
         let rates = |t: T, y: &[T; 5]| self.rate(command, mode, t, y);
         let first = rates(t_s, &y);
-        let after = |dt: T| rk4(rates, t_s, &y, &first, dt);
+        let after_plain = |dt: f64| rk4(rates, t_s, &y, &first, dt);
+        let after = |dt: T| if dt.is_constant() { after_plain(dt.re()) } else { rk4(rates, t_s, &y, &first, dt) };
         let end = after(step);
-        let margin = |event: Event, dt: T, y: &[T; 5]| self.margin(event, command, t_s + dt, y);
-        let happening = self.possible().map(|event| event.filter(|&event| margin(event, step, &end).re() < 0.0));
+        let margin = |event: Event, t_s: T, y: &[T; 5]| self.margin(event, command, t_s, y);
+        let happening = self.possible().map(|event| event.filter(|&event| margin(event, t_s + step, &end).re() < 0.0));
         if happening.iter().all(Option::is_none) {
             self.y = end;
             self.t_s = if parts > 1.0 { t_s + step } else { until };
@@ -377,21 +378,19 @@ impl<T: Real> TwoBodies<'_, T> {
         // Halving finds the earliest of them, and which it is; the rest is left to a faster method.
         let (mut low, mut high) = (0.0, step.re());
         for _ in 0..HALVINGS {
-            let middle = T::constant(0.5 * (low + high));
-            let there = after(middle);
-            let happened = happening.iter().flatten().any(|&event| margin(event, middle, &there).re() < 0.0);
-            if happened { high = middle.re() } else { low = middle.re() }
+            let middle = 0.5 * (low + high);
+            let there = after_plain(middle);
+            let happened = happening.iter().flatten().any(|&event| margin(event, t_s + middle, &there).re() < 0.0);
+            if happened { high = middle } else { low = middle }
         }
-        let at = |event: Event, dt: f64| margin(event, T::constant(dt), &after(T::constant(dt))).re();
+        let at = |event: Event, dt: f64| margin(event, t_s + dt, &after_plain(dt)).re();
         let lowest = |a: &&Event, b: &&Event| at(**a, high).total_cmp(&at(**b, high));
         let Some(&event) = happening.iter().flatten().min_by(lowest) else { return Ok(()) };
         let instant = falls_through_zero(|dt| at(event, dt), low, high);
-        let (dt, high) = (T::constant(instant), instant);
-        let there = after(dt);
         // One Newton step in T gives the instant its derivatives.
-        let here = margin(event, dt, &there);
-        let back = T::constant(high * 0.999);
-        let slope = (here.re() - margin(event, back, &after(back)).re()) / (high * 0.001);
+        let here = margin(event, t_s + instant, &after_plain(instant));
+        let slope = (here.re() - at(event, instant * 0.999)) / (instant * 0.001);
+        let dt = T::constant(instant);
         let dt = if slope < 0.0 { dt - (here - here.re()) / slope } else { dt };
         self.y = after(dt);
         self.t_s = t_s + dt;
