@@ -88,7 +88,7 @@ impl<T: Real> Mechanism<T> for OneBody<'_, T> {
         &mut self.y[2]
     }
 
-    fn advance(&mut self, until: T, command: Command<T>) -> Result<(), Diverged> {
+    fn advance(&mut self, until: T, command: &Command<T>) -> Result<(), Diverged> {
         while self.t_s.re() < until.re() {
             match self.mode {
                 Mode::Clamped => self.t_s = until,
@@ -102,7 +102,7 @@ impl<T: Real> Mechanism<T> for OneBody<'_, T> {
         Ok(())
     }
 
-    fn nudge(&mut self, until: T, command: Command<T>) {
+    fn nudge(&mut self, until: T, command: &Command<T>) {
         if let Mode::Slip(direction) = self.mode {
             let rate = self.rate(command, direction, self.t_s, &self.y);
             let step = until - self.t_s;
@@ -127,7 +127,7 @@ impl<T: Real> OneBody<'_, T> {
 
     /// Rate of angle, speed and error integral while slipping.
     #[inline]
-    fn rate(&self, command: Command<T>, direction: f64, t_s: T, y: &[T; 3]) -> [T; 3] {
+    fn rate(&self, command: &Command<T>, direction: f64, t_s: T, y: &[T; 3]) -> [T; 3] {
         let seen = self.seen_at(t_s, y);
         let motor_nm = command.turning_motor_nm(self.chain, t_s, &seen, y[1]);
         [y[1], self.chain.slip_rate_rad_s2(t_s, y[0], y[1], direction, motor_nm), self.error_rad(command, t_s, seen[0])]
@@ -135,12 +135,12 @@ impl<T: Real> OneBody<'_, T> {
 
     /// What the integral of the angle error grows by, where it acts.
     #[inline]
-    fn error_rad(&self, command: Command<T>, t_s: T, seen_rad: T) -> T {
+    fn error_rad(&self, command: &Command<T>, t_s: T, seen_rad: T) -> T {
         if self.winds_up { command.error_rad(self.chain, t_s, seen_rad) } else { T::nought() }
     }
 
     /// The state after `dt` of slipping, of which the rate at the beginning is known.
-    fn slipped<S>(&self, command: Command<T>, direction: f64, first: &[T; 3], dt: S) -> [T; 3]
+    fn slipped<S>(&self, command: &Command<T>, direction: f64, first: &[T; 3], dt: S) -> [T; 3]
     where
         T: Add<S, Output = T> + Mul<S, Output = T>,
         S: Copy + Mul<f64, Output = S>,
@@ -158,7 +158,7 @@ impl<T: Real> OneBody<'_, T> {
     }
 
     /// How far the torque on the resting joint is beyond breakaway \[N m\], and its direction.
-    fn beyond_breakaway(&self, command: Command<T>, t_s: T, y: &[T; 3]) -> (T, f64) {
+    fn beyond_breakaway(&self, command: &Command<T>, t_s: T, y: &[T; 3]) -> (T, f64) {
         let motor_nm = command.turning_motor_nm(self.chain, t_s, &self.seen_at(t_s, y), y[1]);
         let net_nm = self.chain.drive_nm(t_s, y[0], motor_nm);
         let direction = if net_nm.re() < 0.0 { -1.0 } else { 1.0 };
@@ -166,14 +166,14 @@ impl<T: Real> OneBody<'_, T> {
     }
 
     /// The state of a resting joint after `dt`: only the error integral moves.
-    fn rested(&self, command: Command<T>, dt: T) -> [T; 3] {
+    fn rested(&self, command: &Command<T>, dt: T) -> [T; 3] {
         let middle_s = self.t_s + dt * 0.5;
         let error = self.error_rad(command, middle_s, self.seen_at(middle_s, &self.y)[0]);
         [self.y[0], T::nought(), self.y[2] + error * dt]
     }
 
     /// A resting joint stays, or breaks away at an instant before `until`.
-    fn stick(&mut self, until: T, command: Command<T>) {
+    fn stick(&mut self, until: T, command: &Command<T>) {
         self.y[1] = T::nought();
         let (beyond, direction) = self.beyond_breakaway(command, self.t_s, &self.y);
         if beyond.re() > 0.0 {
@@ -209,7 +209,7 @@ impl<T: Real> OneBody<'_, T> {
     }
 
     /// One step of a slipping joint, cut short where its speed passes through zero.
-    fn slip(&mut self, until: T, command: Command<T>, direction: f64) -> Result<(), Diverged> {
+    fn slip(&mut self, until: T, command: &Command<T>, direction: f64) -> Result<(), Diverged> {
         let driven = command.driven();
         let whole = until - self.t_s;
         let fastest_rad_s = if driven == Driven::ByLaw { self.driven_rad_s } else { self.swinging_rad_s };

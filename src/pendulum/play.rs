@@ -139,7 +139,7 @@ impl<T: Real> Mechanism<T> for TwoBodies<'_, T> {
         &mut self.y[4]
     }
 
-    fn advance(&mut self, until: T, command: Command<T>) -> Result<(), Diverged> {
+    fn advance(&mut self, until: T, command: &Command<T>) -> Result<(), Diverged> {
         while self.t_s.re() < until.re() {
             if self.steps_left == 0 {
                 return Err(Diverged { at_s: self.t_s.re() });
@@ -158,7 +158,7 @@ impl<T: Real> Mechanism<T> for TwoBodies<'_, T> {
         Ok(())
     }
 
-    fn nudge(&mut self, until: T, command: Command<T>) {
+    fn nudge(&mut self, until: T, command: &Command<T>) {
         let rate = self.rate(command, self.mode, self.t_s, &self.y);
         let step = until - self.t_s;
         self.y = std::array::from_fn(|i| self.y[i] + rate[i] * step);
@@ -205,7 +205,7 @@ impl<T: Real> TwoBodies<'_, T> {
         self.chain.acting_nm(t_s, y[0], y[1]) + self.spring_nm(y)
     }
 
-    fn motor_nm(&self, command: Command<T>, t_s: T, y: &[T; 5]) -> T {
+    fn motor_nm(&self, command: &Command<T>, t_s: T, y: &[T; 5]) -> T {
         let [angle, rate] = self.seen_in(t_s, y);
         command.turning_motor_nm(self.chain, t_s, &[angle, rate, y[4]], y[3])
     }
@@ -227,7 +227,7 @@ impl<T: Real> TwoBodies<'_, T> {
     }
 
     /// Decides what resting bodies do, and whether pressed flanks stay pressed, at the present instant.
-    fn settle(&mut self, command: Command<T>) {
+    fn settle(&mut self, command: &Command<T>) {
         let (t_s, y) = (self.t_s, self.y);
         let motor_nm = self.motor_nm(command, t_s, &y);
         let passive_nm = self.chain.acting_nm(t_s, y[0], y[1]);
@@ -256,13 +256,13 @@ impl<T: Real> TwoBodies<'_, T> {
     }
 
     /// Acceleration of both bodies as one.
-    fn together(&self, command: Command<T>, direction: f64, t_s: T, y: &[T; 5]) -> T {
+    fn together(&self, command: &Command<T>, direction: f64, t_s: T, y: &[T; 5]) -> T {
         let motor_nm = self.motor_nm(command, t_s, y);
         self.chain.slip_rate_rad_s2(t_s, y[0], y[1], direction, motor_nm)
     }
 
     /// Torque with which the flanks press \[N m\]; negative where they would have to pull.
-    fn pressing_nm(&self, command: Command<T>, flank: f64, direction: f64, t_s: T, y: &[T; 5]) -> T {
+    fn pressing_nm(&self, command: &Command<T>, flank: f64, direction: f64, t_s: T, y: &[T; 5]) -> T {
         let motor_nm = self.motor_nm(command, t_s, y);
         let own_nm = self.resistance_nm(t_s, y[0], y[1] * direction, direction, motor_nm) * (LINK_SHARE * direction);
         let on_link_nm = self.link_kg_m2() * self.together(command, direction, t_s, y)
@@ -271,7 +271,7 @@ impl<T: Real> TwoBodies<'_, T> {
         on_link_nm * -flank
     }
 
-    fn rate(&self, command: Command<T>, mode: Mode, t_s: T, y: &[T; 5]) -> [T; 5] {
+    fn rate(&self, command: &Command<T>, mode: Mode, t_s: T, y: &[T; 5]) -> [T; 5] {
         let nought = T::nought();
         let error = command.error_rad(self.chain, t_s, self.seen_in(t_s, y)[0]);
         match mode {
@@ -318,7 +318,7 @@ impl<T: Real> TwoBodies<'_, T> {
     }
 
     /// A function that is positive until the event.
-    fn margin(&self, event: Event, command: Command<T>, t_s: T, y: &[T; 5]) -> T {
+    fn margin(&self, event: Event, command: &Command<T>, t_s: T, y: &[T; 5]) -> T {
         let motor_nm = || self.motor_nm(command, t_s, y);
         let direction = |motion: Motion| if let Motion::Slip(d) = motion { d } else { 0.0 };
         match (event, self.mode) {
@@ -341,7 +341,7 @@ impl<T: Real> TwoBodies<'_, T> {
     }
 
     /// One step, cut short at the first event in it.
-    fn step(&mut self, until: T, command: Command<T>) -> Result<(), Diverged> {
+    fn step(&mut self, until: T, command: &Command<T>) -> Result<(), Diverged> {
         let whole = until - self.t_s;
         let [angle, rate, _, motor_rate, _] = self.y;
         let fastest = rate.re().abs().max(motor_rate.re().abs());
