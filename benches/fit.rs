@@ -6,11 +6,10 @@
 
 use aibo_fit::fit::{Budget, Method, Residuals, Solution, Uncertainty, solve, uncertainty};
 use aibo_fit::identify::{Experiment, ExtensiveModel, JointModel, Problem, Scale, conclude, prediction, search};
-use aibo_fit::joint::Real;
+use aibo_fit::joint::{Dual, Real};
 use aibo_fit::log::{Log, Nominal, Study, health, read_log, read_sidecar_for, write_log};
 use aibo_fit::pendulum::{Input, Start, rollout};
 use divan::{Bencher, black_box};
-use num_dual::DualSVec64;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -116,8 +115,8 @@ fn rollout_5s(bencher: Bencher<'_, '_>, period_ms: u32) {
 /// The same with its derivatives to three parameters, rest angle and start.
 #[divan::bench(args = [8, 1])]
 fn rollout_5s_with_six_derivatives(bencher: Bencher<'_, '_>, period_ms: u32) {
-    swing::<DualSVec64<6>>(bencher, period_ms, |values| {
-        let variable = |(i, &value): (usize, &f64)| DualSVec64::from_re(value).derivative(i.min(5));
+    swing::<Dual<6>>(bencher, period_ms, |values| {
+        let variable = |(i, &value): (usize, &f64)| Dual::variable(value, i.min(5));
         values.iter().enumerate().map(variable).collect()
     });
 }

@@ -7,9 +7,8 @@ use super::parameter::{free_of, values_in};
 use super::smooth::{Moment, motion};
 use super::{Experiment, JointModel, Signal};
 use crate::fit::{Block, Budget, Coordinate, Method, Rejected, Residuals, Rounding, solve};
-use crate::joint::{Chain, Real, Setpoint, gradient, variable};
+use crate::joint::{Chain, Dual, Real, Setpoint};
 use crate::log::Hold;
-use num_dual::DualSVec64;
 
 /// Smoothed accelerations per experiment, at the most.
 const MOMENTS: usize = 400;
@@ -79,13 +78,13 @@ impl<M: JointModel> Residuals for EquationError<'_, M> {
     fn linearise(&self, x: &[f64]) -> Result<Vec<Block>, Rejected> {
         const N: usize = 12;
         let p = self.free.len().min(N);
-        let values = self.values(x, |v, k| if k < N { variable::<N>(v, k) } else { DualSVec64::from_re(v) });
+        let values = self.values(x, |v, k| if k < N { Dual::<N>::variable(v, k) } else { Dual::constant(v) });
         let mut blocks = Vec::with_capacity(self.experiments.len());
         for k in 0..self.experiments.len() {
             let mut block = Block { columns: (0..p).collect(), residual: Vec::new(), jacobian: Vec::new() };
             self.errors(&values, k, |e| {
                 block.residual.push(e.re);
-                block.jacobian.extend_from_slice(&gradient(&e)[..p]);
+                block.jacobian.extend_from_slice(&e.eps[..p]);
             });
             blocks.push(block);
         }

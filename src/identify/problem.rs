@@ -3,9 +3,8 @@
 use super::parameter::{free_of, starts_of, values_in};
 use super::{Experiment, Found, JointModel, Parameter};
 use crate::fit::{Block, Coordinate, Rejected, Residuals, Rounding};
-use crate::joint::{Chain, Real, gradient, variable};
+use crate::joint::{Chain, Dual, Real};
 use crate::pendulum::{Diverged, Start, State};
-use num_dual::DualSVec64;
 use rayon::prelude::*;
 
 /// A model, the experiments it is held against, and the coordinates that are searched.
@@ -132,8 +131,10 @@ impl<'a, M: JointModel> Problem<'a, M> {
         while from < block.columns.len() {
             let left = block.columns.len() - from;
             from += match left {
+                ..=2 => self.pass::<2>(x, experiment, from, &mut block)?,
                 ..=4 => self.pass::<4>(x, experiment, from, &mut block)?,
-                _ => self.pass::<8>(x, experiment, from, &mut block)?,
+                ..=8 => self.pass::<8>(x, experiment, from, &mut block)?,
+                _ => self.pass::<12>(x, experiment, from, &mut block)?,
             };
         }
         Ok(block)
@@ -150,11 +151,11 @@ impl<'a, M: JointModel> Problem<'a, M> {
         let e = &self.experiments[experiment];
         let width = block.columns.len();
         let taken = N.min(width - from);
-        let seed = |value: f64, column: usize| -> DualSVec64<N> {
+        let seed = |value: f64, column: usize| -> Dual<N> {
             if (from..from + taken).contains(&column) {
-                variable(value, column - from)
+                Dual::variable(value, column - from)
             } else {
-                DualSVec64::from_re(value)
+                Dual::constant(value)
             }
         };
         let values = self.values_in(x, seed);
@@ -171,9 +172,8 @@ impl<'a, M: JointModel> Problem<'a, M> {
             if first_pass {
                 block.residual.push(root * (s.angle_rad.re - e.measured_rad[k]));
             }
-            let derivatives = gradient(&s.angle_rad);
             let cells = &mut block.jacobian[row * width + from..][..taken];
-            for (cell, d) in cells.iter_mut().zip(derivatives) {
+            for (cell, d) in cells.iter_mut().zip(s.angle_rad.eps) {
                 *cell = root * d;
             }
         })?;

@@ -9,6 +9,7 @@
 
 mod carriage;
 mod chain;
+mod dual;
 mod effect;
 mod friction;
 mod gain;
@@ -24,6 +25,7 @@ mod setpoint;
 pub use carriage::{Carriage, Carried};
 pub use chain::Chain;
 pub(crate) use chain::TwoSides;
+pub use dual::Dual;
 pub use effect::{
     Bounds, DrivenReach, EffectForm, EffectId, EffectParameter, Named, Reach, Scan, Stage, UnknownEffect,
 };
@@ -36,6 +38,5 @@ pub(crate) use motor::Driven;
 pub use motor::{Knee, Motor, Setpoint, SpeedLine, TorqueLimit};
 pub use passive::{EndStop, Push, Spring, SpringCurve};
 pub use real::Real;
-pub(crate) use real::{gradient, variable};
 pub use sensor::{Eccentric, Encoder};
 pub use setpoint::{ProfileLimits, SetpointPath};

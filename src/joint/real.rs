@@ -1,36 +1,119 @@
 //! The number type that the joint's equations are written over.
 
-use num_dual::{Derivative, DualNumCopy, DualSVec64};
+use std::fmt::Debug;
+use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-/// A real number that may carry derivatives: `f64`, or a dual number for exact sensitivities.
+/// A real number that may carry derivatives: `f64`, or a [`Dual`](super::Dual) number for exact sensitivities.
 ///
 /// Branches (stick or slip, saturated or not) are taken on the real part alone, so that a dual run takes the same path
 /// as the plain one.
-pub trait Real: DualNumCopy<f64> + 'static {
+pub trait Real:
+    Copy
+    + Debug
+    + PartialEq
+    + Send
+    + Sync
+    + 'static
+    + Neg<Output = Self>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + AddAssign
+    + SubAssign
+    + MulAssign
+    + Add<f64, Output = Self>
+    + Sub<f64, Output = Self>
+    + Mul<f64, Output = Self>
+    + Div<f64, Output = Self>
+    + AddAssign<f64>
+    + MulAssign<f64>
+{
     /// A constant.
-    #[inline]
-    fn constant(value: f64) -> Self {
-        Self::from(value)
-    }
+    fn constant(value: f64) -> Self;
 
     /// Zero.
-    #[inline]
+    #[inline(always)]
     fn nought() -> Self {
-        Self::from(0.0)
+        Self::constant(0.0)
     }
+
+    /// The number itself, without its derivatives.
+    fn re(&self) -> f64;
+
+    /// Whether it depends on nothing.
+    fn is_constant(&self) -> bool;
+
+    /// Its inverse.
+    fn recip(self) -> Self;
+
+    /// Its square root.
+    fn sqrt(self) -> Self;
+
+    /// `e` to its power.
+    fn exp(self) -> Self;
+
+    /// Its hyperbolic tangent.
+    fn tanh(self) -> Self;
+
+    /// Sine and cosine of it \[rad\].
+    fn sin_cos(self) -> (Self, Self);
+
+    /// The angle of the point `(x, self)` \[rad\].
+    fn atan2(self, x: Self) -> Self;
+
+    /// Its power with an exponent that may carry derivatives too; it is above zero.
+    fn powd(self, exponent: Self) -> Self;
 }
 
-impl Real for f64 {}
-impl<const N: usize> Real for DualSVec64<N> {}
+impl Real for f64 {
+    #[inline(always)]
+    fn constant(value: f64) -> Self {
+        value
+    }
 
-/// The `index`-th of `N` variables, at `value`.
-pub(crate) fn variable<const N: usize>(value: f64, index: usize) -> DualSVec64<N> {
-    DualSVec64::from_re(value).derivative(index)
-}
+    #[inline(always)]
+    fn re(&self) -> f64 {
+        *self
+    }
 
-/// Gradient of a dual number; zeros where it depends on nothing.
-pub(crate) fn gradient<const N: usize>(x: &DualSVec64<N>) -> [f64; N] {
-    let eps: Derivative<f64, f64, nalgebra::Const<N>, nalgebra::U1> = x.eps;
-    let v = eps.unwrap_generic(nalgebra::Const::<N>, nalgebra::U1);
-    std::array::from_fn(|i| v[i])
+    #[inline(always)]
+    fn is_constant(&self) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn recip(self) -> Self {
+        f64::recip(self)
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        f64::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn exp(self) -> Self {
+        f64::exp(self)
+    }
+
+    #[inline(always)]
+    fn tanh(self) -> Self {
+        f64::tanh(self)
+    }
+
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        f64::sin_cos(self)
+    }
+
+    #[inline(always)]
+    fn atan2(self, x: Self) -> Self {
+        f64::atan2(self, x)
+    }
+
+    #[inline(always)]
+    fn powd(self, exponent: Self) -> Self {
+        f64::powf(self, exponent)
+    }
 }

@@ -19,6 +19,57 @@ pub(super) fn dip(speed: [f64; 2], slope_before: f64, slope_after: impl Fn() -> 
     (lowest(dt) < 0.0).then_some(dt)
 }
 
+/// Halvings of a step in which a resting joint breaks away.
+const HALVINGS: usize = 60;
+/// Parts of the step within which that instant is known before it is halved.
+const NEAR: [f64; 2] = [1e-11, 1e-14];
+
+/// The instant in `(0, whole]` at which `beyond`, not above zero at 0 and above it at `whole`, rises through zero, by
+/// halving.
+///
+/// Each look costs the torques on the joint, so the instant is first found by a faster method, and the halving looks only
+/// where that leaves it open.
+pub(super) fn rise_of(beyond: impl Fn(f64) -> f64, [at_start, at_end]: [f64; 2], whole: f64) -> f64 {
+    let (mut below, mut above) = (0.0, whole);
+    let (mut f_below, mut f_above) = (at_start, at_end);
+    let mut last_side = 0;
+    for _ in 0..8 {
+        let between = (below * f_above - above * f_below) / (f_above - f_below);
+        if !(between > below && between < above) {
+            break;
+        }
+        let f = beyond(between);
+        if f > 0.0 {
+            (above, f_above) = (between, f);
+            f_below *= if last_side == 1 { 0.5 } else { 1.0 };
+            last_side = 1;
+        } else {
+            (below, f_below) = (between, f);
+            f_above *= if last_side == -1 { 0.5 } else { 1.0 };
+            last_side = -1;
+        }
+        if (f_below == 0.0 && last_side == -1) || above - below < NEAR[1] * whole {
+            break;
+        }
+    }
+    for near in NEAR {
+        let beside = if last_side == 1 { above - near * whole } else { below + near * whole };
+        if beside > below && beside < above {
+            if beyond(beside) > 0.0 { above = beside } else { below = beside }
+        }
+    }
+    let (mut low, mut high) = (0.0, whole);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if !(middle > low && middle < high) {
+            break;
+        }
+        let is_above = middle >= above || (middle > below && beyond(middle) > 0.0);
+        if is_above { high = middle } else { low = middle }
+    }
+    high
+}
+
 /// The instant in `(0, bracket]` at which `speed`, positive just after 0, falls through zero (Illinois method).
 pub(super) fn zero_of(speed: impl Fn(f64) -> f64, at_start: f64, bracket: f64) -> Option<f64> {
     let (mut low, mut f_low) = (0.0, at_start);

@@ -2,11 +2,10 @@
 
 use super::{Input, Start, readings, rollout_refined};
 use crate::joint::{
-    Chain, Compliance, EffectForm, EffectId, Friction, Law, LawActs, LawVariable, Link, Motor, Play, Real, Spring,
-    SpringCurve, gradient, variable,
+    Chain, Compliance, Dual, EffectForm, EffectId, Friction, Law, LawActs, LawVariable, Link, Motor, Play, Real,
+    Spring, SpringCurve,
 };
 use crate::log::{Derivative, Hold, MotorSpec};
-use num_dual::DualSVec64;
 
 const G: f64 = 9.81;
 const COULOMB_NM: f64 = 0.004;
@@ -236,17 +235,17 @@ fn derivatives_by_the_values_agree_with_differences_through_events() {
         readings(&many(values), input, t_s, start, 1.0, |_, s| q.push(s.angle_rad)).expect("does not diverge");
         q
     }
-    let duals: [DualSVec64<6>; 6] = std::array::from_fn(|i| variable(SIZES[i], i));
+    let duals: [Dual<6>; 6] = std::array::from_fn(|i| Dual::variable(SIZES[i], i));
     let exact = read(&duals, input, &t_s);
     for (i, size) in SIZES.iter().enumerate() {
         let h = 1e-5 * size.abs();
         let moved =
             |h: f64| read(&std::array::from_fn::<_, 6, _>(|k| SIZES[k] + if k == i { h } else { 0.0 }), input, &t_s);
         let (up, down) = (moved(h), moved(-h));
-        let scale = exact.iter().map(|x| gradient(x)[i].abs()).fold(0.0, f64::max);
+        let scale = exact.iter().map(|x| x.eps[i].abs()).fold(0.0, f64::max);
         assert!(scale > 0.05, "value {i} acts: {scale}");
         for k in 0..t_s.len() {
-            let error = (gradient(&exact[k])[i] - (up[k] - down[k]) / (2.0 * h)).abs() / scale;
+            let error = (exact[k].eps[i] - (up[k] - down[k]) / (2.0 * h)).abs() / scale;
             assert!(error < 1e-3, "value {i} sample {k}: {error}");
         }
     }

@@ -1,11 +1,12 @@
 //! The joint as one body, which sticks and slips.
 
-use super::events::{dip, zero_of};
+use super::events::{dip, rise_of, zero_of};
 use super::history::History;
 use super::rollout::{Diverged, Mechanism, Start, State};
 use super::schedule::Command;
 use crate::integrate::rk4;
 use crate::joint::{Chain, Driven, Real};
+use std::ops::{Add, Mul};
 
 /// What the joint is doing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +24,8 @@ pub(super) struct OneBody<'a, T: Real> {
     t_s: T,
     /// Angle, rate, integral of the angle error.
     y: [T; 3],
+    /// Whether that integral acts.
+    winds_up: bool,
     mode: Mode,
     /// Where a late encoder still sees the joint.
     history: Option<History<T>>,
@@ -48,6 +51,7 @@ impl<'a, T: Real> OneBody<'a, T> {
             chain,
             t_s: from_s,
             y: [angle_rad.unwrap_or(start.angle_rad), start.rate_rad_s, T::nought()],
+            winds_up: chain.motor.as_ref().is_some_and(|motor| motor.winds_up()),
             mode,
             history,
             steps_left: steps,
@@ -84,7 +88,7 @@ impl<T: Real> Mechanism<T> for OneBody<'_, T> {
         &mut self.y[2]
     }
 
-    fn advance(&mut self, until: T, command: Command<T>) -> Result<(), Diverged> {
+    fn advance(&mut self, until: T, command: &Command<T>) -> Result<(), Diverged> {
         while self.t_s.re() < until.re() {
             match self.mode {
                 Mode::Clamped => self.t_s = until,
@@ -98,7 +102,7 @@ impl<T: Real> Mechanism<T> for OneBody<'_, T> {
         Ok(())
     }
 
-    fn nudge(&mut self, until: T, command: Command<T>) {
+    fn nudge(&mut self, until: T, command: &Command<T>) {
         if let Mode::Slip(direction) = self.mode {
             let rate = self.rate(command, direction, self.t_s, &self.y);
             let step = until - self.t_s;
@@ -122,18 +126,39 @@ impl<T: Real> OneBody<'_, T> {
     }
 
     /// Rate of angle, speed and error integral while slipping.
-    fn rate(&self, command: Command<T>, direction: f64, t_s: T, y: &[T; 3]) -> [T; 3] {
+    #[inline]
+    fn rate(&self, command: &Command<T>, direction: f64, t_s: T, y: &[T; 3]) -> [T; 3] {
         let seen = self.seen_at(t_s, y);
         let motor_nm = command.turning_motor_nm(self.chain, t_s, &seen, y[1]);
-        [
-            y[1],
-            self.chain.slip_rate_rad_s2(t_s, y[0], y[1], direction, motor_nm),
-            command.error_rad(self.chain, t_s, seen[0]),
-        ]
+        [y[1], self.chain.slip_rate_rad_s2(t_s, y[0], y[1], direction, motor_nm), self.error_rad(command, t_s, seen[0])]
+    }
+
+    /// What the integral of the angle error grows by, where it acts.
+    #[inline]
+    fn error_rad(&self, command: &Command<T>, t_s: T, seen_rad: T) -> T {
+        if self.winds_up { command.error_rad(self.chain, t_s, seen_rad) } else { T::nought() }
+    }
+
+    /// The state after `dt` of slipping, of which the rate at the beginning is known.
+    fn slipped<S>(&self, command: &Command<T>, direction: f64, first: &[T; 3], dt: S) -> [T; 3]
+    where
+        T: Add<S, Output = T> + Mul<S, Output = T>,
+        S: Copy + Mul<f64, Output = S>,
+    {
+        if self.winds_up {
+            return rk4(|t_s, y| self.rate(command, direction, t_s, y), self.t_s, &self.y, first, dt);
+        }
+        let [angle, rate, integral] = self.y;
+        let rates = |t_s: T, y: &[T; 2]| {
+            let [rate, acceleration, _] = self.rate(command, direction, t_s, &[y[0], y[1], integral]);
+            [rate, acceleration]
+        };
+        let [angle, rate] = rk4(rates, self.t_s, &[angle, rate], &[first[0], first[1]], dt);
+        [angle, rate, integral]
     }
 
     /// How far the torque on the resting joint is beyond breakaway \[N m\], and its direction.
-    fn beyond_breakaway(&self, command: Command<T>, t_s: T, y: &[T; 3]) -> (T, f64) {
+    fn beyond_breakaway(&self, command: &Command<T>, t_s: T, y: &[T; 3]) -> (T, f64) {
         let motor_nm = command.turning_motor_nm(self.chain, t_s, &self.seen_at(t_s, y), y[1]);
         let net_nm = self.chain.drive_nm(t_s, y[0], motor_nm);
         let direction = if net_nm.re() < 0.0 { -1.0 } else { 1.0 };
@@ -141,14 +166,14 @@ impl<T: Real> OneBody<'_, T> {
     }
 
     /// The state of a resting joint after `dt`: only the error integral moves.
-    fn rested(&self, command: Command<T>, dt: T) -> [T; 3] {
+    fn rested(&self, command: &Command<T>, dt: T) -> [T; 3] {
         let middle_s = self.t_s + dt * 0.5;
-        let error = command.error_rad(self.chain, middle_s, self.seen_at(middle_s, &self.y)[0]);
+        let error = self.error_rad(command, middle_s, self.seen_at(middle_s, &self.y)[0]);
         [self.y[0], T::nought(), self.y[2] + error * dt]
     }
 
     /// A resting joint stays, or breaks away at an instant before `until`.
-    fn stick(&mut self, until: T, command: Command<T>) {
+    fn stick(&mut self, until: T, command: &Command<T>) {
         self.y[1] = T::nought();
         let (beyond, direction) = self.beyond_breakaway(command, self.t_s, &self.y);
         if beyond.re() > 0.0 {
@@ -172,11 +197,8 @@ impl<T: Real> OneBody<'_, T> {
             self.t_s = until;
             return;
         }
-        let (mut low, mut high) = (0.0, whole.re());
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if later(T::constant(middle)).0.re() > 0.0 { high = middle } else { low = middle }
-        }
+        let at_ends = [beyond.re(), beyond_end.re()];
+        let high = rise_of(|dt| later(T::constant(dt)).0.re(), at_ends, whole.re());
         // One Newton step in T gives the instant its derivatives; its slope is a difference over the bracketing half.
         let here = later(T::constant(high)).0;
         let slope = (beyond_end.re() - beyond.re()) / whole.re();
@@ -187,7 +209,7 @@ impl<T: Real> OneBody<'_, T> {
     }
 
     /// One step of a slipping joint, cut short where its speed passes through zero.
-    fn slip(&mut self, until: T, command: Command<T>, direction: f64) -> Result<(), Diverged> {
+    fn slip(&mut self, until: T, command: &Command<T>, direction: f64) -> Result<(), Diverged> {
         let driven = command.driven();
         let whole = until - self.t_s;
         let fastest_rad_s = if driven == Driven::ByLaw { self.driven_rad_s } else { self.swinging_rad_s };
@@ -201,7 +223,10 @@ impl<T: Real> OneBody<'_, T> {
         let rate = |t_s: T, y: &[T; 3]| self.rate(command, direction, t_s, y);
         let step = if parts > 1.0 { whole * (1.0 / parts) } else { whole };
         let first = rate(self.t_s, &self.y);
-        let y1 = rk4(rate, self.t_s, &self.y, &first, step);
+        let stop_at = |dt: f64| self.slipped(command, direction, &first, dt);
+        let stop =
+            |dt: T| if dt.is_constant() { stop_at(dt.re()) } else { self.slipped(command, direction, &first, dt) };
+        let y1 = stop(step);
         let speed = |y: &[T; 3]| y[1].re() * direction;
         let (before, after) = (speed(&self.y), speed(&y1));
         let bracket = if after <= 0.0 {
@@ -209,22 +234,21 @@ impl<T: Real> OneBody<'_, T> {
         } else {
             let slope_after = || rate(self.t_s + step, &y1)[1].re() * direction;
             dip([before, after], first[1].re() * direction, slope_after, step.re())
-                .filter(|&dt| speed(&rk4(rate, self.t_s, &self.y, &first, T::constant(dt))) <= 0.0)
+                .filter(|&dt| speed(&stop_at(dt)) <= 0.0)
         };
         let Some(bracket) = bracket else {
             self.y = y1;
             self.t_s = if parts > 1.0 { self.t_s + step } else { until };
             return Ok(());
         };
-        let stop = |dt: T| rk4(rate, self.t_s, &self.y, &first, dt);
-        let Some(dt) = zero_of(|dt| speed(&stop(T::constant(dt))), before, bracket) else {
+        let Some(dt) = zero_of(|dt| speed(&stop_at(dt)), before, bracket) else {
             // It never got going within this step: it rests.
             self.y[1] = T::nought();
             self.t_s = if parts > 1.0 { self.t_s + step } else { until };
             self.mode = Mode::Stuck;
             return Ok(());
         };
-        let near = stop(T::constant(dt));
+        let near = stop_at(dt);
         let deceleration = rate(self.t_s + dt, &near)[1];
         let dt = if deceleration.re() * direction < 0.0 {
             T::constant(dt) - near[1] / deceleration

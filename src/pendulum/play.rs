@@ -139,7 +139,7 @@ impl<T: Real> Mechanism<T> for TwoBodies<'_, T> {
         &mut self.y[4]
     }
 
-    fn advance(&mut self, until: T, command: Command<T>) -> Result<(), Diverged> {
+    fn advance(&mut self, until: T, command: &Command<T>) -> Result<(), Diverged> {
         while self.t_s.re() < until.re() {
             if self.steps_left == 0 {
                 return Err(Diverged { at_s: self.t_s.re() });
@@ -158,7 +158,7 @@ impl<T: Real> Mechanism<T> for TwoBodies<'_, T> {
         Ok(())
     }
 
-    fn nudge(&mut self, until: T, command: Command<T>) {
+    fn nudge(&mut self, until: T, command: &Command<T>) {
         let rate = self.rate(command, self.mode, self.t_s, &self.y);
         let step = until - self.t_s;
         self.y = std::array::from_fn(|i| self.y[i] + rate[i] * step);
@@ -205,7 +205,7 @@ impl<T: Real> TwoBodies<'_, T> {
         self.chain.acting_nm(t_s, y[0], y[1]) + self.spring_nm(y)
     }
 
-    fn motor_nm(&self, command: Command<T>, t_s: T, y: &[T; 5]) -> T {
+    fn motor_nm(&self, command: &Command<T>, t_s: T, y: &[T; 5]) -> T {
         let [angle, rate] = self.seen_in(t_s, y);
         command.turning_motor_nm(self.chain, t_s, &[angle, rate, y[4]], y[3])
     }
@@ -227,7 +227,7 @@ impl<T: Real> TwoBodies<'_, T> {
     }
 
     /// Decides what resting bodies do, and whether pressed flanks stay pressed, at the present instant.
-    fn settle(&mut self, command: Command<T>) {
+    fn settle(&mut self, command: &Command<T>) {
         let (t_s, y) = (self.t_s, self.y);
         let motor_nm = self.motor_nm(command, t_s, &y);
         let passive_nm = self.chain.acting_nm(t_s, y[0], y[1]);
@@ -256,13 +256,13 @@ impl<T: Real> TwoBodies<'_, T> {
     }
 
     /// Acceleration of both bodies as one.
-    fn together(&self, command: Command<T>, direction: f64, t_s: T, y: &[T; 5]) -> T {
+    fn together(&self, command: &Command<T>, direction: f64, t_s: T, y: &[T; 5]) -> T {
         let motor_nm = self.motor_nm(command, t_s, y);
         self.chain.slip_rate_rad_s2(t_s, y[0], y[1], direction, motor_nm)
     }
 
     /// Torque with which the flanks press \[N m\]; negative where they would have to pull.
-    fn pressing_nm(&self, command: Command<T>, flank: f64, direction: f64, t_s: T, y: &[T; 5]) -> T {
+    fn pressing_nm(&self, command: &Command<T>, flank: f64, direction: f64, t_s: T, y: &[T; 5]) -> T {
         let motor_nm = self.motor_nm(command, t_s, y);
         let own_nm = self.resistance_nm(t_s, y[0], y[1] * direction, direction, motor_nm) * (LINK_SHARE * direction);
         let on_link_nm = self.link_kg_m2(t_s) * self.together(command, direction, t_s, y)
@@ -271,7 +271,7 @@ impl<T: Real> TwoBodies<'_, T> {
         on_link_nm * -flank
     }
 
-    fn rate(&self, command: Command<T>, mode: Mode, t_s: T, y: &[T; 5]) -> [T; 5] {
+    fn rate(&self, command: &Command<T>, mode: Mode, t_s: T, y: &[T; 5]) -> [T; 5] {
         let nought = T::nought();
         let error = command.error_rad(self.chain, t_s, self.seen_in(t_s, y)[0]);
         match mode {
@@ -318,7 +318,7 @@ impl<T: Real> TwoBodies<'_, T> {
     }
 
     /// A function that is positive until the event.
-    fn margin(&self, event: Event, command: Command<T>, t_s: T, y: &[T; 5]) -> T {
+    fn margin(&self, event: Event, command: &Command<T>, t_s: T, y: &[T; 5]) -> T {
         let motor_nm = || self.motor_nm(command, t_s, y);
         let direction = |motion: Motion| if let Motion::Slip(d) = motion { d } else { 0.0 };
         match (event, self.mode) {
@@ -341,7 +341,7 @@ impl<T: Real> TwoBodies<'_, T> {
     }
 
     /// One step, cut short at the first event in it.
-    fn step(&mut self, until: T, command: Command<T>) -> Result<(), Diverged> {
+    fn step(&mut self, until: T, command: &Command<T>) -> Result<(), Diverged> {
         let whole = until - self.t_s;
         let [angle, rate, _, motor_rate, _] = self.y;
         let fastest = rate.re().abs().max(motor_rate.re().abs());
@@ -365,10 +365,11 @@ impl<T: Real> TwoBodies<'_, T> {
         let (t_s, y) = (self.t_s, self.y);
         let rates = |t: T, y: &[T; 5]| self.rate(command, mode, t, y);
         let first = rates(t_s, &y);
-        let after = |dt: T| rk4(rates, t_s, &y, &first, dt);
+        let after_plain = |dt: f64| rk4(rates, t_s, &y, &first, dt);
+        let after = |dt: T| if dt.is_constant() { after_plain(dt.re()) } else { rk4(rates, t_s, &y, &first, dt) };
         let end = after(step);
-        let margin = |event: Event, dt: T, y: &[T; 5]| self.margin(event, command, t_s + dt, y);
-        let happening = self.possible().map(|event| event.filter(|&event| margin(event, step, &end).re() < 0.0));
+        let margin = |event: Event, t_s: T, y: &[T; 5]| self.margin(event, command, t_s, y);
+        let happening = self.possible().map(|event| event.filter(|&event| margin(event, t_s + step, &end).re() < 0.0));
         if happening.iter().all(Option::is_none) {
             self.y = end;
             self.t_s = if parts > 1.0 { t_s + step } else { until };
@@ -377,21 +378,19 @@ impl<T: Real> TwoBodies<'_, T> {
         // Halving finds the earliest of them, and which it is; the rest is left to a faster method.
         let (mut low, mut high) = (0.0, step.re());
         for _ in 0..HALVINGS {
-            let middle = T::constant(0.5 * (low + high));
-            let there = after(middle);
-            let happened = happening.iter().flatten().any(|&event| margin(event, middle, &there).re() < 0.0);
-            if happened { high = middle.re() } else { low = middle.re() }
+            let middle = 0.5 * (low + high);
+            let there = after_plain(middle);
+            let happened = happening.iter().flatten().any(|&event| margin(event, t_s + middle, &there).re() < 0.0);
+            if happened { high = middle } else { low = middle }
         }
-        let at = |event: Event, dt: f64| margin(event, T::constant(dt), &after(T::constant(dt))).re();
+        let at = |event: Event, dt: f64| margin(event, t_s + dt, &after_plain(dt)).re();
         let lowest = |a: &&Event, b: &&Event| at(**a, high).total_cmp(&at(**b, high));
         let Some(&event) = happening.iter().flatten().min_by(lowest) else { return Ok(()) };
         let instant = falls_through_zero(|dt| at(event, dt), low, high);
-        let (dt, high) = (T::constant(instant), instant);
-        let there = after(dt);
         // One Newton step in T gives the instant its derivatives.
-        let here = margin(event, dt, &there);
-        let back = T::constant(high * 0.999);
-        let slope = (here.re() - margin(event, back, &after(back)).re()) / (high * 0.001);
+        let here = margin(event, t_s + instant, &after_plain(instant));
+        let slope = (here.re() - at(event, instant * 0.999)) / (instant * 0.001);
+        let dt = T::constant(instant);
         let dt = if slope < 0.0 { dt - (here - here.re()) / slope } else { dt };
         self.y = after(dt);
         self.t_s = t_s + dt;

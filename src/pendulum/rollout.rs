@@ -130,9 +130,9 @@ pub(super) trait Mechanism<T: Real> {
     /// Integral of the angle error \[rad s\].
     fn integral_mut(&mut self) -> &mut T;
     /// Moves to `until`, through as many events as happen before it.
-    fn advance(&mut self, until: T, command: Command<T>) -> Result<(), Diverged>;
+    fn advance(&mut self, until: T, command: &Command<T>) -> Result<(), Diverged>;
     /// Moves to `until`, which is now but for its derivatives.
-    fn nudge(&mut self, until: T, command: Command<T>);
+    fn nudge(&mut self, until: T, command: &Command<T>);
 }
 
 /// The control law evaluated at one instant; its integral grows by one period.
@@ -175,7 +175,7 @@ fn walk<T: Real>(
                 && at.re() < to
             {
                 if at.re() <= now.re() {
-                    body.nudge(at, schedule.command(k));
+                    body.nudge(at, &schedule.command(k));
                     schedule.change();
                     continue;
                 }
@@ -199,7 +199,7 @@ fn walk<T: Real>(
                 }
                 command = held;
             }
-            body.advance(until, command)?;
+            body.advance(until, &command)?;
             // An event that falls on a sample must still bear its derivative: the clock takes it over.
             if event != Event::None && until.re() >= body.clock_mut().re() {
                 *body.clock_mut() = until;

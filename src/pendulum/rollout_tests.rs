@@ -1,9 +1,8 @@
 use super::*;
-use crate::joint::{Friction, Link, Motor, Stribeck, gradient, variable};
+use crate::joint::{Dual, Friction, Link, Motor, Stribeck};
 use crate::log::Hold;
 use crate::log::MotorSpec;
 use approx::assert_relative_eq;
-use num_dual::DualSVec64;
 use proptest::prelude::*;
 
 const G: f64 = 9.81;
@@ -168,7 +167,7 @@ fn dual_numbers_agree_with_central_differences_through_events() {
     let p = [0.011, 0.05, 0.02, 0.004, 0.9, 0.0213];
     let linear = MotorSpec { hold: Hold::Linear, kp_nm_rad: 1.0, ..motor() };
     for motor in [None, Some(motor()), Some(linear), Some(MotorSpec { ki_nm_rad_s: 0.5, ..linear })] {
-        let duals: [DualSVec64<6>; 6] = std::array::from_fn(|i| variable(p[i], i));
+        let duals: [Dual<6>; 6] = std::array::from_fn(|i| Dual::variable(p[i], i));
         let exact = sensitivities(duals, motor, &setpoint, &t);
         let plain = sensitivities(p, motor, &setpoint, &t);
         for i in 0..6 {
@@ -177,11 +176,11 @@ fn dual_numbers_agree_with_central_differences_through_events() {
             up[i] += h;
             down[i] -= h;
             let (up, down) = (sensitivities(up, motor, &setpoint, &t), sensitivities(down, motor, &setpoint, &t));
-            let scale = exact.iter().map(|x| gradient(x)[i].abs()).fold(0.0, f64::max).max(1e-3);
+            let scale = exact.iter().map(|x| x.eps[i].abs()).fold(0.0, f64::max).max(1e-3);
             for k in 0..t.len() {
                 assert!((exact[k].re - plain[k]).abs() < 1e-11, "the real part takes the same path");
                 let difference = (up[k] - down[k]) / (2.0 * h);
-                let error = (gradient(&exact[k])[i] - difference).abs() / scale;
+                let error = (exact[k].eps[i] - difference).abs() / scale;
                 assert!(error < 2e-4, "{motor:?} parameter {i} sample {k}: {error}");
             }
         }
@@ -194,14 +193,14 @@ fn a_release_on_a_sample_keeps_its_derivative() {
     let t = times(250, 0.008);
     for (release, side) in [(t[0], 1.0), (t[1], 1.0), (t[1], -1.0), (t[3], -1.0)] {
         let p = [0.011, 0.05, 0.02, 0.004, 0.9, release];
-        let exact = sensitivities(std::array::from_fn(|i| variable::<6>(p[i], i)), None, &[], &t);
+        let exact = sensitivities(std::array::from_fn(|i| Dual::<6>::variable(p[i], i)), None, &[], &t);
         let (mut moved, h) = (p, 1e-7);
         moved[5] += side * h;
         let (here, there) = (sensitivities(p, None, &[], &t), sensitivities(moved, None, &[], &t));
-        let scale = exact.iter().map(|x| gradient(x)[5].abs()).fold(0.0, f64::max);
+        let scale = exact.iter().map(|x| x.eps[5].abs()).fold(0.0, f64::max);
         assert!(scale > 1.0, "release at {release} s: {scale} rad/s");
         for k in 0..t.len() {
-            let error = (gradient(&exact[k])[5] - side * (there[k] - here[k]) / h).abs() / scale;
+            let error = (exact[k].eps[5] - side * (there[k] - here[k]) / h).abs() / scale;
             assert!(error < 1e-3, "release at {release} s, sample {k}: {error}");
         }
     }

@@ -45,7 +45,7 @@ impl<T: Real> Command<T> {
     /// The torque that arrives at the joint \[N m\]; `y` is angle, rate, integral of the angle error. A late reading is
     /// taken to first order in its delay.
     #[inline]
-    pub(crate) fn motor_nm(self, chain: &Chain<T>, t_s: T, y: &[T; 3]) -> T {
+    pub(crate) fn motor_nm(&self, chain: &Chain<T>, t_s: T, y: &[T; 3]) -> T {
         match chain.sensor_delay_s {
             None => self.turning_motor_nm(chain, t_s, y, y[1]),
             Some(delay_s) => self.turning_motor_nm(chain, t_s, &[y[0] - delay_s * y[1], y[1], y[2]], y[1]),
@@ -55,8 +55,8 @@ impl<T: Real> Command<T> {
     /// The same where the motor does not turn at the rate that the controller sees; `seen` is true angle and rate there,
     /// and the integral of the angle error.
     #[inline]
-    pub(crate) fn turning_motor_nm(self, chain: &Chain<T>, t_s: T, seen: &[T; 3], motor_rad_s: T) -> T {
-        let delivered_nm = match self {
+    pub(crate) fn turning_motor_nm(&self, chain: &Chain<T>, t_s: T, seen: &[T; 3], motor_rad_s: T) -> T {
+        let delivered_nm = match *self {
             Command::Off => T::nought(),
             Command::Torque(command) | Command::Held { answer: command, .. } => {
                 chain.delivered_nm(command, motor_rad_s)
@@ -73,14 +73,14 @@ impl<T: Real> Command<T> {
     }
 
     /// An answer of the control law to this command that is held from `t_s` on.
-    pub(crate) fn held(self, answer: T, t_s: T) -> Self {
+    pub(crate) fn held(&self, answer: T, t_s: T) -> Self {
         Command::Held { answer, setpoint_rad_s: self.setpoint_rad_s(t_s) }
     }
 
     /// Slope of the setpoint \[rad/s\]; zero where there is none.
     #[inline]
-    fn setpoint_rad_s(self, t_s: T) -> T {
-        match self {
+    fn setpoint_rad_s(&self, t_s: T) -> T {
+        match *self {
             Command::Held { setpoint_rad_s, .. } => setpoint_rad_s,
             _ => self.setpoint(t_s).map_or(T::nought(), |setpoint| setpoint.rate_rad_s),
         }
@@ -88,8 +88,8 @@ impl<T: Real> Command<T> {
 
     /// The setpoint at an instant, where there is one.
     #[inline]
-    pub(crate) fn setpoint(self, t_s: T) -> Option<Setpoint<T>> {
-        let Command::Pid { setpoint_rad, slope_rad_s, from_s, curve } = self else { return None };
+    pub(crate) fn setpoint(&self, t_s: T) -> Option<Setpoint<T>> {
+        let Command::Pid { setpoint_rad, slope_rad_s, from_s, curve } = *self else { return None };
         let elapsed_s = t_s - from_s;
         Some(match curve {
             None => {
@@ -104,8 +104,8 @@ impl<T: Real> Command<T> {
 
     /// Whether what is asked for stays as it is by itself.
     #[inline]
-    pub(crate) fn is_still(self) -> bool {
-        match self {
+    pub(crate) fn is_still(&self) -> bool {
+        match *self {
             Command::Off | Command::Torque(_) | Command::Held { .. } => true,
             Command::Pid { slope_rad_s, curve, .. } => slope_rad_s == 0.0 && curve.is_none(),
         }
@@ -113,8 +113,8 @@ impl<T: Real> Command<T> {
 
     /// What moves the joint.
     #[inline]
-    pub(crate) fn driven(self) -> Driven {
-        match self {
+    pub(crate) fn driven(&self) -> Driven {
+        match *self {
             Command::Off => Driven::Off,
             Command::Torque(_) | Command::Held { .. } => Driven::Held,
             Command::Pid { .. } => Driven::ByLaw,
@@ -123,7 +123,7 @@ impl<T: Real> Command<T> {
 
     /// Setpoint less reading \[rad\], at a true angle; zero where there is no setpoint.
     #[inline]
-    pub(crate) fn error_rad(self, chain: &Chain<T>, t_s: T, angle_rad: T) -> T {
+    pub(crate) fn error_rad(&self, chain: &Chain<T>, t_s: T, angle_rad: T) -> T {
         match self.setpoint(t_s) {
             None => T::nought(),
             Some(setpoint) => setpoint.angle_rad - chain.reading_rad(angle_rad),
@@ -131,8 +131,8 @@ impl<T: Real> Command<T> {
     }
 
     /// True where the torque on a resting joint does not change by itself.
-    pub(crate) fn is_steady(self, chain: &Chain<T>) -> bool {
-        match self {
+    pub(crate) fn is_steady(&self, chain: &Chain<T>) -> bool {
+        match *self {
             Command::Off | Command::Torque(_) | Command::Held { .. } => true,
             Command::Pid { .. } => {
                 self.is_still() && chain.sensor_delay_s.is_none() && !chain.motor.as_ref().is_some_and(|m| m.winds_up())

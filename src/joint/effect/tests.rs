@@ -1,8 +1,7 @@
 use super::*;
-use crate::joint::{Friction, Link, Motor, gradient, variable};
+use crate::joint::{Dual, Friction, Link, Motor};
 use crate::log::{Hold, MotorSpec};
 use crate::pendulum::{Input, Start, State, readings};
-use num_dual::DualSVec64;
 
 fn reach() -> Reach {
     Reach {
@@ -151,13 +150,12 @@ fn dual_numbers_agree_with_central_differences_for_every_effect() {
                 continue;
             }
             for driven in [false, true] {
-                let values: Vec<DualSVec64<1>> = start
+                let values: Vec<Dual<1>> = start
                     .iter()
                     .enumerate()
-                    .map(|(i, &v)| if i == k { variable(v, 0) } else { DualSVec64::from_re(v) })
+                    .map(|(i, &v)| if i == k { Dual::variable(v, 0) } else { Dual::constant(v) })
                     .collect();
-                let exact: Vec<f64> =
-                    motion(effect, &values, driven, 1.0).iter().map(|q: &DualSVec64<1>| gradient(q)[0]).collect();
+                let exact: Vec<f64> = motion(effect, &values, driven, 1.0).iter().map(|q: &Dual<1>| q.eps[0]).collect();
                 let h = 1e-5 * start[k].abs().max(1e-3);
                 let at = |v: f64| {
                     let mut other = start.clone();

@@ -158,7 +158,7 @@ fn slopes_of<T: Real>(piece: &[T; 4], width: f64) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::joint::{gradient, variable};
+    use crate::joint::Dual;
     use approx::assert_relative_eq;
 
     fn curve(at: &[f64], f: impl Fn(f64) -> f64) -> Curve<f64> {
@@ -208,8 +208,8 @@ mod tests {
         let at: Arc<[f64]> = [0.0, 0.4, 1.0, 1.3].into();
         let values = [0.2, -0.1, 0.5, 0.3];
         for x in [-0.2, 0.1, 0.4, 0.77, 1.2, 1.6] {
-            let seeded: Vec<_> = values.iter().enumerate().map(|(k, v)| variable::<5>(*v, k)).collect();
-            let slopes = gradient(&Curve::new(at.clone(), &seeded).unwrap().value(variable(x, 4)));
+            let seeded: Vec<_> = values.iter().enumerate().map(|(k, v)| Dual::<5>::variable(*v, k)).collect();
+            let slopes = Curve::new(at.clone(), &seeded).unwrap().value(Dual::variable(x, 4)).eps;
             let by = |x: f64, values: &[f64]| Curve::new(at.clone(), values).unwrap().value(x);
             let h = 1e-6;
             for (k, exact) in slopes[..4].iter().enumerate() {
