@@ -183,12 +183,15 @@ impl Attribution {
         let line = self.firsts.first().map_or(f64::INFINITY, |best| SERIOUS * best.criterion());
         self.firsts.retain(|t| t.criterion() < line);
         self.firsts.truncate(MOST);
-        let measure = Measure::by(&evidence.coarse(), &self.best);
         let coarse = evidence.coarse();
+        let measure = Measure::by(&coarse, &self.best);
         let score = measure.score(&coarse, &self.best);
         for rivals in &mut self.rivals {
             rivals.retain(|t| measure.score(&coarse, t) < score + NEAR);
         }
+        let found = [&mut self.given, &mut self.calibrated, &mut self.best].into_iter().chain(&mut self.law);
+        let others = self.without.iter_mut().chain(&mut self.firsts).chain(self.rivals.iter_mut().flatten());
+        found.chain(others).for_each(|t| t.begin_as(&coarse, evidence));
         let mut given = self.given.on(evidence, AGAIN);
         given.predict(evidence, None);
         let mut calibrated = self.calibrated.on(evidence, AGAIN);

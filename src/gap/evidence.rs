@@ -101,11 +101,18 @@ const SHORTEST_PART_S: f64 = 0.6;
 /// Samples of a free log that an exploration looks at, at the most.
 const COARSE_SAMPLES: usize = 260;
 
-/// A free log with every few samples left out; those that stay count for those that go. Driven logs keep all, because
-/// what drives them between two samples counts.
+/// Samples and time \[s\] of a driven log that an exploration looks at, at the most: whichever is more.
+const COARSE_DRIVEN: usize = 1200;
+const COARSE_DRIVEN_S: f64 = 12.0;
+
+/// A free log with every few samples left out; those that stay count for those that go. What drives a log between two
+/// samples counts: of a long driven one the part is looked at in which most happens.
 fn thinned(e: &Experiment) -> Experiment {
+    if e.is_driven() {
+        return liveliest(e);
+    }
     let stride = e.compared().div_ceil(COARSE_SAMPLES);
-    if e.is_driven() || stride < 2 {
+    if stride < 2 {
         return e.clone();
     }
     let keep: Vec<usize> = (0..e.uncompared).chain((e.uncompared..e.t_s.len()).step_by(stride)).collect();
@@ -117,6 +124,23 @@ fn thinned(e: &Experiment) -> Experiment {
         runs: Vec::new(),
         ..e.clone()
     }
+}
+
+/// The part of a long log along which the joint goes farthest.
+fn liveliest(e: &Experiment) -> Experiment {
+    let n = e.t_s.len();
+    let by_time = e.t_s.partition_point(|t| *t < e.t_s[0] + COARSE_DRIVEN_S);
+    let width = by_time.max(COARSE_DRIVEN);
+    if n <= width {
+        return e.clone();
+    }
+    let mut way_rad = vec![0.0; n];
+    for k in 1..n {
+        way_rad[k] = way_rad[k - 1] + (e.measured_rad[k] - e.measured_rad[k - 1]).abs();
+    }
+    let way = |from: &usize| way_rad[from + width - 1] - way_rad[*from];
+    let from = (0..=n - width).step_by(width / 8).max_by(|a, b| way(a).total_cmp(&way(b))).unwrap_or(0);
+    e.part(from..from + width)
 }
 
 /// A long phase of one repeated reading is one rounding error: it gets the weight of a few samples, because its

@@ -17,8 +17,8 @@ use std::ops::Range;
 const PARTS: usize = 8;
 const OF_EACH: usize = 2;
 
-/// Shares of the step that are tried.
-const SHARES: [f64; 4] = [1.0, 0.5, 0.2, 0.0];
+/// Shares of the step that are tried, beside none.
+const SHARES: [f64; 3] = [1.0, 0.5, 0.2];
 
 /// A part of a log that is predicted by the rest: the log, and its rows.
 struct Fold {
@@ -52,6 +52,9 @@ impl<'a> Folds<'a> {
             return predicted;
         }
         let coordinates = problem.coordinates();
+        let inside = |i: usize, x: f64| x.max(coordinates[i].lower).min(coordinates[i].upper);
+        let unmoved: Vec<f64> = x.iter().enumerate().map(|(i, x)| inside(i, *x)).collect();
+        let here: Vec<Vec<f64>> = (0..self.evidence.fit.len()).map(|k| residual(&problem, &unmoved, k)).collect();
         let whole = Normal::of(&all, x.len());
         let of_fold = |fold: &Fold| {
             let mut normal = whole.clone();
@@ -64,16 +67,21 @@ impl<'a> Folds<'a> {
             let step = normal.step(&open, coordinates, 1e-6)?;
             let part = |share: f64| -> Vec<f64> {
                 let moved = |(i, c): (usize, &Coordinate)| {
-                    (x[i] + (share * step[i]).clamp(-0.3 * c.scale, 0.3 * c.scale)).max(c.lower).min(c.upper)
+                    inside(i, x[i] + (share * step[i]).clamp(-0.3 * c.scale, 0.3 * c.scale))
                 };
                 coordinates.iter().enumerate().map(moved).collect()
             };
             // Where joints stick the model has kinks, and a whole step may go too far: the rest of the logs says so.
-            let rest = |there: &[f64]| self.rest(&problem, there, fold);
-            let tried = SHARES.map(|share| (rest(&part(share)), share));
-            let (_, share) = tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
-            let there = part(share);
-            let r = residual(&problem, &there, fold.log);
+            let at_rest = self.rest(&problem, &unmoved, fold, f64::INFINITY, |k| here[k].clone());
+            let mut least = at_rest;
+            let tried = SHARES.map(|share| {
+                let there = part(share);
+                let rest = self.rest(&problem, &there, fold, least, |k| residual(&problem, &there, k));
+                least = least.min(rest);
+                (rest, share)
+            });
+            let (_, share) = tried.into_iter().chain([(at_rest, 0.0)]).min_by(|a, b| a.0.total_cmp(&b.0))?;
+            let r = if share > 0.0 { residual(&problem, &part(share), fold.log) } else { here[fold.log].clone() };
             r[fold.rows.clone()].iter().all(|r| r.is_finite()).then(|| r[fold.rows.clone()].to_vec())
         };
         let parts: Vec<Option<Vec<f64>>> = self.folds.par_iter().map(of_fold).collect();
@@ -85,14 +93,25 @@ impl<'a> Folds<'a> {
         predicted
     }
 
-    /// Criterion of a point on everything but a part.
-    fn rest(&self, problem: &Problem<'_, GapModel>, x: &[f64], fold: &Fold) -> f64 {
-        let own = |(k, e): (usize, &Experiment)| {
-            let squares = residual(problem, x, k).into_iter().zip(&e.weights_s).map(|(r, w)| w * r * r);
+    /// Criterion of a point on everything but a part, by what it leaves of each log; infinite where the logs alone exceed
+    /// a bound.
+    fn rest(
+        &self,
+        problem: &Problem<'_, GapModel>,
+        x: &[f64],
+        fold: &Fold,
+        bound: f64,
+        left: impl Fn(usize) -> Vec<f64>,
+    ) -> f64 {
+        let mut readings = 0.0;
+        for (k, e) in self.evidence.fit.iter().enumerate() {
+            let squares = left(k).into_iter().zip(&e.weights_s).map(|(r, w)| w * r * r);
             let inside = |i: &usize| k != fold.log || !fold.rows.contains(i);
-            squares.enumerate().filter(|(i, _)| inside(i)).map(|(_, s)| s).sum::<f64>()
-        };
-        let readings: f64 = self.evidence.fit.iter().enumerate().map(own).sum();
+            readings += squares.enumerate().filter(|(i, _)| inside(i)).map(|(_, s)| s).sum::<f64>();
+            if readings > bound {
+                return f64::INFINITY;
+            }
+        }
         readings + problem.beliefs(x).iter().flat_map(|b| &b.residual).map(|r| r * r).sum::<f64>()
     }
 

@@ -69,6 +69,19 @@ impl Trial {
         Self::solved(evidence, self.model.clone(), &self.found.values, self.found.starts.clone(), budget)
     }
 
+    /// Begins logs anew that begin elsewhere in other evidence of the same logs.
+    pub fn begin_as(&mut self, here: &Evidence, there: &Evidence) {
+        let anew = |starts: &mut [[f64; 2]], here: &[Experiment], there: &[Experiment]| {
+            for (start, (a, b)) in starts.iter_mut().zip(here.iter().zip(there)) {
+                if a.t_s[0] != b.t_s[0] {
+                    *start = b.start_coordinates(&b.start);
+                }
+            }
+        };
+        anew(&mut self.found.starts, &here.fit, &there.fit);
+        anew(&mut self.held_starts, &here.held, &there.held);
+    }
+
     /// The same hypothesis on other samples of the same logs.
     pub fn on(&self, evidence: &Evidence, budget: Budget) -> Self {
         let mut there = self.continued(evidence, budget);

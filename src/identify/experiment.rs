@@ -217,7 +217,8 @@ impl Experiment {
         if self.part == 0 { self.file.clone() } else { format!("{} (part {})", self.file, self.part) }
     }
 
-    fn part(&self, range: Range<usize>) -> Self {
+    /// A part of the log with a start of its own where it does not begin with the log.
+    pub(crate) fn part(&self, range: Range<usize>) -> Self {
         let begins = range.start == 0;
         let uncompared = if begins { self.uncompared } else { 0 };
         let cut = |on: &Option<Vec<bool>>| on.as_ref().map(|on| on[range.clone()].to_vec());

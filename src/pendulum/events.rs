@@ -19,55 +19,56 @@ pub(super) fn dip(speed: [f64; 2], slope_before: f64, slope_after: impl Fn() -> 
     (lowest(dt) < 0.0).then_some(dt)
 }
 
-/// Halvings of a step in which a resting joint breaks away.
-const HALVINGS: usize = 60;
-/// Parts of the step within which that instant is known before it is halved.
-const NEAR: [f64; 2] = [1e-11, 1e-14];
-
-/// The instant in `(0, whole]` at which `beyond`, not above zero at 0 and above it at `whole`, rises through zero, by
-/// halving.
+/// The interval about the instant in `(0, whole]` at which a function, not above zero at 0 and above it at `whole`, rises
+/// through zero, by so many halvings.
 ///
-/// Each look costs the torques on the joint, so the instant is first found by a faster method, and the halving looks only
-/// where that leaves it open.
-pub(super) fn rise_of(beyond: impl Fn(f64) -> f64, [at_start, at_end]: [f64; 2], whole: f64) -> f64 {
+/// Each look costs a simulation or all torques on the joint. So the instant is first sought by a faster method (Illinois),
+/// and the halving looks only where that leaves it open.
+pub(super) fn halved(f: impl Fn(f64) -> f64, [at_start, at_end]: [f64; 2], whole: f64, halvings: i32) -> [f64; 2] {
+    let precise = (0.1 * 0.5_f64.powi(halvings)).max(1e-14) * whole;
     let (mut below, mut above) = (0.0, whole);
-    let (mut f_below, mut f_above) = (at_start, at_end);
-    let mut last_side = 0;
-    for _ in 0..8 {
-        let between = (below * f_above - above * f_below) / (f_above - f_below);
-        if !(between > below && between < above) {
-            break;
+    if at_start < 0.0 {
+        let (mut f_below, mut f_above) = (at_start, at_end);
+        let (mut last_side, mut last) = (0, 0.0);
+        for _ in 0..8 {
+            let between = (below * f_above - above * f_below) / (f_above - f_below);
+            if !(between > below && between < above) {
+                break;
+            }
+            let there = f(between);
+            if there > 0.0 {
+                (above, f_above) = (between, there);
+                f_below *= if last_side == 1 { 0.5 } else { 1.0 };
+                last_side = 1;
+            } else {
+                (below, f_below) = (between, there);
+                f_above *= if last_side == -1 { 0.5 } else { 1.0 };
+                last_side = -1;
+            }
+            let moved: f64 = between - last;
+            if moved.abs() < precise || f_below == 0.0 {
+                break;
+            }
+            last = between;
         }
-        let f = beyond(between);
-        if f > 0.0 {
-            (above, f_above) = (between, f);
-            f_below *= if last_side == 1 { 0.5 } else { 1.0 };
-            last_side = 1;
-        } else {
-            (below, f_below) = (between, f);
-            f_above *= if last_side == -1 { 0.5 } else { 1.0 };
-            last_side = -1;
-        }
-        if (f_below == 0.0 && last_side == -1) || above - below < NEAR[1] * whole {
-            break;
-        }
-    }
-    for near in NEAR {
-        let beside = if last_side == 1 { above - near * whole } else { below + near * whole };
-        if beside > below && beside < above {
-            if beyond(beside) > 0.0 { above = beside } else { below = beside }
+        // The far end of what is known comes near.
+        for near in [1e3 * precise, precise] {
+            let beside = if last_side == 1 { above - near } else { below + near };
+            if beside > below && beside < above {
+                if f(beside) > 0.0 { above = beside } else { below = beside }
+            }
         }
     }
     let (mut low, mut high) = (0.0, whole);
-    for _ in 0..HALVINGS {
+    for _ in 0..halvings {
         let middle = 0.5 * (low + high);
         if !(middle > low && middle < high) {
             break;
         }
-        let is_above = middle >= above || (middle > below && beyond(middle) > 0.0);
+        let is_above = middle >= above || (middle > below && f(middle) > 0.0);
         if is_above { high = middle } else { low = middle }
     }
-    high
+    [low, high]
 }
 
 /// The instant in `(0, bracket]` at which `speed`, positive just after 0, falls through zero (Illinois method).
@@ -115,4 +116,38 @@ pub(super) fn zero_of(speed: impl Fn(f64) -> f64, at_start: f64, bracket: f64) -
         }
     }
     Some(high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::Cell;
+
+    #[test]
+    fn halving_ends_where_it_would_if_it_looked_everywhere() {
+        let curves: [fn(f64) -> f64; 5] = [
+            |x| x - 0.3,
+            |x| x * x - 0.05,
+            |x| (8.0 * (x - 0.61)).sinh(),
+            |x| x - 1.0,
+            |x| if x < 0.37 { -1e-9 } else { 5.0 },
+        ];
+        for (k, curve) in curves.into_iter().enumerate() {
+            for (whole, halvings) in [(1.01, 60), (1.01, 16), (2.5, 16)] {
+                let (mut low, mut high) = (0.0, whole);
+                for _ in 0..halvings {
+                    let middle = 0.5 * (low + high);
+                    if curve(middle) > 0.0 { high = middle } else { low = middle }
+                }
+                let looks = Cell::new(0);
+                let look = |x: f64| {
+                    looks.set(looks.get() + 1);
+                    curve(x)
+                };
+                let found = halved(look, [curve(0.0), curve(whole)], whole, halvings);
+                assert_eq!(found, [low, high], "curve {k}");
+                assert!(looks.get() < halvings, "curve {k}: {} looks", looks.get());
+            }
+        }
+    }
 }

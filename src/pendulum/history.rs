@@ -36,7 +36,8 @@ impl<T: Real> History<T> {
     pub fn at(&self, t_s: T, state: [T; 2]) -> [T; 2] {
         let when_s = t_s - self.delay_s;
         let present = [t_s, state[0], state[1]];
-        let mut next = self.knots.partition_point(|knot| knot[0].re() <= when_s.re());
+        // Older knots are dropped: the instant lies near the first.
+        let mut next = self.knots.iter().take_while(|knot| knot[0].re() <= when_s.re()).count();
         while next > 0 {
             let earlier = &self.knots[next - 1];
             let later = self.knots.get(next).unwrap_or(&present);

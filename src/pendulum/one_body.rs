@@ -1,12 +1,15 @@
 //! The joint as one body, which sticks and slips.
 
-use super::events::{dip, rise_of, zero_of};
+use super::events::{dip, halved, zero_of};
 use super::history::History;
 use super::rollout::{Diverged, Mechanism, Start, State};
 use super::schedule::Command;
 use crate::integrate::rk4;
 use crate::joint::{Chain, Driven, Real};
 use std::ops::{Add, Mul};
+
+/// Halvings that find the instant at which a resting joint breaks away.
+const HALVINGS: i32 = 60;
 
 /// What the joint is doing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -198,7 +201,7 @@ impl<T: Real> OneBody<'_, T> {
             return;
         }
         let at_ends = [beyond.re(), beyond_end.re()];
-        let high = rise_of(|dt| later(T::constant(dt)).0.re(), at_ends, whole.re());
+        let [_, high] = halved(|dt| later(T::constant(dt)).0.re(), at_ends, whole.re(), HALVINGS);
         // One Newton step in T gives the instant its derivatives; its slope is a difference over the bracketing half.
         let here = later(T::constant(high)).0;
         let slope = (beyond_end.re() - beyond.re()) / whole.re();

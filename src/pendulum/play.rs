@@ -6,6 +6,7 @@
 //!
 //! On a spring the two are always apart, and it pulls on both; it begins as far as gravity bends it.
 
+use super::events::halved;
 use super::history::History;
 use super::rollout::{Diverged, Mechanism, Start, State};
 use super::schedule::Command;
@@ -14,7 +15,7 @@ use crate::joint::{Chain, Compliance, Driven, Real, TwoSides};
 use crate::log::EncoderSide;
 
 /// Halvings that separate the events of a step.
-const HALVINGS: usize = 16;
+const HALVINGS: i32 = 16;
 /// Share of the friction that acts on the link side, in its bearing; the gears have the rest.
 pub(crate) const LINK_SHARE: f64 = 0.03;
 
@@ -56,6 +57,8 @@ pub(super) struct TwoBodies<'a, T: Real> {
     t_s: T,
     /// Angle and rate of the link, the same of the motor side, integral of the angle error.
     y: [T; 5],
+    /// Whether that integral acts.
+    winds_up: bool,
     flank: f64,
     mode: Mode,
     steps_left: usize,
@@ -101,6 +104,7 @@ impl<'a, T: Real> TwoBodies<'a, T> {
             history,
             t_s: from_s,
             y: [angle + ahead * on_motor, rate, angle - ahead * (1.0 - on_motor), rate, T::nought()],
+            winds_up: chain.motor.as_ref().is_some_and(|motor| motor.winds_up()),
             flank,
             mode,
             steps_left: steps,
@@ -229,35 +233,39 @@ impl<T: Real> TwoBodies<'_, T> {
     /// Decides what resting bodies do, and whether pressed flanks stay pressed, at the present instant.
     fn settle(&mut self, command: &Command<T>) {
         let (t_s, y) = (self.t_s, self.y);
-        let motor_nm = self.motor_nm(command, t_s, &y);
-        let passive_nm = self.chain.acting_nm(t_s, y[0], y[1]);
-        let spring_nm = self.spring_nm(&y);
-        let link_alone = self.beyond(passive_nm + spring_nm, LINK_SHARE, t_s, y[0], motor_nm);
-        let motor_alone = self.beyond(motor_nm - spring_nm, 1.0 - LINK_SHARE, t_s, y[0], motor_nm);
-        if let Mode::Engaged(flank, Motion::Rest) = self.mode {
+        let motor_nm = || self.motor_nm(command, t_s, &y);
+        let link_alone = || self.beyond(self.on_link_nm(t_s, &y), LINK_SHARE, t_s, y[0], motor_nm());
+        let motor_alone = || {
+            let motor_nm = motor_nm();
+            self.beyond(motor_nm - self.spring_nm(&y), 1.0 - LINK_SHARE, t_s, y[0], motor_nm)
+        };
+        let mut mode = self.mode;
+        if let Mode::Engaged(flank, Motion::Rest) = mode {
+            let link_alone = link_alone();
             let falls_away = link_alone.0.re() > 0.0 && link_alone.1 != flank;
-            self.mode = if falls_away {
+            mode = if falls_away {
                 Mode::Apart(Motion::Rest, Motion::Rest)
             } else {
+                let (passive_nm, motor_nm) = (self.chain.acting_nm(t_s, y[0], y[1]), motor_nm());
                 Mode::Engaged(flank, self.motion_of(self.beyond(passive_nm + motor_nm, 1.0, t_s, y[0], motor_nm)))
             };
         }
-        if let Mode::Engaged(flank, Motion::Slip(direction)) = self.mode
+        if let Mode::Engaged(flank, Motion::Slip(direction)) = mode
             && self.pressing_nm(command, flank, direction, t_s, &y).re() < 0.0
         {
             let going = |rate: T| if rate.re() == 0.0 { Motion::Rest } else { Motion::Slip(rate.re().signum()) };
-            self.mode = Mode::Apart(going(y[1]), going(y[3]));
+            mode = Mode::Apart(going(y[1]), going(y[3]));
         }
-        if let Mode::Apart(link, motor) = self.mode {
-            let link = if link == Motion::Rest { self.motion_of(link_alone) } else { link };
-            let motor = if motor == Motion::Rest { self.motion_of(motor_alone) } else { motor };
-            self.mode = Mode::Apart(link, motor);
+        if let Mode::Apart(link, motor) = mode {
+            let link = if link == Motion::Rest { self.motion_of(link_alone()) } else { link };
+            let motor = if motor == Motion::Rest { self.motion_of(motor_alone()) } else { motor };
+            mode = Mode::Apart(link, motor);
         }
+        self.mode = mode;
     }
 
     /// Acceleration of both bodies as one.
-    fn together(&self, command: &Command<T>, direction: f64, t_s: T, y: &[T; 5]) -> T {
-        let motor_nm = self.motor_nm(command, t_s, y);
+    fn together(&self, motor_nm: T, direction: f64, t_s: T, y: &[T; 5]) -> T {
         self.chain.slip_rate_rad_s2(t_s, y[0], y[1], direction, motor_nm)
     }
 
@@ -265,7 +273,7 @@ impl<T: Real> TwoBodies<'_, T> {
     fn pressing_nm(&self, command: &Command<T>, flank: f64, direction: f64, t_s: T, y: &[T; 5]) -> T {
         let motor_nm = self.motor_nm(command, t_s, y);
         let own_nm = self.resistance_nm(t_s, y[0], y[1] * direction, direction, motor_nm) * (LINK_SHARE * direction);
-        let on_link_nm = self.link_kg_m2(t_s) * self.together(command, direction, t_s, y)
+        let on_link_nm = self.link_kg_m2(t_s) * self.together(motor_nm, direction, t_s, y)
             - self.chain.acting_nm(t_s, y[0], y[1])
             + own_nm;
         on_link_nm * -flank
@@ -273,11 +281,14 @@ impl<T: Real> TwoBodies<'_, T> {
 
     fn rate(&self, command: &Command<T>, mode: Mode, t_s: T, y: &[T; 5]) -> [T; 5] {
         let nought = T::nought();
-        let error = command.error_rad(self.chain, t_s, self.seen_in(t_s, y)[0]);
+        let error = match self.winds_up {
+            true => command.error_rad(self.chain, t_s, self.seen_in(t_s, y)[0]),
+            false => nought,
+        };
         match mode {
             Mode::Clamped | Mode::Engaged(_, Motion::Rest) => [nought, nought, nought, nought, error],
             Mode::Engaged(_, Motion::Slip(direction)) => {
-                let a = self.together(command, direction, t_s, y);
+                let a = self.together(self.motor_nm(command, t_s, y), direction, t_s, y);
                 [y[1], a, y[1], a, error]
             }
             Mode::Apart(link, motor) => {
@@ -376,14 +387,24 @@ impl<T: Real> TwoBodies<'_, T> {
             return Ok(());
         }
         // Halving finds the earliest of them, and which it is; the rest is left to a faster method.
-        let (mut low, mut high) = (0.0, step.re());
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            let there = after_plain(middle);
-            let happened = happening.iter().flatten().any(|&event| margin(event, t_s + middle, &there).re() < 0.0);
-            if happened { high = middle } else { low = middle }
-        }
         let at = |event: Event, dt: f64| margin(event, t_s + dt, &after_plain(dt)).re();
+        let mut events = happening.iter().flatten();
+        let [low, high] = match (events.next(), events.next()) {
+            (Some(&only), None) => {
+                let ends = [margin(only, t_s, &y), margin(only, t_s + step, &end)].map(|margin| -margin.re());
+                halved(|dt| -at(only, dt), ends, step.re(), HALVINGS)
+            }
+            _ => {
+                let (mut low, mut high) = (0.0, step.re());
+                for _ in 0..HALVINGS {
+                    let middle = 0.5 * (low + high);
+                    let there = after_plain(middle);
+                    let happened = |event: &Event| margin(*event, t_s + middle, &there).re() < 0.0;
+                    if happening.iter().flatten().any(happened) { high = middle } else { low = middle }
+                }
+                [low, high]
+            }
+        };
         let lowest = |a: &&Event, b: &&Event| at(**a, high).total_cmp(&at(**b, high));
         let Some(&event) = happening.iter().flatten().min_by(lowest) else { return Ok(()) };
         let instant = falls_through_zero(|dt| at(event, dt), low, high);
