@@ -16,6 +16,7 @@ use super::next::next;
 use super::numbers::numbers;
 use super::place::place;
 use super::rates::{Rates, probability, share_out, standing};
+use super::refuted::soundly_believed;
 use super::sentence::sentence;
 use super::trial::{Trial, loss};
 use super::twins::measure;
@@ -174,6 +175,8 @@ fn attributed(
     effects: &[EffectId],
     progress: &dyn Progress,
 ) -> Result<(Evidence, Attribution), Cancelled> {
+    progress.go_on(Step::stage("numbers within their beliefs"))?;
+    let evidence = soundly_believed(evidence);
     let attribution = Attribution::of(&evidence, effects, progress)?;
     if !attribution.held_out_shows_more(&evidence) {
         return Ok((evidence, attribution));
@@ -200,7 +203,7 @@ fn gap(evidence: &Evidence, held: &HeldOut, a: &Attribution, decision: &Decision
         floor,
         closed: closed(before, after, floor),
         closed_interval: closed(before, after, floor).and_then(|_| held.closed_interval(&given, &answer, floor)),
-        outer: held.is_outer() && a.refuted.is_empty(),
+        outer: held.is_outer() && a.refuted.is_empty() && !evidence.normal,
         held_out: held.how.to_owned(),
         per_log: per_log(held, [&given, &calibrated, &answer], floor),
     }
@@ -313,6 +316,14 @@ fn notes(
         );
     }
     notes.extend(differs.iter().map(Differs::in_words));
+    if evidence.normal {
+        notes.push(
+            "The fitted logs move numbers far beyond their beliefs, and so the held-out logs are predicted clearly worse: \
+             the numbers were held to their beliefs, so the held-out figures are no longer of logs on which no choice was \
+             made."
+                .to_owned(),
+        );
+    }
     if !refuted.is_empty() {
         let ids: Vec<&str> = refuted.iter().map(|e| e.id()).collect();
         notes.push(format!(

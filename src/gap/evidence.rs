@@ -20,6 +20,8 @@ pub(super) struct Evidence {
     pub nominal: Nominal,
     /// How sure the engineer is of it.
     pub uncertain: Uncertain,
+    /// Whether beliefs are normal: held-out logs refute numbers that heavy tails let go far.
+    pub normal: bool,
     /// What the user demands of numbers and of parameters of effects.
     pub demands: Arc<Directives>,
     /// Where it hangs, as given; 0 where nothing is said \[rad\].
@@ -57,6 +59,7 @@ impl Evidence {
             pooled_from: None,
             nominal,
             uncertain: case.uncertain.clone(),
+            normal: false,
             demands: Arc::default(),
             rest_rad: case.joint.rest_rad.unwrap_or(0.0),
             scale_known,
@@ -65,7 +68,8 @@ impl Evidence {
 
     /// The joint as it is believed to be.
     pub fn baseline(&self) -> GapModel {
-        GapModel::baseline(&self.nominal, self.rest_rad, &self.reach, &self.uncertain).under(&self.demands)
+        let model = GapModel::baseline(&self.nominal, self.rest_rad, &self.reach, &self.uncertain).under(&self.demands);
+        if self.normal { model.believed_normally() } else { model }
     }
 
     /// The same study with other logs.

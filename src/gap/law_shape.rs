@@ -116,7 +116,7 @@ impl LawShape {
             search: Search::Linear { scale: sd },
             lower: f64::NEG_INFINITY,
             upper: f64::INFINITY,
-            belief: Some(Belief { at: 0.0, sd }),
+            belief: Some(Belief::new(0.0, sd)),
             ..Parameter::positive(format!("law {j}"), "f", self.acts.unit(), None, 0.0)
         })
     }

@@ -93,6 +93,14 @@ impl GapModel {
         self
     }
 
+    /// The same joint, whose numbers are believed without heavy tails.
+    pub(super) fn believed_normally(mut self) -> Self {
+        for p in &mut self.parameters {
+            p.belief = p.belief.map(Belief::normal);
+        }
+        self
+    }
+
     /// What the user demands of parameters.
     pub(super) fn demands(&self) -> &Directives {
         &self.demands
@@ -291,7 +299,7 @@ pub(super) fn parameters_of(form: EffectForm, reach: &Reach) -> Vec<Parameter> {
             start: p.lower,
             ..Parameter::positive(format!("{}.{}", form.id, p.name), p.name, p.unit, None, p.lower)
         };
-        let belief = p.likely.map(|[middle, sd]| Belief { at: parameter.to_coordinate(middle), sd });
+        let belief = p.likely.map(|[middle, sd]| Belief::new(parameter.to_coordinate(middle), sd));
         Parameter { belief, ..parameter }
     };
     let mut parameters: Vec<Parameter> = form.parameters(reach).into_iter().map(searched).collect();
@@ -311,7 +319,7 @@ fn plausible(effect: EffectId) -> Option<Belief> {
         EffectId::Delay | EffectId::SensorDelay => 0.05,
         _ => return None,
     };
-    Some(Belief { at: 0.0, sd })
+    Some(Belief::new(0.0, sd))
 }
 
 impl JointModel for GapModel {

@@ -1,6 +1,7 @@
 //! Causes that held-out logs refute: the fitted logs ask for them, and with them logs that were not fitted are predicted
 //! clearly worse. Two or three logs seldom show more than they were made to show.
 
+use super::attribute::calibrate;
 use super::compare::{Difference, blocks};
 use super::evidence::Evidence;
 use super::trial::Trial;
@@ -14,6 +15,22 @@ const BETTER: f64 = 0.8;
 const CLEARLY: f64 = 1.0;
 /// Evaluations of a fit that begins near its end.
 const AGAIN: Budget = Budget { evaluations: 24 };
+
+/// The evidence with beliefs whose tails are light, where held-out logs refute the numbers that heavy ones let go far.
+pub(super) fn soundly_believed(evidence: Evidence) -> Evidence {
+    if evidence.held.is_empty() {
+        return evidence;
+    }
+    let calibrated = |evidence: &Evidence| {
+        let coarse = evidence.coarse();
+        let baseline = coarse.baseline();
+        let mut numbers = calibrate(&coarse, &baseline, &Trial::as_given(&coarse, &baseline));
+        numbers.predict(&coarse, None);
+        numbers
+    };
+    let normal = Evidence { normal: true, ..evidence.with_logs(evidence.fit.clone(), evidence.held.clone()) };
+    if refutes(&evidence.coarse(), &calibrated(&evidence), &calibrated(&normal)) { normal } else { evidence }
+}
 
 /// A hypothesis without the causes that the held-out logs refute, and these; everything else refitted.
 pub(super) fn unrefuted(evidence: &Evidence, best: Trial) -> (Trial, Vec<EffectId>) {

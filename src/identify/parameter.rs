@@ -52,18 +52,34 @@ pub struct Belief {
     pub at: f64,
     /// Standard deviation, in the search coordinate: for a logarithm the relative one.
     pub sd: f64,
+    /// Degrees of freedom; infinite: a normal distribution.
+    pub freedom: f64,
 }
 
-/// Degrees of freedom of a belief.
+/// Degrees of freedom of a belief, unless it is normal.
 const TAIL: f64 = 4.0;
 
 impl Belief {
+    /// A belief with the tails of Student's t.
+    pub fn new(at: f64, sd: f64) -> Self {
+        Self { at, sd, freedom: TAIL }
+    }
+
+    /// The same without heavy tails.
+    pub fn normal(self) -> Self {
+        Self { freedom: f64::INFINITY, ..self }
+    }
+
     /// Root of what a value of the search coordinate costs in deviance, with its sign: how many standard deviations it
     /// lies away, less and less of those that are many; and the slope of that.
     pub fn strain(&self, x: f64) -> [f64; 2] {
         let away = (x - self.at) / self.sd;
-        let root = (TAIL * (away * away / TAIL).ln_1p()).sqrt();
-        let slope = if root > 1e-6 { away.abs() / (1.0 + away * away / TAIL) / root } else { 1.0 };
+        if self.freedom.is_infinite() {
+            return [away, 1.0 / self.sd];
+        }
+        let share = away * away / self.freedom;
+        let root = (self.freedom * share.ln_1p()).sqrt();
+        let slope = if root > 1e-6 { away.abs() / (1.0 + share) / root } else { 1.0 };
         [root.copysign(away), slope / self.sd]
     }
 }
@@ -117,7 +133,7 @@ impl Parameter {
     /// The same parameter, believed to lie about its start within a standard deviation: relative where it is searched by
     /// its logarithm, in its unit elsewhere. One that is believed exactly is not searched.
     pub fn believed(self, sd: f64) -> Self {
-        let belief = Belief { at: self.to_coordinate(self.start), sd };
+        let belief = Belief::new(self.to_coordinate(self.start), sd);
         Self { belief: (sd > 0.0).then_some(belief), fixed: self.fixed || sd <= 0.0, ..self }
     }
 
