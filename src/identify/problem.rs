@@ -132,9 +132,9 @@ impl<'a, M: JointModel> Problem<'a, M> {
             let left = block.columns.len() - from;
             from += match left {
                 ..=2 => self.pass::<2>(x, experiment, from, &mut block)?,
-                ..=4 => self.pass::<4>(x, experiment, from, &mut block)?,
-                ..=8 => self.pass::<8>(x, experiment, from, &mut block)?,
-                ..=12 => self.pass::<12>(x, experiment, from, &mut block)?,
+                3..=4 => self.pass::<4>(x, experiment, from, &mut block)?,
+                5..=8 => self.pass::<8>(x, experiment, from, &mut block)?,
+                9..=12 => self.pass::<12>(x, experiment, from, &mut block)?,
                 _ => self.pass::<16>(x, experiment, from, &mut block)?,
             };
         }

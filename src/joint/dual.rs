@@ -45,6 +45,20 @@ impl<const N: usize> Dual<N> {
     fn along(self, value: f64, slope: f64) -> Self {
         Self { re: value, eps: each(|i| self.eps[i] * slope) }
     }
+
+    /// By the product rule.
+    #[inline(always)]
+    fn times(self, other: Self) -> Self {
+        Self { re: self.re * other.re, eps: each(|i| self.eps[i] * other.re + other.eps[i] * self.re) }
+    }
+
+    /// By the quotient rule.
+    #[inline(always)]
+    fn over(self, other: Self) -> Self {
+        let inverse = other.re.recip();
+        let slope = |i: usize| (self.eps[i] * other.re - other.eps[i] * self.re) * inverse * inverse;
+        Self { re: self.re * inverse, eps: each(slope) }
+    }
 }
 
 impl<const N: usize> Real for Dual<N> {
@@ -133,7 +147,7 @@ impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        Self { re: self.re * other.re, eps: each(|i| self.eps[i] * other.re + other.eps[i] * self.re) }
+        self.times(other)
     }
 }
 
@@ -141,9 +155,7 @@ impl<const N: usize> Div for Dual<N> {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        let inverse = other.re.recip();
-        let slope = |i: usize| (self.eps[i] * other.re - other.eps[i] * self.re) * inverse * inverse;
-        Self { re: self.re * inverse, eps: each(slope) }
+        self.over(other)
     }
 }
 
