@@ -115,10 +115,11 @@ fn a_late_setpoint_of_the_elbow_is_found_on_the_elbow() {
     assert_eq!((&effects[0]["id"], &effects[0]["joints"][0]), (&"delay".into(), &JOINTS[1].into()), "{effects:#?}");
     let late_s = effects[0]["parameters"]["T"]["value"].as_f64().unwrap();
     assert!((late_s - 0.025).abs() < 0.003, "{late_s}");
-    assert_eq!(found["verdict"], "effect");
+    assert_eq!(found["effect"], "delay");
     assert_eq!(found["where"]["joints"][0], JOINTS[1]);
+    // The elbow's jolts reach the shoulder through smoothed accelerations: a millirad of it stays, and nobody is blamed.
     let shoulder = &found["joints"][JOINTS[0]];
-    assert!(["none", "calibration"].contains(&shoulder["verdict"].as_str().unwrap()), "{}", shoulder["sentence"]);
+    assert!(shoulder["effects"].as_array().unwrap().is_empty(), "{}", shoulder["sentence"]);
     assert!(found["gap"]["after"].as_f64().unwrap() < 0.002, "{}", found["gap"]);
 }
 

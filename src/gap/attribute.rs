@@ -10,7 +10,7 @@ use super::grow::Growth;
 use super::held_out::Elsewhere;
 use super::laws::lawful;
 use super::model::GapModel;
-use super::refuted::{refutes, unrefuted};
+use super::refuted::{refutes_law, unrefuted};
 use super::score::Measure;
 use super::trial::Trial;
 use super::within::within_logs;
@@ -134,16 +134,12 @@ impl Attribution {
         let members = exchanged.effects().to_vec();
         let best = growth.formed(proven(&coarse, exchanged, without, chance));
         stage("looking at single sessions")?;
-        let (best, refuted) = unrefuted(&coarse, within_logs(&growth, best, chance));
+        let (best, refuted) = unrefuted(&coarse, evidence, within_logs(&growth, best, chance));
         stage("looking for a law in what is left")?;
         let step_rad = coarse.reach.resolution_rad;
         let worth_a_law = best.fit_loss(&coarse) > samples * step_rad.max(noise_of_law(noise)).powi(2);
         let law = if worth_a_law { lawful(&coarse, &best, &calibrated) } else { None };
-        let law = law.filter(|law| {
-            let mut law = law.clone();
-            law.predict(&coarse, Some(&best));
-            !refutes(&coarse, &law, &best)
-        });
+        let law = law.filter(|law| !refutes_law(&coarse, evidence, law, &best));
         let best = match &law {
             Some(law) if law.effects().len() < best.effects().len() => {
                 let kept: Vec<usize> =

@@ -93,16 +93,14 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &dyn Progress) -> R
         effect_parameters.push((EffectId::MotorGain, vec![gain_as_effect(&parameters)]));
     }
     let law = law_found(&case.joint.name, &evidence, &held, &attribution, &decision);
-    let parameter = (decision.verdict == Verdict::Calibration)
-        .then(|| decision.finding.map(|i| decision.answer.model.parameters()[i].name.clone()))
-        .flatten();
+    let moved = decision.finding.map(|i| decision.answer.model.parameters()[i].name.clone());
+    let parameter = moved.clone().filter(|_| decision.verdict == Verdict::Calibration);
     let is_named = matches!(decision.verdict, Verdict::Effect);
     let intervals_trusted = decision.excess < super::decide::EXPLAINED;
     // Causes that hold in some logs only may stand for a number that differs.
     let restricted = attribution.best.model.only().iter().any(Option::is_some);
     let differs = if intervals_trusted && !restricted { Vec::new() } else { differing(&evidence, &attribution) };
-    let mut sentence =
-        sentence(&case.joint.name, &decision, &gap, parameter.as_deref(), &effect_parameters, law.as_ref());
+    let mut sentence = sentence(&case.joint.name, &decision, &gap, moved.as_deref(), &effect_parameters, law.as_ref());
     sentence.extend(differs.first().and_then(Differs::instead_of_causes));
     let mut ranking = ranking(&evidence, &held, &attribution, &gap);
     stage("what would tell more")?;
@@ -327,7 +325,7 @@ fn notes(
     if !refuted.is_empty() {
         let ids: Vec<&str> = refuted.iter().map(|e| e.id()).collect();
         notes.push(format!(
-            "The fitted logs ask for {} as well, and with that the held-out logs are predicted clearly worse: it was left \
+            "The fitted logs ask for {} as well, but with that the held-out logs are predicted no better, or worse: it was left \
              out, so the held-out figures are no longer of logs on which no choice was made.",
             ids.join(", ")
         ));

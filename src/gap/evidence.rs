@@ -106,8 +106,8 @@ const SHORTEST_PART_S: f64 = 0.6;
 const COARSE_SAMPLES: usize = 260;
 
 /// Samples and time \[s\] of a driven log that an exploration looks at, at the most: whichever is more.
-const COARSE_DRIVEN: usize = 1200;
-const COARSE_DRIVEN_S: f64 = 12.0;
+const COARSE_DRIVEN: usize = 600;
+const COARSE_DRIVEN_S: f64 = 8.0;
 
 /// A free log with every few samples left out; those that stay count for those that go. What drives a log between two
 /// samples counts: of a long driven one the part is looked at in which most happens.

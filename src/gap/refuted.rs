@@ -1,5 +1,5 @@
-//! Causes that held-out logs refute: the fitted logs ask for them, and with them logs that were not fitted are predicted
-//! clearly worse. Two or three logs seldom show more than they were made to show.
+//! Causes that held-out logs refute, or do not know: the fitted logs ask for them, and with them logs that were not fitted
+//! are predicted clearly worse, or no better. Two or three logs seldom show more than they were made to show.
 
 use super::attribute::calibrate;
 use super::compare::{Difference, blocks};
@@ -13,6 +13,9 @@ use rayon::prelude::*;
 /// deviations.
 const BETTER: f64 = 0.8;
 const CLEARLY: f64 = 1.0;
+/// A cause without which the held-out squares hardly rise, and the fitted ones by less than this factor, is idle.
+const HARDLY: f64 = 1.008;
+const LITTLE: f64 = 1.3;
 /// Evaluations of a fit that begins near its end.
 const AGAIN: Budget = Budget { evaluations: 24 };
 
@@ -32,13 +35,25 @@ pub(super) fn soundly_believed(evidence: Evidence) -> Evidence {
     if refutes(&evidence.coarse(), &calibrated(&evidence), &calibrated(&normal)) { normal } else { evidence }
 }
 
-/// A hypothesis without the causes that the held-out logs refute, and these; everything else refitted.
-pub(super) fn unrefuted(evidence: &Evidence, best: Trial) -> (Trial, Vec<EffectId>) {
-    let mut best = best;
-    let mut refuted = Vec::new();
-    if evidence.held.is_empty() {
+/// A hypothesis without the causes that the held-out logs refute or do not know, and these; everything else refitted. What was found on
+/// a choice of the samples is judged on all.
+pub(super) fn unrefuted(coarse: &Evidence, evidence: &Evidence, best: Trial) -> (Trial, Vec<EffectId>) {
+    if evidence.held.is_empty() || best.effects().is_empty() {
+        return (best, Vec::new());
+    }
+    let mut whole = best.clone();
+    whole.begin_as(coarse, evidence);
+    let (left, refuted) = unrefuted_on(evidence, whole.on(evidence, AGAIN));
+    if refuted.is_empty() {
         return (best, refuted);
     }
+    let holds = |k: &usize| left.effects().contains(&best.effects()[*k]);
+    let kept: Vec<usize> = (0..best.effects().len()).filter(holds).collect();
+    (best.keeping(coarse, &kept, AGAIN), refuted)
+}
+
+fn unrefuted_on(evidence: &Evidence, mut best: Trial) -> (Trial, Vec<EffectId>) {
+    let mut refuted = Vec::new();
     best.predict(evidence, None);
     while !best.effects().is_empty() {
         let causes = best.effects().len();
@@ -53,7 +68,7 @@ pub(super) fn unrefuted(evidence: &Evidence, best: Trial) -> (Trial, Vec<EffectI
         let (singly, at_once) = tried.split_at(causes);
         let better = |tried: &[Trial]| {
             let least = tried.iter().min_by(|a, b| a.held_loss(evidence).total_cmp(&b.held_loss(evidence)));
-            least.filter(|less| refutes(evidence, &best, less)).cloned()
+            least.filter(|less| refutes(evidence, &best, less) || is_idle(evidence, &best, less)).cloned()
         };
         let Some(less) = better(singly).or_else(|| better(at_once)) else { break };
         refuted.extend(best.effects().iter().filter(|e| !less.effects().contains(e)));
@@ -62,8 +77,29 @@ pub(super) fn unrefuted(evidence: &Evidence, best: Trial) -> (Trial, Vec<EffectI
     (best, refuted)
 }
 
+/// Whether what a hypothesis has more than another does nothing for held-out logs, and little for fitted ones.
+fn is_idle(evidence: &Evidence, more: &Trial, less: &Trial) -> bool {
+    less.held_loss(evidence) < HARDLY * more.held_loss(evidence)
+        && less.fit_loss(evidence) < LITTLE * more.fit_loss(evidence)
+}
+
+/// Whether the held-out logs refute a hypothesis that has a law, for one that has none.
+pub(super) fn refutes_law(coarse: &Evidence, evidence: &Evidence, law: &Trial, without: &Trial) -> bool {
+    if evidence.held.is_empty() {
+        return false;
+    }
+    let [law, without] = [law, without].map(|t| {
+        let mut whole = t.clone();
+        whole.begin_as(coarse, evidence);
+        let mut whole = whole.on(evidence, AGAIN);
+        whole.predict(evidence, None);
+        whole
+    });
+    refutes(evidence, &law, &without)
+}
+
 /// Whether the held-out logs are predicted clearly better by a hypothesis that has less.
-pub(super) fn refutes(evidence: &Evidence, more: &Trial, less: &Trial) -> bool {
+fn refutes(evidence: &Evidence, more: &Trial, less: &Trial) -> bool {
     let gained = Difference::of(&blocks(&evidence.held, &more.held, &less.held).collect::<Vec<f64>>());
     less.held_loss(evidence) < BETTER * more.held_loss(evidence) && gained.z() > CLEARLY
 }

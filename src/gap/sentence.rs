@@ -64,7 +64,10 @@ fn unnamed(law: &LawFound) -> String {
     format!("there is {what} that depends on the {} ({}){closed}.", of.join(" and the "), table.looks_like)
 }
 
-/// The sentence of a decision.
+/// Where refitted numbers leave less than this share of the error, that is said first.
+const MOST_BY_NUMBERS: f64 = 0.7;
+
+/// The sentence of a decision; `parameter` is the number that moved most.
 pub(super) fn sentence(
     joint: &str,
     decision: &Decision<'_>,
@@ -108,11 +111,16 @@ pub(super) fn sentence(
             let nearest =
                 partial.map_or(String::new(), |_| format!(" What is known so far is {}; {}.", all(), closing(gap)));
             let unnamed = law.map_or(String::new(), |law| format!(" Without a name {}", unnamed(law)));
-            format!(
-                "{joint}: the effects I know do not explain this gap; {} stay above the sensor's {}.{unnamed}{nearest}",
-                mrad(gap.after),
-                mrad(gap.floor)
-            )
+            let stays = format!("{} stay above the sensor's {}", mrad(gap.after), mrad(gap.floor));
+            if gap.calibrated < MOST_BY_NUMBERS * gap.before {
+                let most = parameter.map_or(String::new(), |name| format!(", the {name} most of all,"));
+                let [before, calibrated] = [gap.before, gap.calibrated].map(mrad);
+                return format!(
+                    "{joint}: refitting the numbers within what is believed of them{most} takes the error from {before} to \
+                     {calibrated}; the effects I know do not explain the rest: {stays}.{unnamed}{nearest}"
+                );
+            }
+            format!("{joint}: the effects I know do not explain this gap; {stays}.{unnamed}{nearest}")
         }
     }
 }

@@ -55,16 +55,19 @@ pub(super) fn motion(t_s: &[f64], q_rad: &[f64], from: usize, stride: usize) -> 
     moments
 }
 
+/// Half the width of the window along which a motion is followed \[s\]: narrower, so that turns are not cut.
+const HALF_FOLLOWED_S: f64 = 0.02;
+
 /// Smoothed angle, rate and acceleration at every sample \[rad, rad/s, rad/s^2\]; windows are cut short at either end.
 pub(crate) fn along(t_s: &[f64], q_rad: &[f64]) -> Vec<[f64; 3]> {
     let n = t_s.len();
     let (mut low, mut high) = (0, 0);
     (0..n)
         .map(|k| {
-            while t_s[low] < t_s[k] - HALF_WINDOW_S {
+            while t_s[low] < t_s[k] - HALF_FOLLOWED_S {
                 low += 1;
             }
-            while high + 1 < n && t_s[high + 1] <= t_s[k] + HALF_WINDOW_S {
+            while high + 1 < n && t_s[high + 1] <= t_s[k] + HALF_FOLLOWED_S {
                 high += 1;
             }
             let (from, to) = (low.min(k.saturating_sub(FEWEST)), high.max((k + FEWEST).min(n - 1)));
