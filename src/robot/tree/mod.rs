@@ -61,6 +61,9 @@ pub struct Tree {
     /// Of each joint \[kg m^2\].
     armature: Vec<f64>,
     names: Vec<String>,
+    /// What each joint moves.
+    moved: Vec<LinkId>,
+    link_names: Vec<String>,
 }
 
 /// The body that moves freely.
