@@ -29,7 +29,7 @@ pub enum NoAcceleration {
     },
 }
 
-/// Working memory for evaluations of one tree; after the first one no evaluation allocates.
+/// Working memory for evaluations of one tree; after the first one only [`TreeDynamics::link_places_m`] allocates.
 #[derive(Clone, Debug)]
 pub struct TreeDynamics<'t> {
     tree: &'t Tree,

@@ -21,6 +21,7 @@ mod composite;
 mod coordinates;
 mod evaluate;
 mod factor;
+mod jointed;
 mod motion;
 mod newton_euler;
 mod servo;
@@ -31,6 +32,7 @@ mod tests;
 pub use build::TreeError;
 pub use coordinates::TreeState;
 pub use evaluate::{NoAcceleration, TreeDynamics, TreeEnergy, TreeMomentum};
+pub(super) use jointed::Jointed;
 
 use super::description::{Description, LinkId, MoverId, RigidInertia};
 use coordinates::Coordinates;
