@@ -251,6 +251,56 @@ fn the_example_in_the_help_runs() {
     assert!(said.starts_with("arm: 4 links, 2 joints\n"), "{said}");
 }
 
+const SERVO: &str = r#"<mujoco model="servo"><worldbody><body name="arm" pos="0 0 1"><joint name="j" axis="0 1 0" armature=".1" damping=".5"/>
+  <inertial pos=".5 0 0" mass="1" diaginertia=".001 .001 .001"/></body></worldbody>
+  <actuator><position joint="j" kp="20" kv="4"/></actuator></mujoco>"#;
+
+#[test]
+fn a_described_arm_hangs_where_its_servo_balances_gravity() {
+    let out = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(out.path().join(name), text).unwrap();
+    write("servo.xml", SERVO);
+    write("s.csv", "t,j\n0,0.3\n8,0.3\n");
+    let words = ["walk", "--air", "--robot", "servo.xml", "--setpoints", "s.csv", "--out", "o", "--quiet"];
+    expect_code(out.path(), &words, 0);
+    let log = fs::read_to_string(out.path().join("o/log.csv")).unwrap();
+    let column = log.lines().next().unwrap().split(',').position(|name| name == "j.q").unwrap();
+    let last: f64 = log.lines().last().unwrap().split(',').nth(column).unwrap().parse().unwrap();
+    // 20 (0.3 - q) + 9.81 * 0.5 cos q = 0, by bisection.
+    let (mut low, mut high) = (0.0_f64, 1.5_f64);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if 20.0 * (0.3 - middle) + 9.81 * 0.5 * middle.cos() > 0.0 { low = middle } else { high = middle }
+    }
+    assert!((last - low).abs() < 1e-4, "{last}, expected {low}");
+}
+
+#[test]
+fn what_walk_cannot_move_is_named() {
+    let out = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(out.path().join(name), text).unwrap();
+    write("servo.xml", SERVO);
+    write("slide.xml", &SERVO.replace("axis=\"0 1 0\"", "type=\"slide\""));
+    write("arm.urdf", PENDULUM);
+    write("s.csv", "t,j\n0,0.3\n1,0.3\n");
+    let cases = [
+        (&["walk", "--robot", "servo.xml"][..], 2, "add --air"),
+        (&["walk", "--air", "--robot", "slide.xml"], 3, "joint j slides (prismatic)"),
+        (&["walk", "--air", "--robot", "arm.urdf"], 3, "no joint has a position servo"),
+        (
+            &["walk", "--air", "--robot", "servo.xml", "--gait", "trot", "--setpoints", "s.csv"],
+            2,
+            "expected a joint of servo",
+        ),
+    ];
+    for (words, code, expected) in cases {
+        let output = run_in(out.path(), words);
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(code), "{said}");
+        assert!(said.contains(expected), "{said}");
+    }
+}
+
 #[test]
 fn our_own_format_is_held_as_asked() {
     let out = tempfile::tempdir().unwrap();

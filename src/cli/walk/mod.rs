@@ -191,7 +191,7 @@ pub(super) fn run(args: &WalkArgs) -> Result<u8, CliError> {
     }
     let progress = Progress::new(args.common.quiet);
     progress.say("reading");
-    let read = args.robot.as_deref().map(described::read).transpose()?;
+    let read = args.robot.as_deref().map(|file| described::read(file, args.air)).transpose()?;
     let robot = read.as_ref().unwrap_or(Model::ers7());
     let model = if args.air { robot.with_base(Base::Clamped) } else { robot.with_base(Base::Floating) };
     if let Some(which) = args.integrators {
