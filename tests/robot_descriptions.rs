@@ -239,7 +239,7 @@ fn a_chain_that_ends_without_mass_is_named_and_has_no_accelerations() {
         .replace("\".1\"", "\"0\"")
         .replace("\".01\"", "\"0\"");
     let (answer, said) = ask(&robot, r#"[{"q": [0], "dq": [0], "tau": [0]}]"#, &[], 0);
-    assert!(said.contains("states[0]: no qacc: what joint j moves has no inertia"), "{said}");
+    assert!(said.contains("states[0]: no qacc: link rod has no inertia about joint j"), "{said}");
     let out = answer.unwrap()["states"][0]["out"].clone();
     assert_eq!((out.get("qacc"), out["M"][0][0].as_f64(), out["bias"][0].as_f64()), (None, Some(0.0), Some(0.0)));
 }
@@ -249,6 +249,62 @@ fn the_example_in_the_help_runs() {
     let words = ["dynamics", "data/examples/robots/arm-states.json", "--robot", "data/examples/robots/arm.urdf"];
     let said = expect_code(root(), &words, 0);
     assert!(said.starts_with("arm: 4 links, 2 joints\n"), "{said}");
+}
+
+const SERVO: &str = r#"<mujoco model="servo"><worldbody><body name="arm" pos="0 0 1"><joint name="j" axis="0 1 0" armature=".1" damping=".5"/>
+  <inertial pos=".5 0 0" mass="1" diaginertia=".001 .001 .001"/></body></worldbody>
+  <actuator><position joint="j" kp="20" kv="4"/></actuator></mujoco>"#;
+
+#[test]
+fn a_described_arm_hangs_where_its_servo_balances_gravity() {
+    let out = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(out.path().join(name), text).unwrap();
+    write("servo.xml", SERVO);
+    write("s.csv", "t,j\n0,0.3\n8,0.3\n");
+    let words = ["walk", "--air", "--robot", "servo.xml", "--setpoints", "s.csv", "--out", "o", "--quiet"];
+    expect_code(out.path(), &words, 0);
+    let log = fs::read_to_string(out.path().join("o/log.csv")).unwrap();
+    let column = log.lines().next().unwrap().split(',').position(|name| name == "j.q").unwrap();
+    let last: f64 = log.lines().last().unwrap().split(',').nth(column).unwrap().parse().unwrap();
+    // 20 (0.3 - q) + 9.81 * 0.5 cos q = 0, by bisection.
+    let (mut low, mut high) = (0.0_f64, 1.5_f64);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if 20.0 * (0.3 - middle) + 9.81 * 0.5 * middle.cos() > 0.0 { low = middle } else { high = middle }
+    }
+    assert!((last - low).abs() < 1e-4, "{last}, expected {low}");
+}
+
+#[test]
+fn what_walk_cannot_move_is_named() {
+    let out = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(out.path().join(name), text).unwrap();
+    write("servo.xml", SERVO);
+    write("slide.xml", &SERVO.replace("axis=\"0 1 0\"", "type=\"slide\""));
+    write("arm.urdf", PENDULUM);
+    write("s.csv", "t,j\n0,0.3\n1,0.3\n");
+    let cases = [
+        (&["walk", "--robot", "servo.xml"][..], 2, "add --air"),
+        (&["walk", "--air", "--robot", "slide.xml"], 3, "joint j slides (prismatic)"),
+        (&["walk", "--air", "--robot", "arm.urdf"], 3, "no joint has a position servo"),
+        (
+            &["walk", "--air", "--robot", "servo.xml", "--gait", "trot", "--setpoints", "s.csv"],
+            2,
+            "expected a joint of servo",
+        ),
+    ];
+    write(
+        "study.toml",
+        "schema = 1\n[robot]\nmodel = \"servo.xml\"\nscenario = \"air\"\n[[log]]\nfile = \"l.csv\"\nrole = \"fit\"\n",
+    );
+    write("l.csv", "t,j.q,j.q_ref\n0,0,0\n0.008,0,0\n0.016,0,0\n");
+    let of_study = (&["gap", "study.toml"][..], 3, "this is XML; URDF and MJCF are read by `dynamics --robot`");
+    for (words, code, expected) in cases.into_iter().chain([of_study]) {
+        let output = run_in(out.path(), words);
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(code), "{said}");
+        assert!(said.contains(expected), "{said}");
+    }
 }
 
 #[test]

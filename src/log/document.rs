@@ -97,6 +97,8 @@ impl<'a> Document<'a> {
             let message = source.message();
             let hint = if self.file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv")) {
                 Some("this looks like a log, not a study")
+            } else if self.text.trim_start().starts_with('<') {
+                Some("this is XML; URDF and MJCF are read by `dynamics --robot` and `walk --air --robot`")
             } else if message.contains("expected a sequence") {
                 Some("a log is written with double brackets: [[log]]")
             } else if message.contains("escape") {

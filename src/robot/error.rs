@@ -1,5 +1,6 @@
 //! What can be wrong with a robot.
 
+use super::description::DescriptionError;
 use crate::log::LogError;
 
 /// Errors of the robot layer.
@@ -9,6 +10,17 @@ pub enum RobotError {
     /// The robot's file cannot be read, or is wrong.
     #[error(transparent)]
     File(#[from] LogError),
+    /// A description that cannot be read.
+    #[error(transparent)]
+    Description(Box<DescriptionError>),
+    /// A described robot that has what is not simulated.
+    #[error("{robot}: {what}; `dynamics` answers for it all the same")]
+    NotSimulated {
+        /// The robot.
+        robot: String,
+        /// What it has.
+        what: String,
+    },
     /// A body that the robot does not have.
     #[error("{robot} has no body {name}; it has {}", bodies.join(", "))]
     NoBody {
@@ -90,4 +102,13 @@ pub enum RobotError {
         /// The inertia about its axis with all joints at 0.
         inertia_kg_m2: f64,
     },
+}
+
+impl From<DescriptionError> for RobotError {
+    fn from(error: DescriptionError) -> Self {
+        match error {
+            DescriptionError::File(error) => Self::File(error),
+            other => Self::Description(Box::new(other)),
+        }
+    }
 }

@@ -6,9 +6,9 @@
 
 use super::bench::{SETTLE_S, loaded};
 use super::simulate::{Column, Control, Joints, Method, Scenario, Setpoints, SimulateError, Surroundings, run};
-use super::{BodyId, Dynamics};
+use super::{BodyId, Dynamics, RobotError};
 use super::{Floor, FloorParameters, JointId, Model, PidGains, State, Touching};
-use crate::geometry::robot_file::Base;
+use crate::geometry::robot_file::{Base, RobotTables};
 use crate::geometry::{Leg, LegJoint, LegPose, joint_name};
 use crate::identify::LegCase;
 use crate::log::{
@@ -57,7 +57,9 @@ impl Nominal {
     /// # Errors
     /// [`SimulateError`] where the robot's file cannot be read, or a joint, set or number cannot be.
     pub fn of(study: &RobotStudy) -> Result<Self, SimulateError> {
-        let read = study.model_path.as_deref().map(Model::read).transpose()?;
+        // The repaired robot is written in our own format, so a study's robot has to be in it.
+        let own = |file: &Path| -> Result<Model, RobotError> { Model::new(RobotTables::read(file)?) };
+        let read = study.model_path.as_deref().map(own).transpose()?;
         Self::on(read.as_ref().unwrap_or(Model::ers7()), study)
     }
 

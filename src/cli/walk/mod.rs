@@ -2,6 +2,7 @@
 
 mod answer;
 mod converge;
+mod described;
 mod falls;
 mod film;
 mod frames;
@@ -79,7 +80,8 @@ pub(super) struct WalkArgs {
     /// "real" robot and diagnosed from its log without being told, on the floor and in the air
     #[arg(long, conflicts_with_all = ["air", "setpoints", "frequency", "integrators", "frames", "falls", "converge", "export_motion"])]
     weak_q2: bool,
-    /// A robot in the format of data/ers7.toml [default: the embedded ERS-7]
+    /// A robot: the format of data/ers7.toml, or a URDF or MJCF with revolute joints and position servos, whose friction,
+    /// armature and gains are taken (with --air where its base is fixed) [default: the embedded ERS-7]
     #[arg(long, value_name = "FILE")]
     robot: Option<PathBuf>,
     /// Friction set of the robot's file
@@ -189,7 +191,7 @@ pub(super) fn run(args: &WalkArgs) -> Result<u8, CliError> {
     }
     let progress = Progress::new(args.common.quiet);
     progress.say("reading");
-    let read = args.robot.as_deref().map(Model::read).transpose()?;
+    let read = args.robot.as_deref().map(|file| described::read(file, args.air)).transpose()?;
     let robot = read.as_ref().unwrap_or(Model::ers7());
     let model = if args.air { robot.with_base(Base::Clamped) } else { robot.with_base(Base::Floating) };
     if let Some(which) = args.integrators {

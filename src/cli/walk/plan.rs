@@ -2,6 +2,7 @@
 
 use super::super::CliError;
 use super::{WalkArgs, answer};
+use crate::geometry::Joint;
 use crate::robot::simulate::Setpoints;
 use crate::robot::{Gait, JointId, Model, Motion, Setpoints as Source};
 use std::path::{Path, PathBuf};
@@ -52,7 +53,11 @@ impl Plan {
             let frequency_hz = args.frequency.unwrap_or(1.0);
             return Ok(Self { name, setpoints, motion, frequency_hz, stand_s: STAND_S.min(0.5 * end_s), file });
         }
-        let mut gait = gait_of(args, DEFAULT, model)?;
+        let mut gait = match (gait_of(args, DEFAULT, model), &args.setpoints) {
+            // The default gait is for legs; a table needs none.
+            (Err(_), Some(table)) if args.gait.is_none() => return Self::of_table(args, model, table, name),
+            (gait, _) => gait?,
+        };
         if args.air && gait.amplitudes().iter().any(|set| set == "air") {
             gait = gait.with_amplitude("air")?;
         }
@@ -70,10 +75,26 @@ impl Plan {
         let first: Vec<f64> =
             plan.setpoints.columns.iter().map(|column| column.as_ref().map_or(0.0, |c| c.angle_rad[0])).collect();
         let setpoints = Setpoints::read(model, table, &first)?;
-        let (from_s, to_s) = (setpoints.t_s[0], setpoints.t_s[setpoints.t_s.len() - 1]);
-        let stand_s = from_s + STAND_S.min(0.5 * (to_s - from_s));
+        let stand_s = standing_s(&setpoints);
         Ok(Self { setpoints, frequency_hz: args.frequency.unwrap_or(1.0), stand_s, ..plan })
     }
+
+    /// A table alone; joints that it does not have stay at rest.
+    fn of_table(args: &WalkArgs, model: &Model, table: &Path, name: String) -> Result<Self, CliError> {
+        let resting: Vec<f64> = model.joints().iter().map(Joint::resting_rad).collect();
+        let setpoints = Setpoints::read(model, table, &resting)?;
+        let at = |joint: JointId, t_s: f64| setpoints.at(joint, t_s).unwrap_or(resting[joint.index()]);
+        let source = By { joints: resting.len(), angle_rad: &at };
+        let motion = Motion::of(&source, model, Motion::FRAME_MS, setpoints.t_s[setpoints.t_s.len() - 1]);
+        let (frequency_hz, stand_s) = (args.frequency.unwrap_or(1.0), standing_s(&setpoints));
+        Ok(Self { name, motion, frequency_hz, stand_s, file: None, setpoints })
+    }
+}
+
+/// When a table begins to walk.
+fn standing_s(setpoints: &Setpoints) -> f64 {
+    let (from_s, to_s) = (setpoints.t_s[0], setpoints.t_s[setpoints.t_s.len() - 1]);
+    from_s + STAND_S.min(0.5 * (to_s - from_s))
 }
 
 /// Setpoints by a formula.

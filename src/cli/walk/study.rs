@@ -16,7 +16,8 @@ use std::time::Instant;
 pub(super) fn joints(args: &WalkArgs, model: &Model) -> Result<Joints, CliError> {
     let mut joints = Joints::passive(model);
     joints.set_friction(model, &args.friction)?;
-    let control = Control { sample_period_s: args.control_period, ..Control::default() };
+    let control =
+        Control { sample_period_s: args.control_period, derivative: model.derivative(), ..Control::default() };
     joints.set_control(model, &args.gains, control)?;
     joints.add_effects_of_file(model)?;
     Ok(joints)

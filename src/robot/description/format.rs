@@ -1,7 +1,7 @@
 //! Which format a file has: by what is in it, not by what it is called.
 
 use super::error::DescriptionError;
-use super::{Description, mjcf, urdf, xml};
+use super::{Description, MOST_JOINTS, mjcf, urdf, xml};
 use crate::geometry::RobotTables;
 use crate::log::LogError;
 use std::path::Path;
@@ -41,7 +41,8 @@ impl Format {
         }
         match root_tag(&String::from_utf8_lossy(start)) {
             "robot" => Ok(Self::Urdf),
-            "mujoco" | "mujocoinclude" => Ok(Self::Mjcf),
+            "mujoco" => Ok(Self::Mjcf),
+            "mujocoinclude" => Err("this is a part of an MJCF for others to include; give the file that does".into()),
             "sdf" | "gazebo" => Err("this is SDF, which is not supported; export the robot as URDF or MJCF".into()),
             tag if tag.starts_with("xacro:") => Err(xacro_hint("this is xacro, which is not supported")),
             "" => Err("found XML without an element, expected <robot> (URDF) or <mujoco> (MJCF)".into()),
@@ -86,7 +87,10 @@ fn bytes(file: &Path) -> Result<Vec<u8>, DescriptionError> {
 
 /// The text of an XML file, and a warning where it had to be guessed at.
 pub(super) fn text(file: &Path) -> Result<(String, Option<String>), DescriptionError> {
-    let bytes = bytes(file)?;
+    let mut bytes = bytes(file)?;
+    // A C string's end at the end of a file stands in files that are in use.
+    let text_end = bytes.trim_ascii_end().strip_suffix(b"\0").map(<[u8]>::len);
+    bytes.truncate(text_end.unwrap_or(bytes.len()));
     if bytes.contains(&0) {
         let what = "bytes that no text has, expected XML in UTF-8".to_owned();
         return Err(DescriptionError::Whole { file: file.to_path_buf(), what });
@@ -112,6 +116,10 @@ pub(super) fn read(file: &Path) -> Result<Description, DescriptionError> {
             read
         }
     };
+    if read.joints.len() > MOST_JOINTS {
+        let what = format!("{} joints, expected at most {MOST_JOINTS}", read.joints.len());
+        return Err(DescriptionError::Whole { file: file.to_path_buf(), what });
+    }
     read.check();
     Ok(read)
 }
@@ -126,6 +134,7 @@ mod tests {
         assert_eq!(of("schema = 1\n"), Ok(Format::Toml));
         assert_eq!(of("\u{feff}\n<?xml version='1.0'?><!-- <mujoco> --> <robot name='a'/>"), Ok(Format::Urdf));
         assert_eq!(of("<!DOCTYPE x><mujoco/>"), Ok(Format::Mjcf));
+        assert!(of("<mujocoinclude/>").unwrap_err().contains("give the file that does"));
         assert!(of("<sdf version='1.7'/>").unwrap_err().contains("SDF"));
         assert!(of("<xacro:macro/>").unwrap_err().contains("xacro FILE > robot.urdf"));
         assert!(of("<!-- nothing").unwrap_err().contains("expected <robot>"));

@@ -1,6 +1,6 @@
 //! Mass, centre and tensor of a body of any shape.
 
-use nalgebra::{Isometry3, Matrix3, Vector3};
+use nalgebra::{Isometry3, Matrix3, SymmetricEigen, Vector3};
 use std::ops::AddAssign;
 
 /// A body's inertia about the origin of a frame, in the frame's axes.
@@ -52,6 +52,14 @@ impl RigidInertia {
     pub fn central_kg_m2(&self) -> Matrix3<f64> {
         let c = self.centre_m();
         self.tensor_kg_m2 - (Matrix3::identity() * c.norm_squared() - c * c.transpose()) * self.mass_kg
+    }
+
+    /// Principal moments about the centre of mass \[kg m^2\] and their axes as columns; `None` where the numbers are
+    /// beyond computing.
+    pub fn principal(&self) -> Option<(Vector3<f64>, Matrix3<f64>)> {
+        const MOST_STEPS: usize = 1000;
+        let eigen = SymmetricEigen::try_new(self.central_kg_m2(), f64::EPSILON, MOST_STEPS)?;
+        Some((eigen.eigenvalues, eigen.eigenvectors))
     }
 
     /// The same body, so many times as heavy.

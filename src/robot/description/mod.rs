@@ -27,8 +27,10 @@ pub use parts::{Actuator, ActuatorKind, Coupling, FreeJoint, JointKind, Link, Li
 use nalgebra::Vector3;
 use std::path::{Path, PathBuf};
 
-/// Links beyond which a file is refused: a mass matrix of as many freedoms takes memory with the square.
+/// Links beyond which a file is refused.
 const MOST_LINKS: usize = 4000;
+/// Joints beyond which a file is refused: a mass matrix takes memory with their square, its factors time with the cube.
+const MOST_JOINTS: usize = 1000;
 
 /// A robot as its file describes it, in SI units, in the file's own axes.
 #[derive(Clone, Debug)]

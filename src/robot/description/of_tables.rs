@@ -36,7 +36,11 @@ impl Description {
             gravity_m_s2: tables.gravity_m_s2,
             links: names.iter().enumerate().map(link).collect(),
             joints: tables.joints.iter().enumerate().map(|(index, joint)| mover(index, joint, &file)).collect(),
-            free_joint: (tables.base == Base::Floating).then_some(FreeJoint { link: LinkId(0), armature: 0.0 }),
+            free_joint: (tables.base == Base::Floating).then_some(FreeJoint {
+                name: String::new(),
+                link: LinkId(0),
+                armature: 0.0,
+            }),
             couplings: Vec::new(),
             actuators: Vec::new(),
             warnings: Vec::new(),

@@ -141,8 +141,10 @@ pub struct Actuator {
 }
 
 /// A free joint that the file itself has.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct FreeJoint {
+    /// Its name, empty where the file gives none.
+    pub name: String,
     /// What it sets free.
     pub link: LinkId,
     /// Added to all six freedoms \[kg, kg m^2\].

@@ -120,11 +120,14 @@ impl Dynamics<'_> {
             let resting = -(gravity + rate_rad_s.cross(&velocity_m_s));
             self.place_contacts(state, &resting, step_s, contacts, (&mut base.inertia, &mut base.bias));
         }
+        let armature = self.model.plan().armature_kg_m2.as_slice();
         for (k, group) in groups.iter().enumerate().rev() {
             let torque = of_joints(group, input.torque_nm) * group.sign;
-            let diagonal = match input.diagonal_kg_m2 {
-                [] => Pair::zero(),
-                diagonal => of_joints(group, diagonal),
+            let diagonal = match (input.diagonal_kg_m2, armature) {
+                ([], []) => Pair::zero(),
+                ([], armature) => armature[k],
+                (diagonal, []) => of_joints(group, diagonal),
+                (diagonal, armature) => of_joints(group, diagonal) + armature[k],
             };
             let (earlier, rest) = self.slots.split_at_mut(k);
             by_kind!(group, inward, group, &mut rest[0], torque, diagonal, earlier, &mut base);

@@ -80,6 +80,7 @@ impl Dynamics<'_> {
                 out[(column, BASE_FREEDOMS + k)] = value;
                 along = self.model.carrier(joint).joint();
             }
+            out[(column, column)] += self.model.armature_kg_m2()[j];
             let turned = rotation.tr_mul(&angular);
             for i in 0..3 {
                 for (row, value) in [(i, linear[i]), (3 + i, turned[i])] {

@@ -52,6 +52,9 @@ impl Dynamics<'_> {
             let weight = self.model.gravity_m_s2() * matter.mass_kg;
             energy.potential_j -= weight.dot(&motion.point_m(&matter.centre_of_mass_m));
         }
+        for (armature, rate) in self.model.armature_kg_m2().iter().zip(&state.rate_rad_s) {
+            energy.kinetic_j += 0.5 * armature * rate * rate;
+        }
         energy
     }
 

@@ -82,7 +82,8 @@ impl Dynamics<'_> {
         for j in (0..self.model.joints().len()).rev() {
             let Load { force_n, moment_nm, .. } = self.loads[j + 1];
             let about = moment_nm - self.motions.points_m[j].cross(&force_n);
-            out[BASE_FREEDOMS + j] = self.motions.axes[j].dot(&about);
+            let of_rotor = self.model.armature_kg_m2()[j] * acceleration(BASE_FREEDOMS + j);
+            out[BASE_FREEDOMS + j] = self.motions.axes[j].dot(&about) + of_rotor;
             let above = &mut self.loads[self.model.carrier(JointId::of(j)).index()];
             above.force_n += force_n;
             above.moment_nm += moment_nm;

@@ -2,6 +2,7 @@
 
 mod body;
 mod frame;
+mod of_description;
 mod of_file;
 mod plan;
 mod schedule;
@@ -12,10 +13,12 @@ pub use body::{Attached, Body};
 pub(super) use frame::Turning;
 pub(super) use plan::{BasePlan, Group, Parent, Plan, Shape};
 
+use super::description::{Description, Format};
 use super::{Dynamics, RobotError, State};
 use crate::geometry::Joint;
 use crate::geometry::robot_file::{Base, ERS7_TOML, EncoderData, JointFriction, RobotTables, SensorRange, row_of};
 use crate::joint::gain;
+use crate::log::Derivative;
 use nalgebra::Vector3;
 use std::path::Path;
 use std::sync::OnceLock;
@@ -91,8 +94,14 @@ pub struct Model {
     bodies: Vec<Body>,
     /// Body that carries each joint.
     carrier: Vec<BodyId>,
+    /// Of the joints' rotors behind their gears, about the joints' axes \[kg m^2\].
+    armature_kg_m2: Vec<f64>,
     turning: Vec<Turning>,
     plan: Plan,
+    /// What the derivative of its controllers acts on.
+    derivative: Derivative,
+    /// Of the joints' motors, where the file has them \[N m\].
+    torque_limit_nm: Vec<Option<f64>>,
 }
 
 impl Model {
@@ -104,12 +113,15 @@ impl Model {
         })
     }
 
-    /// Reads a robot file in the format of `data/ers7.toml`.
+    /// Reads a robot file: the format of `data/ers7.toml`, or URDF or MJCF, told by its content.
     ///
     /// # Errors
-    /// [`RobotError::File`] with file, line and key; [`RobotError::NoInertia`].
+    /// [`RobotError::File`] with file, line and key; [`RobotError::NoInertia`]; as [`Model::of_description`].
     pub fn read(file: &Path) -> Result<Self, RobotError> {
-        Self::new(RobotTables::read(file)?)
+        match Format::of_file(file)? {
+            Format::Toml => Self::new(RobotTables::read(file)?),
+            Format::Urdf | Format::Mjcf => Self::of_description(&Description::read(file)?),
+        }
     }
 
     /// Reads a robot file that is at hand; `file` is its name in errors.
@@ -155,17 +167,31 @@ impl Model {
             }
             bodies.push(body);
         }
-        let model = Self::assemble(tables, bodies, carrier)?;
+        let armature = vec![0.0; tables.joints.len()];
+        let model = Self::assemble(tables, bodies, carrier, armature)?;
         model.effects()?;
         Ok(model)
     }
 
-    fn assemble(tables: RobotTables, bodies: Vec<Body>, carrier: Vec<BodyId>) -> Result<Self, RobotError> {
+    fn assemble(
+        tables: RobotTables,
+        bodies: Vec<Body>,
+        carrier: Vec<BodyId>,
+        armature_kg_m2: Vec<f64>,
+    ) -> Result<Self, RobotError> {
         let turning = tables.joints.iter().map(Turning::of).collect();
-        let plan = Plan::of(&tables.joints, &carrier, &bodies);
-        let model = Self { tables, bodies, carrier, turning, plan };
+        let plan = Plan::of(&tables.joints, &carrier, &bodies, &armature_kg_m2);
+        let torque_limit_nm = vec![None; tables.joints.len()];
+        let derivative = Derivative::Error;
+        let model = Self { tables, bodies, carrier, armature_kg_m2, turning, plan, derivative, torque_limit_nm };
         model.check_inertia()?;
         Ok(model)
+    }
+
+    /// The same robot with other bodies.
+    fn remade(&self, bodies: Vec<Body>) -> Result<Self, RobotError> {
+        let made = Self::assemble(self.tables.clone(), bodies, self.carrier.clone(), self.armature_kg_m2.clone())?;
+        Ok(Self { derivative: self.derivative, torque_limit_nm: self.torque_limit_nm.clone(), ..made })
     }
 
     /// Every joint has to move something.
@@ -191,7 +217,7 @@ impl Model {
     pub fn with_mass(&self, body: BodyId, mass_kg: f64) -> Result<Self, RobotError> {
         let mut bodies = self.bodies.clone();
         bodies[body.0].set_mass(mass_kg)?;
-        Self::assemble(self.tables.clone(), bodies, self.carrier.clone())
+        self.remade(bodies)
     }
 
     /// The same robot with something fixed to a body.
@@ -201,7 +227,7 @@ impl Model {
     pub fn with_attached(&self, body: BodyId, extra: Attached) -> Result<Self, RobotError> {
         let mut bodies = self.bodies.clone();
         bodies[body.0].attach(extra)?;
-        Self::assemble(self.tables.clone(), bodies, self.carrier.clone())
+        self.remade(bodies)
     }
 
     /// The same robot with a point mass on a body, at a place in the body's frame.
@@ -249,7 +275,10 @@ impl Model {
         let bodies =
             std::iter::once(0).chain(kept.iter().map(|id| id + 1)).map(|body| self.bodies[body].clone()).collect();
         let carrier = kept.iter().map(|id| BodyId(place(self.carrier[*id]))).collect();
-        Self::assemble(tables, bodies, carrier)
+        let armature = kept.iter().map(|id| self.armature_kg_m2[*id]).collect();
+        let torque_limit_nm = kept.iter().map(|id| self.torque_limit_nm[*id]).collect();
+        let made = Self::assemble(tables, bodies, carrier, armature)?;
+        Ok(Self { derivative: self.derivative, torque_limit_nm, ..made })
     }
 
     /// The robot's name.
@@ -265,6 +294,12 @@ impl Model {
     /// Gravity in world axes \[m/s^2\].
     pub fn gravity_m_s2(&self) -> Vector3<f64> {
         self.tables.gravity_m_s2
+    }
+
+    /// Inertia of the joints' rotors behind their gears, about the axes, in joint order \[kg m^2\]; our own format has
+    /// none.
+    pub fn armature_kg_m2(&self) -> &[f64] {
+        &self.armature_kg_m2
     }
 
     /// Bodies: the base, then the joints' children in joint order.
@@ -340,6 +375,16 @@ impl Model {
         let g = row_of(&set.by_joint, &self.joints()[joint.0])?;
         let [kp_nm_rad, ki_nm_rad_s, kd_nm_s_rad] = [0, 1, 2].map(|k| gain(g[k], set.shift[k]));
         Some(PidGains { kp_nm_rad, ki_nm_rad_s, kd_nm_s_rad })
+    }
+
+    /// What the derivative of its controllers acts on: the error in our own format (2.7), the rate in others.
+    pub fn derivative(&self) -> Derivative {
+        self.derivative
+    }
+
+    /// Largest torque of a joint's motor \[N m\]; our own format has none.
+    pub fn torque_limit_nm(&self, joint: JointId) -> Option<f64> {
+        self.torque_limit_nm[joint.0]
     }
 
     /// The position sensors (section B.1).

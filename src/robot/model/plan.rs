@@ -88,12 +88,14 @@ pub(in crate::robot) struct Plan {
     pub base: BasePlan,
     /// Parents before children.
     pub groups: Vec<Group>,
+    /// Of the groups' rotors about their axes \[kg m^2\]; empty where no joint has one.
+    pub armature_kg_m2: Vec<Pair>,
     /// Group and lane of each joint.
     pub placed: Vec<(usize, usize)>,
 }
 
 impl Plan {
-    pub(super) fn of(joints: &[Joint], carrier: &[BodyId], bodies: &[Body]) -> Self {
+    pub(super) fn of(joints: &[Joint], carrier: &[BodyId], bodies: &[Body], armature_kg_m2: &[f64]) -> Self {
         let frames = frames(joints, carrier);
         let steps = steps(&frames, carrier);
         let mut placed: Vec<Option<(usize, usize)>> = vec![None; joints.len()];
@@ -104,7 +106,9 @@ impl Plan {
             }
         }
         let at = |joint: usize| placed[joint].expect("every joint has a step");
-        let groups = steps.iter().map(|step| group(step, &frames, carrier, bodies, &steps, &at)).collect();
+        let groups: Vec<Group> = steps.iter().map(|step| group(step, &frames, carrier, bodies, &steps, &at)).collect();
+        let rotors = groups.iter().map(|group| pair(group.joints.map(|joint| armature_kg_m2[joint])));
+        let has_rotors = armature_kg_m2.iter().any(|armature| *armature != 0.0);
         let base = &bodies[BodyId::BASE.index()];
         Self {
             base: BasePlan {
@@ -113,6 +117,7 @@ impl Plan {
                 inertia_kg_m2: base.inertia_kg_m2,
                 rigid: rigid(&[&Working::of(base, &Rotation3::identity(), &Vector3::zeros()), &Working::nothing()]),
             },
+            armature_kg_m2: if has_rotors { rotors.collect() } else { Vec::new() },
             groups,
             placed: (0..joints.len()).map(at).collect(),
         }

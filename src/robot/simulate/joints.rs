@@ -2,7 +2,9 @@
 
 use super::SimulateError;
 use crate::geometry::JointSpring;
-use crate::joint::{Chain, Contact, EffectId, EndStop, Friction, Link, Motor, Push, Stribeck, StribeckCurve};
+use crate::joint::{
+    Chain, Contact, EffectId, EndStop, Friction, Knee, Link, Motor, Push, Stribeck, StribeckCurve, TorqueLimit,
+};
 use crate::log::{Derivative, Hold, MotorSpec};
 use crate::robot::model::BASE_FREEDOMS;
 use crate::robot::{Dynamics, JointId, Model, PidGains, State};
@@ -161,6 +163,9 @@ impl Joints {
             let Some(gains) = model.gains(set, id) else { continue };
             found = true;
             drive.set_control(gains, control);
+            if let (Some(most_nm), Some(motor)) = (model.torque_limit_nm(id), &mut drive.chain.motor) {
+                motor.torque_limit = Some(TorqueLimit { most_nm, knee: Knee::Hard });
+            }
         }
         if found { Ok(()) } else { Err(no_set(model, "gains", set)) }
     }

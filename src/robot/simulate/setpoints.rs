@@ -70,10 +70,9 @@ impl Setpoints {
         let joint_of = |name: &&str| model.joint(name.strip_suffix(".q_ref").unwrap_or(name)).ok();
         let joints: Vec<Option<JointId>> = names.iter().map(joint_of).collect();
         if joints.iter().all(Option::is_none) {
-            return Err(wrong(format!(
-                "no column is a joint of {}; columns are named lf1, lf2 and so on",
-                model.name()
-            )));
+            let names: Vec<&str> = model.joints().iter().map(|joint| joint.name.as_str()).collect();
+            let (robot, names) = (model.name(), names.join(", "));
+            return Err(wrong(format!("no column is a joint of {robot}; columns are named by joint: {names}")));
         }
         let mut t_s: Vec<f64> = Vec::new();
         let mut values: Vec<Vec<f64>> = vec![Vec::new(); names.len()];

@@ -35,12 +35,14 @@ pub(super) fn build(description: &Description, base: TreeBase) -> Result<Tree, T
         coordinates: Coordinates::of(description),
         armature: description.joints.iter().map(|joint| joint.armature_kg_m2).collect(),
         names: description.joints.iter().map(|joint| joint.name.clone()).collect(),
+        moved: description.joints.iter().map(|joint| joint.link).collect(),
+        link_names: description.links.iter().map(|link| link.name.clone()).collect(),
     };
     for (index, link) in description.links.iter().enumerate() {
         let (mut body, mut pose) = link.parent.map_or((None, Isometry3::identity()), |parent| tree.links[parent.0]);
         pose *= link.pose;
         if free == Some(LinkId(index)) {
-            let armature = description.free_joint.map_or(0.0, |free| free.armature);
+            let armature = description.free_joint.as_ref().map_or(0.0, |free| free.armature);
             let drawn = frame_of(&pose);
             tree.base = Some(FreeBase { body: tree.bodies.len(), link: LinkId(index), armature, pose });
             tree.bodies.push(TreeBody { parent: None, drawn, moves: Moves::Freely, inertia: RigidInertia::default() });
@@ -72,7 +74,7 @@ pub(super) fn build(description: &Description, base: TreeBase) -> Result<Tree, T
 
 /// The link that a free base sets free: that of the file's free joint, else the only one on the world.
 fn free_link(description: &Description) -> Result<LinkId, TreeError> {
-    if let Some(free) = description.free_joint {
+    if let Some(free) = &description.free_joint {
         return Ok(free.link);
     }
     let no = |what: String| TreeError::NoFreeBase { robot: description.name.clone(), what };

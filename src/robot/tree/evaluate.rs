@@ -11,13 +11,25 @@ use nalgebra::{DMatrix, Isometry3, Rotation3, Translation3, UnitQuaternion, Vect
 
 /// Why there are no accelerations: nothing resists a freedom.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("what {freedom} moves has no inertia of its own: the mass matrix is singular")]
-pub struct NoAcceleration {
-    /// `joint elbow` for instance.
-    pub freedom: String,
+#[non_exhaustive]
+pub enum NoAcceleration {
+    /// A joint moves something without mass, or moves just as the joints before it do.
+    #[error("link {link} has no inertia about joint {joint}: the mass matrix is singular")]
+    Joint {
+        /// What it moves.
+        link: String,
+        /// The joint.
+        joint: String,
+    },
+    /// The robot has no mass.
+    #[error("the free base {link} carries no mass: the mass matrix is singular")]
+    Base {
+        /// What is free.
+        link: String,
+    },
 }
 
-/// Working memory for evaluations of one tree; after the first one no evaluation allocates.
+/// Working memory for evaluations of one tree; after the first one only [`TreeDynamics::link_places_m`] allocates.
 #[derive(Clone, Debug)]
 pub struct TreeDynamics<'t> {
     tree: &'t Tree,
@@ -179,7 +191,7 @@ impl<'t> TreeDynamics<'t> {
         }
         let found = self.factors.set(&matrix);
         self.matrix = matrix;
-        found.map_err(|place| NoAcceleration { freedom: self.freedom(place) })?;
+        found.map_err(|place| self.singular(place))?;
         self.factors.solve(v_dot);
         Ok(())
     }
@@ -189,10 +201,15 @@ impl<'t> TreeDynamics<'t> {
         self.factors.log_determinant()
     }
 
-    fn freedom(&self, place: usize) -> String {
-        match place.checked_sub(self.tree.base_freedoms()) {
-            Some(joint) => format!("joint {}", self.tree.names[self.tree.joints()[joint].0]),
-            None => "the free base".to_owned(),
+    fn singular(&self, place: usize) -> NoAcceleration {
+        let tree = self.tree;
+        let link = |link: LinkId| tree.link_names[link.0].clone();
+        match place.checked_sub(tree.base_freedoms()) {
+            Some(place) => {
+                let joint = tree.joints()[place];
+                NoAcceleration::Joint { link: link(tree.moved[joint.0]), joint: tree.names[joint.0].clone() }
+            }
+            None => NoAcceleration::Base { link: tree.base.map_or_else(String::new, |base| link(base.link)) },
         }
     }
 

@@ -21,6 +21,7 @@ mod composite;
 mod coordinates;
 mod evaluate;
 mod factor;
+mod jointed;
 mod motion;
 mod newton_euler;
 mod servo;
@@ -31,6 +32,7 @@ mod tests;
 pub use build::TreeError;
 pub use coordinates::TreeState;
 pub use evaluate::{NoAcceleration, TreeDynamics, TreeEnergy, TreeMomentum};
+pub(super) use jointed::Jointed;
 
 use super::description::{Description, LinkId, MoverId, RigidInertia};
 use coordinates::Coordinates;
@@ -61,6 +63,9 @@ pub struct Tree {
     /// Of each joint \[kg m^2\].
     armature: Vec<f64>,
     names: Vec<String>,
+    /// What each joint moves.
+    moved: Vec<LinkId>,
+    link_names: Vec<String>,
 }
 
 /// The body that moves freely.

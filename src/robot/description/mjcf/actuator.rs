@@ -56,7 +56,8 @@ impl Reader<'_> {
         }
         let copies: Vec<MoverId> =
             suffixes.iter().filter_map(|suffix| self.into.joint(&format!("{name}{suffix}"))).collect();
-        if copies.is_empty() && self.into.free_joint.is_none() {
+        let is_free = self.into.free_joint.as_ref().is_some_and(|free| free.name == name);
+        if copies.is_empty() && !is_free {
             return Err(of.bad("joint", "the name of a joint"));
         }
         Ok(copies)

@@ -1,13 +1,10 @@
 //! `<worldbody>`: bodies within bodies, with the frames and replicas between them.
 
-use super::compiler::FromGeoms;
-use super::geom::{Weight, weight};
 use super::naming::Names;
 use super::orientation::pose;
-use super::{Reader, inertial, joint};
+use super::{Reader, joint};
 use crate::robot::description::MOST_LINKS;
 use crate::robot::description::error::DescriptionError;
-use crate::robot::description::inertia::RigidInertia;
 use crate::robot::description::parts::{FreeJoint, Link, LinkId, MoverId};
 use crate::robot::description::xml::Element;
 use nalgebra::{Isometry3, Translation3};
@@ -15,6 +12,22 @@ use nalgebra::{Isometry3, Translation3};
 /// Elements that replicas may multiply to.
 const MOST_ELEMENTS: usize = 200_000;
 
+/// Attributes of bodies; those of poses are read.
+const OF_BODY: &[&str] = &[
+    "name",
+    "class",
+    "childclass",
+    "pos",
+    "quat",
+    "axisangle",
+    "xyaxes",
+    "zaxis",
+    "euler",
+    "mocap",
+    "gravcomp",
+    "sleep",
+    "user",
+];
 /// What stands around an element.
 #[derive(Clone, Debug)]
 pub(super) struct Scope<'e> {
@@ -28,10 +41,10 @@ pub(super) struct Scope<'e> {
 
 /// What a body has in it, its frames resolved.
 #[derive(Default)]
-struct Content<'e> {
+pub(super) struct Content<'e> {
     joints: Vec<(&'e Element, Scope<'e>)>,
-    geoms: Vec<(&'e Element, Scope<'e>)>,
-    inertials: Vec<(&'e Element, Scope<'e>)>,
+    pub geoms: Vec<(&'e Element, Scope<'e>)>,
+    pub inertials: Vec<(&'e Element, Scope<'e>)>,
     bodies: Vec<(&'e Element, Scope<'e>)>,
 }
 
@@ -59,6 +72,11 @@ impl Reader<'_> {
             self.gather(body, &inside, &mut content, &mut left, &mut names)?;
             let id = self.body(body, &scope, parent, &content, &mut names)?;
             open.extend(content.bodies.into_iter().rev().map(|(body, scope)| (body, scope, Some(id))));
+        }
+        if self.into.links.is_empty() {
+            return Err(
+                root.wrong("no <body> in a <worldbody>, expected a robot; give the file that includes this one")
+            );
         }
         self.into.warnings.extend(names.warning());
         Ok(names.suffixes)
@@ -154,6 +172,7 @@ impl Reader<'_> {
             return Err(body.wrong(format!("more than {MOST_LINKS} bodies")));
         }
         let (name, is_named) = names.of_body(body, &scope.suffix)?;
+        body.expect_attributes(OF_BODY, &mut self.into.warnings);
         let mut joints = Vec::new();
         for (element, scope) in &content.joints {
             let merged = match element.tag.as_str() {
@@ -200,40 +219,8 @@ impl Reader<'_> {
         }
         // A <freejoint> takes no defaults, and has no armature of its own.
         let armature = if joint.tag == "freejoint" { None } else { joint.not_negative("armature")? };
-        self.into.free_joint = Some(FreeJoint { link, armature: armature.unwrap_or(0.0) });
+        let name = joint.text("name").unwrap_or_default().to_owned();
+        self.into.free_joint = Some(FreeJoint { name, link, armature: armature.unwrap_or(0.0) });
         Ok(())
-    }
-
-    /// What a body weighs: by its `<inertial>`, else by its geoms.
-    fn inertia(&mut self, body: &Element, content: &Content<'_>) -> Result<RigidInertia, DescriptionError> {
-        let mut stated = None;
-        for (element, scope) in &content.inertials {
-            let read = inertial::read(element, &self.compiler, &mut self.into.warnings)?;
-            if stated.replace(read.placed(&scope.pose)).is_some() {
-                return Err(element.wrong(format!("a second <inertial> in {}", body.label())));
-            }
-        }
-        match (self.compiler.from_geoms, stated) {
-            (FromGeoms::Never, stated) => return Ok(self.bounded(stated.unwrap_or_default())),
-            (FromGeoms::Missing, Some(stated)) => return Ok(self.bounded(stated)),
-            _ => {}
-        }
-        let mut sum: Option<RigidInertia> = None;
-        for (element, scope) in &content.geoms {
-            let geom = self.classes.apply(element, scope.childclass)?;
-            let group = geom.number("group")?.unwrap_or(0.0);
-            let [least, greatest] = self.compiler.geom_groups;
-            if group < least || group > greatest {
-                continue;
-            }
-            match weight(&geom, &self.compiler)? {
-                Weight::Known(inertia) => *sum.get_or_insert_default() += inertia.placed(&scope.pose),
-                Weight::Unknown(geom) => {
-                    let hint = "add an <inertial>: no mesh is read here";
-                    return Err(body.unsupported(format!("an inertia from a mesh ({geom})"), hint));
-                }
-            }
-        }
-        Ok(self.bounded(sum.or(stated).unwrap_or_default()))
     }
 }

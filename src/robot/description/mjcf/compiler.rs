@@ -98,9 +98,7 @@ impl Compiler {
         }
         self.is_fusing = of.word("fusestatic", &yes)?.unwrap_or(self.is_fusing);
         self.is_aligning = of.word("alignfree", &yes)?.unwrap_or(self.is_aligning);
-        for attribute in of.attributes.iter().filter(|attribute| !KNOWN.contains(&attribute.name.as_str())) {
-            warnings.push(of.say(format!("unknown attribute `{}`, ignored", attribute.name)));
-        }
+        of.expect_attributes(KNOWN, warnings);
         Ok(())
     }
 

@@ -69,7 +69,7 @@ impl Classes {
         let inherited = self.0.get(class).and_then(|class| class.get(kind(&element.tag)));
         Ok(Element {
             tag: element.tag.clone(),
-            namespace: None,
+            foreign: None,
             attributes: merged(inherited.map_or(&[], Vec::as_slice), &element.attributes),
             children: Vec::new(),
             at: element.at.clone(),

@@ -1,18 +1,94 @@
-//! `<inertial>`: mass, centre and tensor of a body.
+//! What a body weighs: by its `<inertial>`, else by its geoms.
 
-use super::compiler::Compiler;
+use super::Reader;
+use super::body::Content;
+use super::compiler::{Compiler, FromGeoms};
+use super::geom::{Weight, weight};
 use super::orientation::{ORIENTATIONS, pose};
 use crate::robot::description::error::DescriptionError;
 use crate::robot::description::inertia::RigidInertia;
 use crate::robot::description::xml::Element;
 use nalgebra::{Matrix3, Vector3};
 
-/// The inertia, in the axes of what the element stands in.
-pub(super) fn read(
-    inertial: &Element,
-    compiler: &Compiler,
-    warnings: &mut Vec<String>,
-) -> Result<RigidInertia, DescriptionError> {
+/// Attributes of geoms; those of shape, pose and mass are read.
+const OF_GEOM: &[&str] = &[
+    "name",
+    "class",
+    "type",
+    "contype",
+    "conaffinity",
+    "condim",
+    "group",
+    "priority",
+    "size",
+    "material",
+    "friction",
+    "mass",
+    "density",
+    "shellinertia",
+    "solmix",
+    "solref",
+    "solimp",
+    "margin",
+    "gap",
+    "fromto",
+    "pos",
+    "quat",
+    "axisangle",
+    "xyaxes",
+    "zaxis",
+    "euler",
+    "hfield",
+    "mesh",
+    "fitscale",
+    "rgba",
+    "fluidshape",
+    "fluidcoef",
+    "user",
+];
+
+impl Reader<'_> {
+    /// What a body weighs: by its `<inertial>`, else by its geoms.
+    pub(super) fn inertia(&mut self, body: &Element, content: &Content<'_>) -> Result<RigidInertia, DescriptionError> {
+        let mut stated = None;
+        for (element, scope) in &content.inertials {
+            let read = read(element, &self.compiler, &mut self.into.warnings)?;
+            if stated.replace(read.placed(&scope.pose)).is_some() {
+                return Err(element.wrong(format!("a second <inertial> in {}", body.label())));
+            }
+        }
+        let unsaid_m = Vector3::from(body.exactly::<3>("pos")?.unwrap_or_default());
+        let is_enough = match self.compiler.from_geoms {
+            FromGeoms::Never => true,
+            FromGeoms::Missing => stated.is_some(),
+            FromGeoms::Always => false,
+        };
+        if is_enough {
+            return Ok(self.bounded(stated, unsaid_m));
+        }
+        let mut sum: Option<RigidInertia> = None;
+        for (element, scope) in &content.geoms {
+            element.expect_attributes(OF_GEOM, &mut self.into.warnings);
+            let geom = self.classes.apply(element, scope.childclass)?;
+            let group = geom.number("group")?.unwrap_or(0.0);
+            let [least, greatest] = self.compiler.geom_groups;
+            if group < least || group > greatest {
+                continue;
+            }
+            match weight(&geom, &self.compiler)? {
+                Weight::Known(inertia) => *sum.get_or_insert_default() += inertia.placed(&scope.pose),
+                Weight::Unknown(geom) => {
+                    let hint = "add an <inertial>: no mesh is read here";
+                    return Err(body.unsupported(format!("an inertia from a mesh ({geom})"), hint));
+                }
+            }
+        }
+        Ok(self.bounded(sum.or(stated), unsaid_m))
+    }
+}
+
+/// What an `<inertial>` says, in the axes of what the element stands in.
+fn read(inertial: &Element, compiler: &Compiler, warnings: &mut Vec<String>) -> Result<RigidInertia, DescriptionError> {
     let mass_kg = inertial.not_negative("mass")?.ok_or_else(|| inertial.bad("mass", "a mass [kg]"))?;
     if inertial.text("pos").is_none() {
         return Err(inertial.bad("pos", "the centre of mass [m]"));

@@ -54,9 +54,7 @@ pub(super) fn read(
         return Err(joint.unsupported("a ball joint", "three hinges in one body move alike but for their singularity"));
     }
     let is_hinge = joint.word("type", &[("hinge", true), ("slide", false)])?.unwrap_or(true);
-    for attribute in joint.attributes.iter().filter(|attribute| !KNOWN.contains(&attribute.name.as_str())) {
-        warnings.push(joint.say(format!("unknown attribute `{}`, ignored", attribute.name)));
-    }
+    joint.expect_attributes(KNOWN, warnings);
     if joint.text("springdamper").is_some() {
         warnings.push(joint.say("springdamper is not read; write stiffness and damping"));
     }

@@ -20,6 +20,8 @@ mod joint;
 mod naming;
 mod orientation;
 mod shape;
+#[cfg(test)]
+mod tests;
 mod totals;
 mod unread;
 

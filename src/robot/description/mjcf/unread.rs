@@ -17,6 +17,9 @@ pub(super) fn section(section: &Element, into: &mut Description) -> Result<(), D
             into.left_out.extend(section.all("plugin").map(say));
             Ok(())
         }
+        "body" | "frame" | "joint" | "freejoint" | "geom" | "replicate" | "attach" => {
+            Err(section.wrong("it stands outside of <worldbody>"))
+        }
         tag => {
             into.warnings.push(section.say(format!("unknown section <{tag}>, ignored")));
             Ok(())

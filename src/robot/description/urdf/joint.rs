@@ -1,6 +1,6 @@
 //! `<joint>`: what it joins, how it moves, what limits it, what it follows.
 
-use super::{number, numbers, one, origin, plain, unknown};
+use super::{expect_elements, number, numbers, one, origin, plain};
 use crate::robot::description::error::DescriptionError;
 use crate::robot::description::parts::JointKind;
 use crate::robot::description::xml::Element;
@@ -30,6 +30,22 @@ pub(super) struct Moves {
     pub friction_nm: f64,
 }
 
+/// What may stand in a joint; some of it changes no motion.
+const ELEMENTS: &[&str] = &[
+    "origin",
+    "parent",
+    "child",
+    "axis",
+    "limit",
+    "dynamics",
+    "mimic",
+    "safety_controller",
+    "calibration",
+    "gazebo",
+    "transmission",
+    "hardwareInterface",
+];
+
 /// Reads a joint.
 pub(super) fn read<'a>(joint: &'a Element, warnings: &mut Vec<String>) -> Result<RawJoint<'a>, DescriptionError> {
     let name = plain(joint, "name")?.ok_or_else(|| joint.wrong("the attribute `name` is missing"))?;
@@ -46,10 +62,11 @@ pub(super) fn read<'a>(joint: &'a Element, warnings: &mut Vec<String>) -> Result
         }
         _ => return Err(joint.bad("type", "revolute, continuous, prismatic or fixed")),
     };
+    expect_elements(joint, ELEMENTS, warnings);
     let moves = kind.map(|kind| moves(joint, kind, warnings)).transpose()?;
     let mimic = match one(joint, "mimic", warnings) {
         Some(mimic) if moves.is_some() => {
-            unknown(mimic, &["joint", "multiplier", "offset"], warnings);
+            mimic.expect_attributes(&["joint", "multiplier", "offset"], warnings);
             let leader = plain(mimic, "joint")?.ok_or_else(|| mimic.wrong("the attribute `joint` is missing"))?;
             Some((leader, number(mimic, "multiplier")?.unwrap_or(1.0), number(mimic, "offset")?.unwrap_or(0.0)))
         }
@@ -63,7 +80,7 @@ pub(super) fn read<'a>(joint: &'a Element, warnings: &mut Vec<String>) -> Result
 }
 
 /// The link of `<parent>` or `<child>`.
-fn end<'a>(joint: &'a Element, tag: &str, warnings: &mut Vec<String>) -> Result<&'a str, DescriptionError> {
+fn end<'a>(joint: &'a Element, tag: &'a str, warnings: &mut Vec<String>) -> Result<&'a str, DescriptionError> {
     let end = one(joint, tag, warnings).ok_or_else(|| joint.wrong(format!("<{tag} link=\"...\"> is missing")))?;
     plain(end, "link")?.ok_or_else(|| end.wrong(format!("the attribute `link` is missing in {}", joint.label())))
 }
@@ -71,7 +88,7 @@ fn end<'a>(joint: &'a Element, tag: &str, warnings: &mut Vec<String>) -> Result<
 fn moves(joint: &Element, kind: JointKind, warnings: &mut Vec<String>) -> Result<Moves, DescriptionError> {
     let axis = match one(joint, "axis", warnings) {
         Some(axis) => {
-            unknown(axis, &["xyz"], warnings);
+            axis.expect_attributes(&["xyz"], warnings);
             let written = Vector3::from(numbers::<3>(axis, "xyz")?.unwrap_or([1.0, 0.0, 0.0]));
             let expected = || axis.bad("xyz", format!("an axis of {} that is not zero", joint.label()));
             Unit::try_new(written, f64::MIN_POSITIVE).ok_or_else(expected)?
@@ -81,7 +98,10 @@ fn moves(joint: &Element, kind: JointKind, warnings: &mut Vec<String>) -> Result
     let (mut limit_rad, mut effort_nm, mut rate_limit_rad_s) = (None, None, None);
     match one(joint, "limit", warnings) {
         Some(limit) => {
-            unknown(limit, &["lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"], warnings);
+            limit.expect_attributes(
+                &["lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"],
+                warnings,
+            );
             let ends = [number(limit, "lower")?.unwrap_or(0.0), number(limit, "upper")?.unwrap_or(0.0)];
             (effort_nm, rate_limit_rad_s) = (number(limit, "effort")?, number(limit, "velocity")?);
             if kind != JointKind::Continuous {

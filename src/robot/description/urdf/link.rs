@@ -1,6 +1,6 @@
 //! `<link>`: a name, perhaps an inertia.
 
-use super::{number, one, origin, plain, unknown};
+use super::{expect_elements, number, one, origin, plain};
 use crate::robot::description::error::DescriptionError;
 use crate::robot::description::inertia::RigidInertia;
 use crate::robot::description::xml::Element;
@@ -18,8 +18,14 @@ pub(super) fn read<'a>(link: &'a Element, warnings: &mut Vec<String>) -> Result<
     let name = plain(link, "name")?.ok_or_else(|| link.wrong("the attribute `name` is missing"))?;
     let inertia = match one(link, "inertial", warnings) {
         Some(inertial) => inertia(inertial, link, warnings)?,
-        None => RigidInertia::default(),
+        None => {
+            if link.first("visual").or(link.first("collision")).is_some() {
+                warnings.push(link.say("it has a shape and no <inertial>; taken as without mass"));
+            }
+            RigidInertia::default()
+        }
     };
+    expect_elements(link, &["inertial", "visual", "collision", "contact", "sensor", "gazebo"], warnings);
     Ok(RawLink { name, inertia, element: link })
 }
 
@@ -32,7 +38,7 @@ fn inertia(inertial: &Element, link: &Element, warnings: &mut Vec<String>) -> Re
         return Err(mass.bad("value", format!("a mass not below 0 kg in the {}", of())));
     }
     let tensor = one(inertial, "inertia", warnings).ok_or_else(|| missing("inertia"))?;
-    unknown(tensor, &["ixx", "ixy", "ixz", "iyy", "iyz", "izz"], warnings);
+    tensor.expect_attributes(&["ixx", "ixy", "ixz", "iyy", "iyz", "izz"], warnings);
     let entry = |name: &str| {
         number(tensor, name)?.ok_or_else(|| tensor.bad(name, format!("a moment of inertia [kg m^2] in the {}", of())))
     };

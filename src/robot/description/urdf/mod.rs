@@ -7,12 +7,14 @@
 mod joint;
 mod link;
 mod order;
+#[cfg(test)]
+mod tests;
 
 use super::error::DescriptionError;
 use super::format::xacro_hint;
 use super::xml::Element;
 use super::{Description, Format};
-use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use std::path::Path;
 
 /// The robot under a `<robot>` element.
@@ -43,7 +45,7 @@ pub(super) fn read(file: &Path, root: &Element) -> Result<Description, Descripti
 fn refuse_xacro(root: &Element) -> Result<(), DescriptionError> {
     let mut open = vec![root];
     while let Some(element) = open.pop() {
-        let namespace = element.namespace.as_deref().unwrap_or_default();
+        let namespace = element.foreign.as_deref().unwrap_or_default();
         if namespace.ends_with("xacro") {
             return Err(element.unsupported(format!("xacro (an element xacro:{})", element.tag), xacro_hint("macros")));
         }
@@ -75,24 +77,33 @@ fn number(element: &Element, name: &str) -> Result<Option<f64>, DescriptionError
 }
 
 /// The first child with a tag; says so where there are more.
-fn one<'a>(element: &'a Element, tag: &str, warnings: &mut Vec<String>) -> Option<&'a Element> {
+fn one<'a>(element: &'a Element, tag: &'a str, warnings: &mut Vec<String>) -> Option<&'a Element> {
     if let Some(second) = element.all(tag).nth(1) {
         warnings.push(second.say(format!("a second one in {}; the first counts", element.label())));
     }
     element.first(tag)
 }
 
+/// Warns of elements that URDF does not have here.
+fn expect_elements(element: &Element, known: &[&str], warnings: &mut Vec<String>) {
+    let is_ours = |child: &&Element| child.foreign.is_none() && !known.contains(&child.tag.as_str());
+    let say = |child: &Element| child.say(format!("unknown element in {}, ignored", element.label()));
+    warnings.extend(element.children.iter().filter(is_ours).map(say));
+}
+
 /// The pose of an `<origin>`: Rz(yaw) Ry(pitch) Rx(roll), radians always; the identity where there is none.
 fn origin(element: &Element, warnings: &mut Vec<String>) -> Result<Isometry3<f64>, DescriptionError> {
     let Some(origin) = one(element, "origin", warnings) else { return Ok(Isometry3::identity()) };
+    origin.expect_attributes(&["xyz", "rpy", "quat_xyzw"], warnings);
     let place = numbers::<3>(origin, "xyz")?.unwrap_or_default();
-    let [roll, pitch, yaw] = numbers::<3>(origin, "rpy")?.unwrap_or_default();
-    Ok(Isometry3::from_parts(Translation3::from(place), UnitQuaternion::from_euler_angles(roll, pitch, yaw)))
-}
-
-/// Warns of attributes that URDF does not have here: most are misspelt.
-fn unknown(element: &Element, known: &[&str], warnings: &mut Vec<String>) {
-    for attribute in element.attributes.iter().filter(|attribute| !known.contains(&attribute.name.as_str())) {
-        warnings.push(element.say(format!("unknown attribute `{}`, ignored", attribute.name)));
-    }
+    let rotation = match (numbers::<3>(origin, "rpy")?, numbers::<4>(origin, "quat_xyzw")?) {
+        (Some(_), Some(_)) => return Err(origin.bad("quat_xyzw", "rpy or quat_xyzw, not both")),
+        (None, Some([x, y, z, w])) => UnitQuaternion::try_new(Quaternion::new(w, x, y, z), f64::MIN_POSITIVE)
+            .ok_or_else(|| origin.bad("quat_xyzw", "a quaternion that is not zero"))?,
+        (rpy, None) => {
+            let [roll, pitch, yaw] = rpy.unwrap_or_default();
+            UnitQuaternion::from_euler_angles(roll, pitch, yaw)
+        }
+    };
+    Ok(Isometry3::from_parts(Translation3::from(place), rotation))
 }

@@ -63,13 +63,12 @@ pub(super) fn assemble<'a>(
     };
     let mut id_of_link = vec![None; links.len()];
     let mut mover_of_joint: Vec<Option<MoverId>> = vec![None; joints.len()];
-    let mut movers = 0;
-    for (index, joint) in joints.iter().enumerate().filter(|(_, joint)| joint.moves.is_some()) {
-        mover_of_joint[index] = Some(MoverId(movers));
+    let moving = joints.iter().enumerate().filter(|(_, joint)| joint.moves.is_some());
+    for (mover, (index, joint)) in moving.enumerate() {
+        mover_of_joint[index] = Some(MoverId(mover));
         if joints[..index].iter().any(|other| other.name == joint.name) {
             return Err(joint.element.wrong("a second joint of this name"));
         }
-        movers += 1;
     }
     let mut open = vec![start];
     while let Some(link) = open.pop() {

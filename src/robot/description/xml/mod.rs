@@ -21,8 +21,8 @@ const LARGEST: u32 = 4_000_000;
 pub(super) struct Element {
     /// Its name without a prefix.
     pub tag: String,
-    /// The namespace that it is in.
-    pub namespace: Option<String>,
+    /// The namespace that it is in, where that is not the root's: such an element is somebody else's.
+    pub foreign: Option<String>,
     /// In the file's order, those without a prefix.
     pub attributes: Vec<Attribute>,
     /// In the file's order, without texts and comments.
@@ -56,7 +56,8 @@ pub(super) fn parse(file: &Arc<Path>, text: &str) -> Result<Element, Description
             what: format!("elements within elements, more than {DEEPEST} deep"),
         });
     }
-    Ok(owned(document.root_element(), &at))
+    let root = document.root_element();
+    Ok(owned(root, root.tag_name().namespace(), &at))
 }
 
 /// An element that has too many around it.
@@ -71,13 +72,13 @@ fn too_deep<'a, 'input>(document: &'a roxmltree::Document<'input>) -> Option<rox
     None
 }
 
-fn owned(node: roxmltree::Node<'_, '_>, at: &impl Fn(roxmltree::Node<'_, '_>) -> At) -> Element {
+fn owned(node: roxmltree::Node<'_, '_>, home: Option<&str>, at: &impl Fn(roxmltree::Node<'_, '_>) -> At) -> Element {
     let attribute = |of: roxmltree::Attribute<'_, '_>| Attribute { name: of.name().into(), value: of.value().into() };
     Element {
         tag: node.tag_name().name().into(),
-        namespace: node.tag_name().namespace().map(Into::into),
+        foreign: node.tag_name().namespace().filter(|of| Some(*of) != home).map(Into::into),
         attributes: node.attributes().filter(|of| of.namespace().is_none()).map(attribute).collect(),
-        children: node.children().filter(roxmltree::Node::is_element).map(|child| owned(child, at)).collect(),
+        children: node.children().filter(roxmltree::Node::is_element).map(|child| owned(child, home, at)).collect(),
         at: at(node),
     }
 }
@@ -96,14 +97,14 @@ impl Lines {
 }
 
 impl Element {
-    /// The children with a tag.
+    /// The children with a tag, none of somebody else's.
     pub fn all<'a>(&'a self, tag: &'a str) -> impl Iterator<Item = &'a Element> {
-        self.children.iter().filter(move |child| child.tag == tag)
+        self.children.iter().filter(move |child| child.tag == tag && child.foreign.is_none())
     }
 
-    /// The first child with a tag.
-    pub fn first(&self, tag: &str) -> Option<&Element> {
-        self.children.iter().find(|child| child.tag == tag)
+    /// The first of them.
+    pub fn first<'a>(&'a self, tag: &'a str) -> Option<&'a Element> {
+        self.all(tag).next()
     }
 
     /// An attribute as it is written.
@@ -142,6 +143,13 @@ impl Element {
             attribute: attribute.to_owned(),
             found: self.text(attribute).map_or_else(|| "nothing".to_owned(), |text| format!("\"{}\"", cut(text))),
             expected: expected.into(),
+        }
+    }
+
+    /// Warns of attributes that the format does not have here: most are misspelt.
+    pub fn expect_attributes(&self, known: &[&str], warnings: &mut Vec<String>) {
+        for attribute in self.attributes.iter().filter(|attribute| !known.contains(&attribute.name.as_str())) {
+            warnings.push(self.say(format!("unknown attribute `{}`, ignored", attribute.name)));
         }
     }
 

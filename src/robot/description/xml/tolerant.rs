@@ -1,18 +1,18 @@
 //! What robot engines read and the XML standard refuses, made harmless without moving a line.
 //!
-//! Comments with `--` in them, an XML declaration behind a blank line or a comment, and prefixes that nothing declares
-//! (`<drake:joint>`) stand in robot files that are in use.
+//! Comments with `--` in them, an XML declaration behind a blank line or a comment, a document type that declares nothing,
+//! an `&` of its own, and prefixes that nothing declares (`<drake:joint>`) stand in robot files that are in use.
 
 use std::borrow::Cow;
 
 /// Prefixes that may be declared for a file.
 const MOST_PREFIXES: usize = 16;
 
-/// The text with comments and the declaration blanked out, and with its prefixes declared.
+/// The text with comments and the declaration blanked out, lone `&` escaped, and prefixes declared.
 pub(super) fn tolerant(text: &str) -> Cow<'_, str> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let text = declaration_blanked(comments_blanked(Cow::Borrowed(text)));
-    prefixes_declared(text)
+    prefixes_declared(escaped(doctype_blanked(text)))
 }
 
 /// As many line breaks and blanks as a text has bytes.
@@ -62,6 +62,33 @@ fn declaration_blanked(text: Cow<'_, str>) -> Cow<'_, str> {
     }
 }
 
+/// A document type without declarations of its own says nothing; one with them is the parser's to refuse.
+fn doctype_blanked(text: Cow<'_, str>) -> Cow<'_, str> {
+    let start = text.len() - text.trim_start().len();
+    let end = text[start..].starts_with("<!DOCTYPE").then(|| text[start..].find('>')).flatten();
+    match end.map(|length| start + length + 1).filter(|end| !text[start..*end].contains('[')) {
+        Some(end) => Cow::Owned(format!("{}{}{}", &text[..start], blanks(&text[start..end]), &text[end..])),
+        None => text,
+    }
+}
+
+/// An `&` that begins no reference becomes one to itself.
+fn escaped(text: Cow<'_, str>) -> Cow<'_, str> {
+    const KNOWN: &[&str] = &["amp", "lt", "gt", "quot", "apos"];
+    if !text.contains('&') || text.contains("<![CDATA[") || text.contains("<!DOCTYPE") {
+        return text;
+    }
+    let mut parts = text.split('&');
+    let mut out = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let name = part.split_once(';').map_or("", |(name, _)| name);
+        let is_reference = name.starts_with('#') || KNOWN.contains(&name);
+        out.push_str(if is_reference { "&" } else { "&amp;" });
+        out.push_str(part);
+    }
+    Cow::Owned(out)
+}
+
 fn prefixes_declared(mut text: Cow<'_, str>) -> Cow<'_, str> {
     for _ in 0..MOST_PREFIXES {
         let parsed = roxmltree::Document::parse(&text);
@@ -92,6 +119,13 @@ mod tests {
         let b = document.descendants().find(|node| node.has_tag_name("b")).unwrap();
         assert_eq!(document.text_pos_at(b.range().start).row, 6);
         assert_eq!(b.text(), Some("<!-- kept -->"));
+    }
+
+    #[test]
+    fn a_bare_document_type_and_a_lone_ampersand_do_no_harm() {
+        let made = tolerant("<!DOCTYPE robot>\n<a t='b && c &lt; d'/>");
+        let document = roxmltree::Document::parse(&made).unwrap();
+        assert_eq!(document.root_element().attribute("t"), Some("b && c < d"));
     }
 
     #[test]

@@ -1,0 +1,209 @@
+//! Small files against what MuJoCo 4.0.0 makes of them.
+
+use crate::robot::description::{Description, DescriptionError, Link, Mover};
+use crate::robot::tree::{Tree, TreeBase};
+use nalgebra::Vector3;
+use std::fs;
+
+fn read(text: &str) -> Result<Description, DescriptionError> {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.xml"), text).unwrap();
+    Description::read(&folder.path().join("m.xml"))
+}
+
+/// A robot of what stands before and in its world.
+fn robot(before: &str, world: &str) -> Description {
+    read(&format!("<mujoco>{before}<worldbody>{world}</worldbody></mujoco>")).unwrap()
+}
+
+fn joint<'d>(of: &'d Description, name: &str) -> &'d Mover {
+    &of.joints[of.joint(name).unwrap().0]
+}
+
+fn link<'d>(of: &'d Description, name: &str) -> &'d Link {
+    &of.links[of.link(name).unwrap().0]
+}
+
+#[track_caller]
+fn near(found: impl IntoIterator<Item = f64>, expected: &[f64]) {
+    let found: Vec<f64> = found.into_iter().collect();
+    assert_eq!(found.len(), expected.len());
+    assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}, expected {expected:?}");
+}
+
+#[test]
+fn classes_copy_their_parent_when_they_are_declared_and_an_own_class_beats_childclass() {
+    let before = r#"<default><default class="a"><geom size=".1"/></default><joint armature="1"/></default>
+        <default><joint armature="2"/><default class="b"><geom size=".2"/></default></default>"#;
+    let world = r#"<body childclass="a"><joint name="x"/><geom/><body childclass="b"><joint name="y"/><geom/>
+        <body><joint name="z" class="main"/><geom/></body></body></body>"#;
+    let made = robot(before, world);
+    assert_eq!(made.joints.iter().map(|joint| joint.armature_kg_m2).collect::<Vec<_>>(), [1.0, 2.0, 2.0]);
+    assert_eq!(made.links.iter().filter(|link| link.is_named).count(), 0);
+    assert!(made.warnings[0].contains("3 bodies and 0 joints have no name"));
+}
+
+#[test]
+fn inherited_values_go_number_by_number_and_orientations_as_one() {
+    let before = r#"<default><geom type="box" size=".1 .2 .3" euler="90 0 0" mass="3"/></default>"#;
+    let made = robot(before, r#"<body name="p"><joint/><geom quat="1 0 0 0" size=".5" density="1"/></body>"#);
+    let inertia = link(&made, "p").inertia;
+    // 3 kg in half-lengths 0.5, 0.2, 0.3, not turned: a class's mass beats an element's density.
+    near(inertia.tensor_kg_m2.diagonal().iter().copied(), &[0.13, 0.34, 0.29]);
+}
+
+#[test]
+fn degrees_are_for_hinges_only_and_a_range_limits_by_itself() {
+    let world = r#"<body name="p"><joint name="h" range="-90 60" ref="30" springref="10" stiffness="1 2"/>
+        <joint name="s" type="slide" range="-.1 .2" ref=".15"/><joint name="o" range="-1 1" limited="false"/>
+        <joint name="b" range="1 0"/><geom size=".1"/></body>"#;
+    let made = robot("", world);
+    let hinge = joint(&made, "h");
+    near(hinge.limit_rad.unwrap(), &[-90_f64.to_radians(), 60_f64.to_radians()]);
+    near([hinge.drawn_rad, hinge.spring_rest_rad], &[30_f64.to_radians(), 10_f64.to_radians()]);
+    assert_eq!(hinge.stiffness, [1.0, 2.0, 0.0]);
+    near(joint(&made, "s").limit_rad.unwrap(), &[-0.1, 0.2]);
+    assert_eq!((joint(&made, "o").limit_rad, joint(&made, "b").limit_rad), (None, None));
+    let strict =
+        r#"<mujoco><compiler autolimits="false"/><worldbody><body><joint range="0 1"/></body></worldbody></mujoco>"#;
+    assert!(read(strict).unwrap_err().to_string().contains("limited=\"true\" or \"false\" beside it"));
+}
+
+#[test]
+fn frames_turn_bodies_joints_and_geoms_and_hand_on_classes() {
+    let before = r#"<default><default class="c"><joint armature="3" axis="0 1 0"/></default></default>"#;
+    let world = r#"<frame pos="0 0 1" euler="0 0 90" childclass="c"><body name="p" pos="1 0 0">
+        <frame pos=".5 0 0" euler="90 0 0"><joint name="j" pos="0 0 .1"/><geom size=".1" pos="1 0 0"/></frame></body></frame>"#;
+    let made = robot(before, world);
+    let (moved, joint) = (link(&made, "p"), joint(&made, "j"));
+    near(moved.pose.translation.vector.iter().copied(), &[0.0, 1.0, 1.0]);
+    near(joint.place_m.iter().copied(), &[0.5, -0.1, 0.0]);
+    near(joint.axis.iter().copied(), &[0.0, 0.0, 1.0]);
+    assert_eq!(joint.armature_kg_m2, 3.0);
+    near(moved.inertia.centre_m().iter().copied(), &[1.5, 0.0, 0.0]);
+}
+
+#[test]
+fn replicas_are_moved_turned_and_numbered() {
+    let world = r#"<body name="r"><geom size=".1"/><replicate count="3" offset=".1 .2 0" euler="10 20 30" sep="_">
+        <body name="p" pos="1 0 0"><joint name="j"/><geom size=".1"/></body></replicate></body>"#;
+    let made = robot(r#"<compiler eulerseq="XYZ"/>"#, world);
+    let last = link(&made, "p_2").pose;
+    near(last.translation.vector.iter().copied(), &[0.47620806758845013, 1.0869114030601108, -0.6443544417857991]);
+    let q = last.rotation;
+    near([q.w, q.i, q.j, q.k], &[0.831129853283164, -0.02709756006084052, 0.37328617311959467, 0.41127402322294004]);
+    let twelve =
+        robot("", r#"<replicate count="12"><body name="p"><joint name="j"/><geom size=".1"/></body></replicate>"#);
+    assert_eq!((twelve.joints[0].name.as_str(), twelve.joints[11].name.as_str()), ("j00", "j11"));
+}
+
+#[test]
+fn masses_are_lifted_evened_fused_and_scaled_as_the_compiler_says() {
+    let two =
+        r#"<geom size="1"/><body name="s"><geom size=".1"/><body name="a"><joint/><geom size=".1"/></body></body>"#;
+    let scaled = robot(r#"<compiler settotalmass="10"/>"#, two);
+    near(scaled.links.iter().map(|link| link.inertia.mass_kg), &[5.0, 5.0]);
+    near(link(&scaled, "a").inertia.tensor_kg_m2.diagonal().iter().copied(), &[0.02; 3]);
+    let fused = robot(r#"<compiler fusestatic="true"/>"#, two);
+    assert_eq!(link(&fused, "s").inertia.mass_kg, 0.0);
+    let one = |moments: &str| {
+        format!(r#"<body name="a"><joint/><inertial pos="1 0 0" mass=".5" diaginertia="{moments}"/></body>"#)
+    };
+    let lifted = link(&robot(r#"<compiler boundmass="1" boundinertia=".02"/>"#, &one(".03 .01 .029")), "a").inertia;
+    near(lifted.central_kg_m2().diagonal().iter().copied(), &[0.03, 0.02, 0.029]);
+    assert_eq!((lifted.mass_kg, lifted.centre_m()), (1.0, Vector3::x()));
+    let evened = link(&robot(r#"<compiler balanceinertia="true"/>"#, &one(".06 .01 .02")), "a").inertia;
+    near(evened.central_kg_m2().diagonal().iter().copied(), &[0.03; 3]);
+}
+
+#[test]
+fn geoms_count_where_and_as_far_as_they_are_asked_for() {
+    let body = r#"<body name="a"><joint/><inertial pos="0 0 0" mass="2" diaginertia="1 1 1"/><geom size=".1" mass="5" group="1"/></body>"#;
+    let mass = |before: &str| link(&robot(before, body), "a").inertia.mass_kg;
+    assert_eq!(mass(""), 2.0);
+    assert_eq!(mass(r#"<compiler inertiafromgeom="true"/>"#), 5.0);
+    // With no geom in the groups what is stated stays.
+    assert_eq!(mass(r#"<compiler inertiafromgeom="true" inertiagrouprange="2 3"/>"#), 2.0);
+    let weightless = r#"<body name="a"><joint/><geom size=".1" mass="1"/><geom size="9" mass="0"/><geom type="mesh" mesh="m" density="0"/></body>"#;
+    assert_eq!(link(&robot("", weightless), "a").inertia.mass_kg, 1.0);
+}
+
+#[test]
+fn includes_are_pasted_anywhere_and_their_compiler_holds_for_all() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("parts")).unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write(
+        "m.xml",
+        r#"<mujoco><include file="parts/set.xml"/><worldbody><body name="a"><include file="parts/arm.xml"/></body></worldbody></mujoco>"#,
+    );
+    write("parts/set.xml", r#"<mujocoinclude><compiler angle="radian"/></mujocoinclude>"#);
+    // Beside the main file there is no joint.xml: the including file's folder is next.
+    write("parts/arm.xml", r#"<mujoco><include file="joint.xml"/><geom size=".1"/></mujoco>"#);
+    write("parts/joint.xml", r#"<x><joint name="j" range="-1 1"/></x>"#);
+    let made = Description::read(&folder.path().join("m.xml")).unwrap();
+    assert_eq!(joint(&made, "j").limit_rad, Some([-1.0, 1.0]));
+    assert_eq!(made.files.len(), 4);
+}
+
+#[test]
+fn gravity_can_be_switched_off() {
+    let body = r#"<body><joint/><geom size=".1"/></body>"#;
+    assert_eq!(robot(r#"<option gravity="0 -9 0"/>"#, body).gravity_m_s2, Vector3::new(0.0, -9.0, 0.0));
+    let off = robot(r#"<option gravity="0 -9 0"><flag gravity="disable"/></option>"#, body);
+    assert_eq!(off.gravity_m_s2, Vector3::zeros());
+}
+
+#[test]
+fn actuators_have_gains_and_biases_of_their_kind() {
+    let made = read(
+        r#"<mujoco><compiler angle="radian"/>
+        <default><default class="s"><position kp="20" dampratio=".7"/></default>
+            <general biastype="affine" gainprm="7" biasprm="0 -9 -.4" gear="2 5"/></default>
+        <worldbody><body name="a" pos="0 0 1"><joint name="j" axis="0 1 0" armature=".028" range="-1 3" actuatorfrcrange="-5 4"/>
+            <geom type="box" size=".1 .02 .03" pos=".1 0 0" mass="2"/>
+            <body name="b" pos=".2 0 0"><joint name="k" axis="0 1 0"/><geom type="box" size=".1 .02 .03" pos=".1 0 0" mass="1"/></body>
+        </body></worldbody>
+        <actuator><position name="p" class="s" joint="j" gear="-3" inheritrange=".5"/>
+            <general name="g" joint="k" biasprm="0 -5"/><position name="q" joint="k"/>
+            <motor name="m" joint="k" ctrlrange="-1 1"/><velocity name="v" joint="k" kv="4"/>
+            <position name="t" joint="k" tendon="x" kp="1" timeconst=".1"/></actuator></mujoco>"#,
+    )
+    .unwrap();
+    assert_eq!(joint(&made, "j").actuator_range_nm, Some([-5.0, 4.0]));
+    let servos = Tree::new(&made, TreeBase::Fixed).unwrap().servos(&made);
+    let gains: Vec<f64> = servos.iter().map(|servo| servo.gain).collect();
+    assert_eq!(gains, [20.0, 7.0, 7.0, 1.0, 4.0, 1.0]);
+    near(servos[0].bias, &[0.0, -20.0, -0.5358618275414515]);
+    for (servo, bias) in servos[1..].iter().zip([[0.0, -5.0, -0.4], [0.0, -7.0, -0.4], [0.0; 3], [0.0, 0.0, -4.0]]) {
+        assert_eq!(servo.bias, bias, "{}", servo.name);
+    }
+    assert_eq!(servos.iter().map(|servo| servo.gear).collect::<Vec<_>>(), [-3.0, 2.0, 2.0, 2.0, 2.0, 2.0]);
+    assert_eq!((servos[0].control_range, servos[3].control_range), (Some([0.0, 2.0]), Some([-1.0, 1.0])));
+    assert_eq!(servos[5].activation.as_deref(), Some("timeconst=\".1\""));
+}
+
+#[test]
+fn what_moves_joints_and_is_not_read_is_said() {
+    let made = read(
+        r#"<mujoco><worldbody><body name="a"><joint name="j"/><geom size=".1"/></body></worldbody>
+        <tendon><fixed name="quiet"><joint joint="j" coef="1"/></fixed><fixed name="stiff" stiffness="2"><joint joint="j" coef="1"/></fixed>
+            <spatial name="cord"/></tendon>
+        <equality><weld body1="a"/><joint name="e" joint1="j"/></equality>
+        <actuator><motor name="m" tendon="quiet"/><muscle name="u" joint="j"/></actuator></mujoco>"#,
+    )
+    .unwrap();
+    let said = made.left_out.join("\n");
+    for part in [
+        "\"stiff\"",
+        "with stiffness",
+        "\"cord\"",
+        "equality weld closes a loop",
+        "equality joint",
+        "on a tendon",
+        "muscle",
+    ] {
+        assert!(said.contains(part), "{part} not in {said}");
+    }
+    assert!(!said.contains("<fixed name=\"quiet\">"));
+}
