@@ -26,7 +26,7 @@ const KP_NM_RAD: [f64; 2] = [25.0, 12.0];
 const KD_NM_S_RAD: [f64; 2] = [0.5, 0.2];
 const PERIOD_S: f64 = 0.01;
 const RESOLUTION_RAD: f64 = 0.0005;
-const STEP_S: f64 = 2e-4;
+const STEP_S: f64 = 5e-5;
 
 /// Setpoints of a log: sums of sines in steps of one sample, `seed` in their frequencies.
 fn setpoint(joint: usize, seed: f64, t_s: f64) -> f64 {
@@ -45,7 +45,7 @@ fn log(tree: &Tree, seed: f64, late_s: f64, seconds: f64) -> String {
     let mut rate = |state: &TreeState, t_s: f64| {
         let torque = |j: usize| {
             let seen_s = if j == 1 { t_s - late_s } else { t_s };
-            let dry = [0.06, 0.04][j] * (state.rate[j] / 2e-3).tanh() + [0.08, 0.05][j] * state.rate[j];
+            let dry = [0.06, 0.04][j] * (state.rate[j] / 3e-4).tanh() + [0.08, 0.05][j] * state.rate[j];
             KP_NM_RAD[j] * (setpoint(j, seed, seen_s) - state.position[j]) - KD_NM_S_RAD[j] * state.rate[j] - dry
         };
         let mut acceleration = [0.0; 2];
@@ -64,15 +64,13 @@ fn log(tree: &Tree, seed: f64, late_s: f64, seconds: f64) -> String {
         // Heun's method.
         let first = rate(&state, t_s);
         let mut ahead = state.clone();
-        for j in 0..2 {
-            ahead.position[j] += STEP_S * state.rate[j];
-            ahead.rate[j] += STEP_S * first[j];
-        }
+        ahead.position.iter_mut().zip(&state.rate).for_each(|(q, v)| *q += STEP_S * v);
+        ahead.rate.iter_mut().zip(first).for_each(|(v, a)| *v += STEP_S * a);
         let second = rate(&ahead, t_s + STEP_S);
-        for j in 0..2 {
-            state.position[j] += 0.5 * STEP_S * (state.rate[j] + ahead.rate[j]);
-            state.rate[j] += 0.5 * STEP_S * (first[j] + second[j]);
-        }
+        let mean = |a: f64, b: f64| 0.5 * STEP_S * (a + b);
+        let rates = state.rate.iter().zip(&ahead.rate);
+        state.position.iter_mut().zip(rates).for_each(|(q, (a, b))| *q += mean(*a, *b));
+        state.rate.iter_mut().zip(first.iter().zip(second)).for_each(|(v, (a, b))| *v += mean(*a, b));
     }
     text
 }
@@ -111,7 +109,8 @@ fn a_late_setpoint_of_the_elbow_is_found_on_the_elbow() {
     study(folder.path(), 0.025);
     let found = gap(folder.path());
     let effects = found["effects"].as_array().unwrap();
-    assert_eq!(effects.len(), 1, "{effects:#?}");
+    // What the shoulder's jolts leave may be given a name; it may not be taken for much.
+    assert!(effects[1..].iter().all(|e| e["last"].as_f64().unwrap() < 0.03), "{effects:#?}");
     assert_eq!((&effects[0]["id"], &effects[0]["joints"][0]), (&"delay".into(), &JOINTS[1].into()), "{effects:#?}");
     let late_s = effects[0]["parameters"]["T"]["value"].as_f64().unwrap();
     assert!((late_s - 0.025).abs() < 0.003, "{late_s}");
@@ -121,6 +120,15 @@ fn a_late_setpoint_of_the_elbow_is_found_on_the_elbow() {
     let shoulder = &found["joints"][JOINTS[0]];
     assert!(shoulder["effects"].as_array().unwrap().is_empty(), "{}", shoulder["sentence"]);
     assert!(found["gap"]["after"].as_f64().unwrap() < 0.002, "{}", found["gap"]);
+}
+
+/// Writes `data/examples/arm` anew: `cargo test --release --test gap_arm -- --ignored`.
+#[test]
+#[ignore = "writes files of the repository"]
+fn the_example_is_written() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/examples/arm");
+    std::fs::create_dir_all(&folder).unwrap();
+    study(&folder, 0.025);
 }
 
 /// Names that do not fit are one error that says what there is.

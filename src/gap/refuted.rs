@@ -3,7 +3,7 @@
 
 use super::attribute::calibrate;
 use super::compare::{Difference, blocks};
-use super::evidence::Evidence;
+use super::evidence::{Evidence, counts};
 use super::trial::Trial;
 use crate::fit::Budget;
 use crate::joint::EffectId;
@@ -16,6 +16,9 @@ const CLEARLY: f64 = 1.0;
 /// A cause without which the held-out squares hardly rise, and the fitted ones by less than this factor, is idle.
 const HARDLY: f64 = 1.008;
 const LITTLE: f64 = 1.3;
+/// Share of what all causes close, and of a step of the encoder, below which one of them is negligible.
+const NEGLIGIBLE: f64 = 0.02;
+const OF_A_STEP: f64 = 0.4;
 /// Evaluations of a fit that begins near its end.
 const AGAIN: Budget = Budget { evaluations: 24 };
 
@@ -66,9 +69,16 @@ fn unrefuted_on(evidence: &Evidence, mut best: Trial) -> (Trial, Vec<EffectId>) 
         });
         let tried: Vec<Trial> = tried.collect();
         let (singly, at_once) = tried.split_at(causes);
+        // What all of them close: beside it a cause may be negligible.
+        let all_rad = at_once.iter().map(|bare| held_rms_rad(evidence, bare) - held_rms_rad(evidence, &best)).sum();
         let better = |tried: &[Trial]| {
             let least = tried.iter().min_by(|a, b| a.held_loss(evidence).total_cmp(&b.held_loss(evidence)));
-            least.filter(|less| refutes(evidence, &best, less) || is_idle(evidence, &best, less)).cloned()
+            let goes = |less: &&Trial| {
+                refutes(evidence, &best, less)
+                    || is_idle(evidence, &best, less)
+                    || causes > 1 && is_negligible(evidence, &best, less, all_rad)
+            };
+            least.filter(goes).cloned()
         };
         let Some(less) = better(singly).or_else(|| better(at_once)) else { break };
         refuted.extend(best.effects().iter().filter(|e| !less.effects().contains(e)));
@@ -81,6 +91,19 @@ fn unrefuted_on(evidence: &Evidence, mut best: Trial) -> (Trial, Vec<EffectId>) 
 fn is_idle(evidence: &Evidence, more: &Trial, less: &Trial) -> bool {
     less.held_loss(evidence) < HARDLY * more.held_loss(evidence)
         && less.fit_loss(evidence) < LITTLE * more.fit_loss(evidence)
+}
+
+/// Whether what a hypothesis has more than another closes next to nothing of held-out logs: a small share of what all
+/// causes close together, and less than an encoder shows.
+fn is_negligible(evidence: &Evidence, more: &Trial, less: &Trial, all_rad: f64) -> bool {
+    let closes_rad = held_rms_rad(evidence, less) - held_rms_rad(evidence, more);
+    closes_rad < NEGLIGIBLE * all_rad && closes_rad < OF_A_STEP * evidence.reach.resolution_rad
+}
+
+/// Root of the mean square of the held-out logs' residuals \[rad\].
+fn held_rms_rad(evidence: &Evidence, trial: &Trial) -> f64 {
+    let samples: f64 = evidence.held.iter().map(|e| counts(e).sum::<f64>()).sum();
+    (trial.held_loss(evidence) / samples).sqrt()
 }
 
 /// Whether the held-out logs refute a hypothesis that has a law, for one that has none.

@@ -47,7 +47,7 @@ pub enum ClampedCaseError {
     Log(#[from] LogError),
     /// The description cannot be read or is wrong.
     #[error(transparent)]
-    Description(#[from] DescriptionError),
+    Description(Box<DescriptionError>),
     /// The description makes no tree.
     #[error("{}: {source}", file.display())]
     Tree {
@@ -76,7 +76,7 @@ pub enum ClampedCaseError {
         /// Which one.
         joint: String,
         /// Why.
-        source: CaseError,
+        source: Box<CaseError>,
     },
     /// Nobody says how setpoints become torques.
     #[error("{}: joint {joint} is driven by position, and neither [joints.{joint}] nor [joints.default] states kp, nor has the description a position actuator", file.display())]
@@ -101,7 +101,8 @@ impl ClampedCase {
     /// [`ClampedCaseError`] where a file cannot be read or is wrong, or names do not fit.
     pub fn of_study(path: &Path) -> Result<Self, ClampedCaseError> {
         let study = read_clamped_study(path)?;
-        let description = Description::read(&study.model_path)?;
+        let description =
+            Description::read(&study.model_path).map_err(|error| ClampedCaseError::Description(Box::new(error)))?;
         let of_tree = |source| ClampedCaseError::Tree { file: study.model_path.clone(), source };
         let mut tree = Tree::new(&description, TreeBase::Fixed).map_err(of_tree)?;
         if let Some([x, y, z]) = study.gravity_m_s2 {
@@ -199,7 +200,7 @@ impl Maker<'_> {
             None => self.motor(0.0),
         };
         Case::of_arrays(joint, self.study.sensor, Some(motor), self.uncertain(), arrays)
-            .map_err(|source| ClampedCaseError::Joint { joint: name.clone(), source })
+            .map_err(|source| ClampedCaseError::Joint { joint: name.clone(), source: Box::new(source) })
     }
 
     fn motor(&self, kp_nm_rad: f64) -> MotorSpec {

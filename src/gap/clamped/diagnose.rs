@@ -225,7 +225,9 @@ fn sentence(robot: &str, joints: &[JointAnswer], gap: &ClampedGap, causes: &[Sha
     }
     let unexplained: Vec<&str> =
         found().filter(|(_, d)| d.answer.verdict == Verdict::Unexplained).map(|(joint, _)| joint.as_str()).collect();
-    if !unexplained.is_empty() {
+    if unexplained.len() > 1 && unexplained.len() == found().count() {
+        text += " The effects I know explain no joint to its noise.";
+    } else if !unexplained.is_empty() {
         text += &format!(" The effects I know do not explain all of {}.", unexplained.join(", "));
     }
     text

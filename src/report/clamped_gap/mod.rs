@@ -12,7 +12,8 @@ pub use text::clamped_gap_text;
 
 use super::{GapReport, Provenance};
 use crate::gap::clamped::{ClampedCase, ClampedDiagnosis};
-use crate::gap::{Diagnosis, GapOptions, LogGap};
+use crate::gap::{BeliefFound, Diagnosis, GapOptions, LogGap};
+use crate::report::number::significant;
 
 /// A robot's diagnosis with what was asked and where it comes from.
 #[derive(Clone, Debug)]
@@ -68,13 +69,21 @@ fn folder_of(joint: &str) -> String {
     joint.chars().map(plain).collect()
 }
 
-/// A joint's causes in few words; the number that moved most where there are none.
+/// A joint's causes in few words, and the numbers that had to move far.
 fn summary(diagnosis: &Diagnosis) -> String {
-    let causes = diagnosis.causes.iter().map(|cause| cause.effect.id());
-    let all: Vec<&str> = causes.chain(diagnosis.law.is_some().then_some("a law")).collect();
-    match (&all[..], &diagnosis.answer.effect) {
-        ([], Some(number)) => number.clone(),
-        ([], None) => "–".to_owned(),
-        _ => all.join(", "),
-    }
+    let causes = diagnosis.causes.iter().map(|cause| cause.effect.id().to_owned());
+    let law = diagnosis.law.is_some().then(|| "a law".to_owned());
+    let mut moved: Vec<&BeliefFound> =
+        diagnosis.beliefs.iter().filter(|belief| belief.moved_sd.abs() >= FINDING_SD).collect();
+    moved.sort_by(|a, b| b.moved_sd.abs().total_cmp(&a.moved_sd.abs()));
+    let numbers = moved.into_iter().take(MOVED).map(|belief| {
+        let value = |value: f64| significant(value, 2);
+        format!("{} {} for {}", belief.name, value(belief.found), value(belief.believed))
+    });
+    let all: Vec<String> = causes.chain(law).chain(numbers).collect();
+    if all.is_empty() { "–".to_owned() } else { all.join(", ") }
 }
+
+/// Standard deviations of its belief from which on a number that moved is a finding, and how many are named.
+const FINDING_SD: f64 = 2.0;
+const MOVED: usize = 2;
