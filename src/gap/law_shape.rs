@@ -131,7 +131,7 @@ impl LawShape {
 
     /// Puts the law on a chain.
     pub fn apply<T: Real>(&self, numbers: &[T], chain: &mut Chain<T>) {
-        // Numbers that make no curve are refused by the criterion: without the law nothing fits.
+        // Numbers that make no curve leave the joint without the law.
         if let Ok(law) = Law::new(self.variable, self.acts, self.at.clone(), &self.values(numbers)) {
             chain.add_law(law);
         }
@@ -139,10 +139,7 @@ impl LawShape {
 
     /// The stage of the chain that it changes.
     pub fn stage(&self) -> Stage {
-        match Law::new(self.variable, self.acts, self.at.clone(), &vec![0.0; self.at.len()]) {
-            Ok(law) => law.stage(),
-            Err(_) => Stage::Link,
-        }
+        self.acts.stage(self.variable)
     }
 
     /// Where the curve is farthest from its mean: the shortest range that holds [`MOST`] of its square.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use csv::ByteRecord;
+use rayon::prelude::*;
 
 use super::error::LogError;
 use super::header::{Column, hint, no_table};
@@ -99,6 +100,20 @@ pub fn read_robot_log(path: &Path) -> Result<RobotLog, LogError> {
         Some(table) => table.push(row, record),
     })?;
     table.ok_or_else(|| LogError::Empty { file: path.to_path_buf() })?.finish()
+}
+
+/// Reads the logs of a study, whose period is known where the study says it.
+///
+/// # Errors
+/// The error of the first log, in their order, that cannot be read, or whose period is about 1000 times off the study's.
+pub(super) fn read_robot_logs(paths: &[&Path], period_s: Option<f64>) -> Result<Vec<RobotLog>, LogError> {
+    let read = |path: &&Path| {
+        let log = read_robot_log(path)?;
+        period_s.map_or(Ok(()), |period_s| plausible::check_stamps(&log.file, &log.t_s, period_s))?;
+        Ok(log)
+    };
+    let logs: Vec<Result<RobotLog, LogError>> = paths.par_iter().map(read).collect();
+    logs.into_iter().collect()
 }
 
 #[derive(Clone, Copy, PartialEq)]

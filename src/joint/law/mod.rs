@@ -305,7 +305,7 @@ impl<T: Real> Law<T> {
 
     /// The stage of the chain that it changes.
     pub fn stage(&self) -> Stage {
-        stage(self.acts, self.variable)
+        self.acts.stage(self.variable)
     }
 
     /// The same law for another kind of number, without derivatives.
@@ -314,13 +314,15 @@ impl<T: Real> Law<T> {
     }
 }
 
-/// The stage of the chain that such a law changes.
-fn stage(acts: LawActs, variable: LawVariable) -> Stage {
-    match (acts, variable) {
-        (LawActs::Reading, _) => Stage::Sensor,
-        (LawActs::Friction, LawVariable::MotorTorque) => Stage::Gearing,
-        (LawActs::Torque, LawVariable::MotorTorque | LawVariable::SetpointRate) => Stage::Motor,
-        _ => Stage::Link,
+impl LawActs {
+    /// The stage of the chain that such a law of a variable changes.
+    pub fn stage(self, variable: LawVariable) -> Stage {
+        match (self, variable) {
+            (LawActs::Reading, _) => Stage::Sensor,
+            (LawActs::Friction, LawVariable::MotorTorque) => Stage::Gearing,
+            (LawActs::Torque, LawVariable::MotorTorque | LawVariable::SetpointRate) => Stage::Motor,
+            _ => Stage::Link,
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! A law as a table in files (specification, section 7).
 
-use super::{BadLaw, Law, LawActs, LawVariable, stage};
+use super::{BadLaw, Law, LawActs, LawVariable};
 use crate::joint::Stage;
 use serde::{Deserialize, Serialize};
 
@@ -53,7 +53,7 @@ impl LawTable {
     /// The table of a curve, with its stage and unit.
     pub fn new(variable: LawVariable, acts: LawActs, x: Vec<f64>, y: Vec<f64>) -> Self {
         Self {
-            stage: stage(acts, variable).name().to_owned(),
+            stage: acts.stage(variable).name().to_owned(),
             variables: vec![variable],
             acts,
             closed: None,

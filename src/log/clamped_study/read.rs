@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use rayon::prelude::*;
 use toml::Spanned;
 
 use super::raw::{RawBeliefs, RawClampedLog, RawClampedStudy};
@@ -12,8 +11,7 @@ use crate::log::beliefs::{ANY_NAME, uncertain};
 use crate::log::document::{Document, NOT_NEGATIVE, PERIOD, POSITIVE, Range64, range};
 use crate::log::error::LogError;
 use crate::log::motor::{DERIVATIVES, ENCODERS, HOLDS, model};
-use crate::log::plausible::check_stamps;
-use crate::log::robot_log::{RobotLog, read_robot_log};
+use crate::log::robot_log::{RobotLog, read_robot_logs};
 use crate::log::schema::Text;
 use crate::log::study::{DRIVES, ROLES, check_schema, named_log, sensor};
 use crate::log::types::{Derivative, DriveMode, Hold, Role};
@@ -85,13 +83,8 @@ pub fn read_clamped_study(path: &Path) -> Result<ClampedStudy, LogError> {
 /// The error of the first log, in the study's order, that cannot be read, or whose period is about 1000 times off
 /// `[sensor] period`.
 pub fn read_clamped_study_logs(study: &ClampedStudy) -> Result<Vec<RobotLog>, LogError> {
-    let read = |entry: &ClampedStudyLog| {
-        let log = read_robot_log(&entry.path)?;
-        study.sensor.period_s.map_or(Ok(()), |period_s| check_stamps(&log.file, &log.t_s, period_s))?;
-        Ok(log)
-    };
-    let logs: Vec<Result<RobotLog, LogError>> = study.logs.par_iter().map(read).collect();
-    logs.into_iter().collect()
+    let paths: Vec<&Path> = study.logs.iter().map(|log| log.path.as_path()).collect();
+    read_robot_logs(&paths, study.sensor.period_s)
 }
 
 fn gravity(document: &Document<'_>, raw: &Spanned<Vec<f64>>) -> Result<[f64; 3], LogError> {

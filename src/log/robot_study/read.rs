@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use rayon::prelude::*;
 use toml::Spanned;
 
 use super::raw::{RawControl, RawFloor, RawFriction, RawRobot, RawRobotLog, RawRobotSensor, RawRobotStudy, Triple};
@@ -15,8 +14,7 @@ use crate::log::beliefs::{ANY_NAME, uncertain};
 use crate::log::document::{Document, FINITE, NOT_NEGATIVE, PERIOD, POSITIVE, Range64, range};
 use crate::log::error::LogError;
 use crate::log::motor::{DERIVATIVES, HOLDS};
-use crate::log::plausible::check_stamps;
-use crate::log::robot_log::{RobotLog, read_robot_log};
+use crate::log::robot_log::{RobotLog, read_robot_logs};
 use crate::log::schema::{Number, Text};
 use crate::log::study::{RESOLUTION, ROLES, check_schema, extra, named_log};
 use crate::log::types::{Derivative, Hold, Role};
@@ -117,13 +115,8 @@ pub fn read_robot_study(path: &Path) -> Result<RobotStudy, LogError> {
 /// The error of the first log, in the study's order, that cannot be read, or whose period is about 1000 times off
 /// `[sensor] period`.
 pub fn read_robot_study_logs(study: &RobotStudy) -> Result<Vec<RobotLog>, LogError> {
-    let read = |entry: &RobotStudyLog| {
-        let log = read_robot_log(&entry.path)?;
-        study.sensor.period_s.map_or(Ok(()), |period_s| check_stamps(&log.file, &log.t_s, period_s))?;
-        Ok(log)
-    };
-    let logs: Vec<Result<RobotLog, LogError>> = study.logs.par_iter().map(read).collect();
-    logs.into_iter().collect()
+    let paths: Vec<&Path> = study.logs.iter().map(|log| log.path.as_path()).collect();
+    read_robot_logs(&paths, study.sensor.period_s)
 }
 
 /// What a robot study says before its logs.
