@@ -42,6 +42,8 @@ pub(super) struct Attribution {
     pub law: Option<Trial>,
     /// Causes that the fitted logs ask for and the held-out ones refute.
     pub refuted: Vec<EffectId>,
+    /// Whether they refute a law that the fitted logs ask for.
+    pub law_refuted: bool,
     /// Standard deviation of the sensor's own noise \[rad\].
     pub noise_rad: f64,
     /// How many successive residuals of the best hypothesis count as one.
@@ -139,7 +141,9 @@ impl Attribution {
         let step_rad = coarse.reach.resolution_rad;
         let worth_a_law = best.fit_loss(&coarse) > samples * step_rad.max(noise_of_law(noise)).powi(2);
         let law = if worth_a_law { lawful(&coarse, &best, &calibrated) } else { None };
-        let law = law.filter(|law| !refutes_law(&coarse, evidence, law, &best));
+        let refutes_it = |law: &Trial| refutes_law(&coarse, evidence, law, &best);
+        let law_refuted = law.as_ref().is_some_and(refutes_it);
+        let law = law.filter(|_| !law_refuted);
         let best = match &law {
             Some(law) if law.effects().len() < best.effects().len() => {
                 let kept: Vec<usize> =
@@ -165,6 +169,7 @@ impl Attribution {
             firsts,
             law,
             refuted,
+            law_refuted,
             noise_rad: noise,
             correlation: 1.0,
             best,
@@ -288,6 +293,11 @@ impl Attribution {
         }
         let [held, fitted] = self.excess_apart(evidence, &self.best);
         fitted < FAR && held > SHOWS_MORE * (fitted.max(0.0) + LEFT_OVER)
+    }
+
+    /// Whether the held-out logs had a say: in the beliefs, in the causes, in the law.
+    pub fn held_out_chose(&self, evidence: &Evidence) -> bool {
+        evidence.normal_beliefs || !self.refuted.is_empty() || self.law_refuted
     }
 
     /// How many standard deviations `a` explains all logs worse than `b`.

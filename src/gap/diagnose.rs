@@ -148,7 +148,7 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &dyn Progress) -> R
         next,
         confusion: twins.map(|t| t.confusion),
         traces,
-        notes: notes(&evidence, &attribution.refuted, &decision, intervals_trusted, &differs),
+        notes: notes(&evidence, &attribution, &decision, intervals_trusted, &differs),
         differs,
         withheld: EffectId::ALL.iter().copied().filter(|e| !effects.contains(e)).collect(),
         demands: Arc::unwrap_or_clone(demands),
@@ -201,7 +201,7 @@ fn gap(evidence: &Evidence, held: &HeldOut, a: &Attribution, decision: &Decision
         floor,
         closed: closed(before, after, floor),
         closed_interval: closed(before, after, floor).and_then(|_| held.closed_interval(&given, &answer, floor)),
-        outer: held.is_outer() && a.refuted.is_empty() && !evidence.normal,
+        outer: held.is_outer() && !a.held_out_chose(evidence),
         held_out: held.how.to_owned(),
         per_log: per_log(held, [&given, &calibrated, &answer], floor),
     }
@@ -300,7 +300,7 @@ fn traces(
 
 fn notes(
     evidence: &Evidence,
-    refuted: &[EffectId],
+    a: &Attribution,
     decision: &Decision<'_>,
     trusted: bool,
     differs: &[Differs],
@@ -314,7 +314,7 @@ fn notes(
         );
     }
     notes.extend(differs.iter().map(Differs::in_words));
-    if evidence.normal {
+    if evidence.normal_beliefs {
         notes.push(
             "The fitted logs move numbers far beyond their beliefs, and so the held-out logs are predicted clearly worse: \
              the numbers were held to their beliefs, so the held-out figures are no longer of logs on which no choice was \
@@ -322,12 +322,13 @@ fn notes(
                 .to_owned(),
         );
     }
+    let law = a.law_refuted.then_some("a law");
+    let refuted: Vec<&str> = a.refuted.iter().map(|e| e.id()).chain(law).collect();
     if !refuted.is_empty() {
-        let ids: Vec<&str> = refuted.iter().map(|e| e.id()).collect();
         notes.push(format!(
-            "The fitted logs ask for {} as well, but with that the held-out logs are predicted no better, or worse: it was left \
-             out, so the held-out figures are no longer of logs on which no choice was made.",
-            ids.join(", ")
+            "The fitted logs ask for {} as well, but with that the held-out logs are predicted no better, or worse: it was \
+             left out, so the held-out figures are no longer of logs on which no choice was made.",
+            refuted.join(", ")
         ));
     }
     if !evidence.scale_known {

@@ -21,7 +21,7 @@ pub(super) struct Evidence {
     /// How sure the engineer is of it.
     pub uncertain: Uncertain,
     /// Whether beliefs are normal: held-out logs refute numbers that heavy tails let go far.
-    pub normal: bool,
+    pub normal_beliefs: bool,
     /// What the user demands of numbers and of parameters of effects.
     pub demands: Arc<Directives>,
     /// Where it hangs, as given; 0 where nothing is said \[rad\].
@@ -59,7 +59,7 @@ impl Evidence {
             pooled_from: None,
             nominal,
             uncertain: case.uncertain.clone(),
-            normal: false,
+            normal_beliefs: false,
             demands: Arc::default(),
             rest_rad: case.joint.rest_rad.unwrap_or(0.0),
             scale_known,
@@ -69,7 +69,7 @@ impl Evidence {
     /// The joint as it is believed to be.
     pub fn baseline(&self) -> GapModel {
         let model = GapModel::baseline(&self.nominal, self.rest_rad, &self.reach, &self.uncertain).under(&self.demands);
-        if self.normal { model.believed_normally() } else { model }
+        if self.normal_beliefs { model.believed_normally() } else { model }
     }
 
     /// The same study with other logs.

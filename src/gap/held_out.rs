@@ -151,9 +151,7 @@ impl Elsewhere {
             worst: shown.iter().map(|(_, poor, rich)| rich / poor).fold(0.0, f64::max),
         }
     }
-}
 
-impl Elsewhere {
     /// Whether whole logs are predicted no worse: not by themselves, or not together with parts of logs, which are better
     /// by so many standard deviations.
     pub fn no_worse(self, parts_z: f64) -> bool {
@@ -161,6 +159,7 @@ impl Elsewhere {
     }
 }
 
+/// Standard deviations by which whole logs may be predicted worse.
 const WORSE_BY: f64 = 1.0;
 
 /// Deviance from which on logs show something.

@@ -34,12 +34,12 @@ pub(super) fn soundly_believed(evidence: Evidence) -> Evidence {
         numbers.predict(&coarse, None);
         numbers
     };
-    let normal = Evidence { normal: true, ..evidence.with_logs(evidence.fit.clone(), evidence.held.clone()) };
+    let normal = Evidence { normal_beliefs: true, ..evidence.with_logs(evidence.fit.clone(), evidence.held.clone()) };
     if refutes(&evidence.coarse(), &calibrated(&evidence), &calibrated(&normal)) { normal } else { evidence }
 }
 
-/// A hypothesis without the causes that the held-out logs refute or do not know, and these; everything else refitted. What was found on
-/// a choice of the samples is judged on all.
+/// A hypothesis without the causes that the held-out logs refute or do not know, and these; everything else refitted.
+/// What was found on a choice of the samples is judged on all.
 pub(super) fn unrefuted(coarse: &Evidence, evidence: &Evidence, best: Trial) -> (Trial, Vec<EffectId>) {
     if evidence.held.is_empty() || best.effects().is_empty() {
         return (best, Vec::new());

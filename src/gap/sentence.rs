@@ -116,7 +116,7 @@ pub(super) fn sentence(
                 let most = parameter.map_or(String::new(), |name| format!(", the {name} most of all,"));
                 let [before, calibrated] = [gap.before, gap.calibrated].map(mrad);
                 return format!(
-                    "{joint}: refitting the numbers within what is believed of them{most} takes the error from {before} to \
+                    "{joint}: refitting the numbers{most} takes the error from {before} to \
                      {calibrated}; the effects I know do not explain the rest: {stays}.{unnamed}{nearest}"
                 );
             }

@@ -6,7 +6,7 @@ use crate::log::{
     ArrayLog, ClampedStudy, DriveMode, JointBeliefs, JointSpec, LogError, MotorSpec, Nominal, RobotLog, Spread,
     Uncertain, read_clamped_study, read_clamped_study_logs,
 };
-use crate::robot::description::{ActuatorKind, Description, DescriptionError, Mover};
+use crate::robot::description::{Actuator, ActuatorKind, Description, DescriptionError, Mover};
 use crate::robot::tree::{Tree, TreeBase, TreeError};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
@@ -238,12 +238,8 @@ impl Maker<'_> {
 }
 
 /// What the description says of a joint's motor: that of its position actuator.
-fn of_description(
-    mover: &Mover,
-    description: &Description,
-    servos: &[crate::robot::description::Actuator],
-) -> JointBeliefs {
-    let is_its = |servo: &&crate::robot::description::Actuator| {
+fn of_description(mover: &Mover, description: &Description, servos: &[Actuator]) -> JointBeliefs {
+    let is_its = |servo: &&Actuator| {
         servo.kind == ActuatorKind::Position && description.joints[servo.joint.0].name == mover.name
     };
     let servo = servos.iter().find(is_its);

@@ -5,7 +5,7 @@ use crate::gap::sentence::words;
 use crate::gap::{CauseShare, Diagnosis, GapError, GapOptions, Verdict, diagnose};
 use crate::joint::EffectId;
 use crate::number::mrad;
-use crate::progress::{Cancelled, Progress, Step};
+use crate::progress::{Progress, Step};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -120,6 +120,18 @@ pub fn diagnose_clamped(
     notes.push(
         "Each joint is simulated along the measured motion of the others: it answers for its own fault.".to_owned(),
     );
+    let chosen: Vec<&str> = joints
+        .iter()
+        .filter(|joint| joint.diagnosis.as_ref().is_some_and(|d| !d.gap.outer))
+        .map(|joint| joint.joint.as_str())
+        .collect();
+    if !chosen.is_empty() {
+        notes.push(format!(
+            "The figures of {} are of logs that also had a say in their answers, or that no log was held out for; their own \
+             reports say which.",
+            chosen.join(", ")
+        ));
+    }
     Ok(ClampedDiagnosis { robot: case.robot.clone(), answer, gap, causes, joints, notes })
 }
 
@@ -137,14 +149,6 @@ impl Progress for Counted<'_> {
 
     fn cancelled(&self) -> bool {
         self.progress.cancelled()
-    }
-
-    fn go_on(&self, step: Step) -> Result<(), Cancelled> {
-        if self.cancelled() {
-            return Err(Cancelled);
-        }
-        self.step(step);
-        Ok(())
     }
 }
 

@@ -12,7 +12,6 @@ use crate::log::document::{Document, NOT_NEGATIVE, PERIOD, POSITIVE, Range64, ra
 use crate::log::error::LogError;
 use crate::log::motor::{DERIVATIVES, ENCODERS, HOLDS, model};
 use crate::log::robot_log::{RobotLog, read_robot_logs};
-use crate::log::schema::Text;
 use crate::log::study::{DRIVES, ROLES, check_schema, named_log, sensor};
 use crate::log::types::{Derivative, DriveMode, Hold, Role};
 
@@ -124,7 +123,6 @@ fn log(
 ) -> Result<ClampedStudyLog, LogError> {
     let key = |name: &str| format!("[[log]] {} {name}", i + 1);
     let (file, path) = named_log(document, i, &raw.file, seen)?;
-    let session: &Text = &raw.session;
     // Torques along a motion are another question than the motion that torques make.
     document.word(&key("predict"), &raw.predict, &[("motion", ())])?;
     Ok(ClampedStudyLog {
@@ -132,6 +130,6 @@ fn log(
         path,
         role: document.needed_word(&key("role"), &raw.role, &ROLES)?,
         drive: document.word(&key("drive"), &raw.drive, &DRIVES)?.unwrap_or(DriveMode::Position),
-        session: session.as_ref().map(|session| session.get_ref().clone()),
+        session: raw.session.as_ref().map(|session| session.get_ref().clone()),
     })
 }

@@ -44,6 +44,7 @@ pub fn clamped_gap_html(report: &ClampedGapReport) -> Result<String, ReportError
         figures => figure_views(clamped_gap_figures(report)?),
         joints => joints.iter().map(|(folder, joint)| joint_view(folder, joint)).collect::<Vec<_>>(),
         still => still.map(|joint| joint.joint.clone()).collect::<Vec<_>>(),
+        undetermined => report.undetermined(),
         notes => diagnosis.notes.iter().map(|note| with_code(note)).collect::<Vec<_>>(),
         version => provenance.version.as_str(),
         command => provenance.command.as_str(),

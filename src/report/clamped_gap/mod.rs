@@ -39,6 +39,14 @@ impl ClampedGapReport {
         Self { diagnosis, joints, provenance: provenance.clone() }
     }
 
+    /// What the logs leave open, joint by joint.
+    fn undetermined(&self) -> Vec<String> {
+        let of = |diagnosis: &Diagnosis| -> Vec<String> {
+            diagnosis.undetermined.iter().map(|sentence| format!("{}: {sentence}", diagnosis.joint)).collect()
+        };
+        self.joints.iter().flat_map(|(_, report)| of(&report.diagnosis)).collect()
+    }
+
     /// How far each joint's gap closes, and all of them together.
     fn rows(&self) -> Vec<LogGap> {
         let gap = &self.diagnosis.gap;
@@ -74,7 +82,7 @@ fn summary(diagnosis: &Diagnosis) -> String {
     let causes = diagnosis.causes.iter().map(|cause| cause.effect.id().to_owned());
     let law = diagnosis.law.is_some().then(|| "a law".to_owned());
     let mut moved: Vec<&BeliefFound> =
-        diagnosis.beliefs.iter().filter(|belief| belief.moved_sd.abs() >= FINDING_SD).collect();
+        diagnosis.beliefs.iter().filter(|belief| belief.moved_sd.abs() >= TOLD_SD).collect();
     moved.sort_by(|a, b| b.moved_sd.abs().total_cmp(&a.moved_sd.abs()));
     let numbers = moved.into_iter().take(MOVED).map(|belief| {
         let value = |value: f64| significant(value, 2);
@@ -84,6 +92,6 @@ fn summary(diagnosis: &Diagnosis) -> String {
     if all.is_empty() { "–".to_owned() } else { all.join(", ") }
 }
 
-/// Standard deviations of its belief from which on a number that moved is a finding, and how many are named.
-const FINDING_SD: f64 = 2.0;
+/// Standard deviations of its belief from which on a number that moved is told, and how many are.
+const TOLD_SD: f64 = 2.0;
 const MOVED: usize = 2;

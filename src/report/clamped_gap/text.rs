@@ -14,11 +14,7 @@ pub fn clamped_gap_text(report: &ClampedGapReport) -> String {
     let diagnosis = &report.diagnosis;
     let mut blocks = vec![paragraph(&diagnosis.answer.sentence), joints(report)];
     blocks.extend(report.joints.iter().map(|(_, joint)| sentence(&joint.diagnosis)));
-    let open = report.joints.iter().flat_map(|(_, joint)| {
-        let own = &joint.diagnosis;
-        own.undetermined.iter().map(|sentence| format!("{}: {sentence}", own.joint))
-    });
-    blocks.extend(undetermined(&open.collect::<Vec<_>>()));
+    blocks.extend(undetermined(&report.undetermined()));
     let still: Vec<&str> =
         diagnosis.joints.iter().filter(|joint| joint.diagnosis.is_none()).map(|joint| joint.joint.as_str()).collect();
     if !still.is_empty() {
