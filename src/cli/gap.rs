@@ -53,7 +53,7 @@ fn after_help() -> String {
     let more: Vec<&str> = Cause::all().filter(|cause| !matches!(cause, Cause::Effect(_))).map(Cause::id).collect();
     format!(
         "Effects: {}; of a robot also {}.\n\
-         Names for --fix, --free, --bound and --start (of a joint): inertia, moment, coulomb, viscous, gain, rest, and \
+         Names for --fix, --free, --bound and --start (of a joint): inertia, moment, coulomb, viscous, gain, kd, ki, rest, and \
          parameters of effects such as delay.T.\nAngles are in rad, times in s, torques in N m; the exit code is 0 for any verdict.\n\n\
          Study, all keys with units and defaults in data/README.md: schema = 1; [joint] name, inertia [kg m^2], moment [kg m], \
          coulomb [N m], viscous [N m s/rad], gravity, rest [rad]; [sensor] resolution [rad], period [s]; [motor] kp [N m/rad], \

@@ -42,8 +42,8 @@ pub(super) struct SimulateArgs {
 struct InForce {
     nominal: Nominal,
     rest_rad: Option<f64>,
-    /// Torque that arrives per torque that is commanded.
-    gain: f64,
+    /// What arrives per stated torque, and the control law's gains per stated ones, by the names of their numbers.
+    gains: Vec<(&'static str, f64)>,
     /// Effects with their values as they are searched.
     effects: Vec<InEffect>,
     /// What no effect describes.
@@ -118,7 +118,7 @@ fn in_force(args: &SimulateArgs, case: &Case) -> Result<InForce, CliError> {
         })?;
         let source = format!("{}, as given", args.study.display());
         let (rest_rad, effects, laws) = (case.joint.rest_rad, Vec::new(), Vec::new());
-        return Ok(InForce { nominal, rest_rad, gain: 1.0, effects, laws, source });
+        return Ok(InForce { nominal, rest_rad, gains: Vec::new(), effects, laws, source });
     };
     let file = read_fit(path)?;
     let wrong = |what: String| CliError::FitFile { file: path.clone(), what };
@@ -159,10 +159,15 @@ fn in_force(args: &SimulateArgs, case: &Case) -> Result<InForce, CliError> {
     if let Some(rest) = rest_rad.filter(|rest| !(rest.abs() <= std::f64::consts::TAU)) {
         return Err(wrong(format!("joint.rest.value is {rest:?}, expected an angle within 2 pi (6.283) rad")));
     }
-    let gain = file.joint.gain.as_ref().map_or(Ok(1.0), |gain| number("joint.gain", gain, false))?;
+    let share = |name: &str, share: &Option<Quantity>| {
+        share.as_ref().map_or(Ok(1.0), |share| number(&format!("joint.{name}"), share, false))
+    };
+    let gains = [("gain", &file.joint.gain), ("kd", &file.joint.kd), ("ki", &file.joint.ki)];
+    let gains = gains.into_iter().map(|(name, own)| share(name, own).map(|share| (name, share)));
+    let gains = gains.collect::<Result<Vec<_>, _>>()?;
     let of = |law: &Law<f64>| format!(", with a law of the {} by {}", law.acts(), law.variable());
     let source = path.display().to_string() + &laws.iter().map(of).collect::<String>();
-    Ok(InForce { nominal, rest_rad, gain, effects, laws, source })
+    Ok(InForce { nominal, rest_rad, gains, effects, laws, source })
 }
 
 /// An effect of a fit file.
@@ -251,7 +256,8 @@ fn predictions<'a>(case: &'a Case, in_force: &InForce) -> Result<Vec<Predicted<'
     let scale = Scale::of(&moving, Some(&in_force.nominal), in_force.rest_rad);
     let reach = reach_of(&moving, &in_force.nominal);
     let baseline = GapModel::baseline(&in_force.nominal, scale.rest_rad, &reach, &case.uncertain);
-    let stated = |p: &Parameter| if p.name == "gain" { in_force.gain } else { p.start };
+    let stated =
+        |p: &Parameter| in_force.gains.iter().find(|(name, _)| *name == p.name).map_or(p.start, |(_, share)| *share);
     let mut values: Vec<f64> = baseline.parameters().iter().map(stated).collect();
     values.extend(in_force.effects.iter().flat_map(|effect| &effect.searched));
     let mut model = baseline;

@@ -62,8 +62,10 @@ const AGAIN: Budget = Budget { evaluations: 24 };
 /// too long for it to begin with.
 const FAR: f64 = 0.5;
 const VERY_FAR: f64 = 4.0;
-/// Held-out logs show more where they exceed the noise by this many times as much as the fitted ones.
+/// Held-out logs show more where they exceed the noise by this many times as much as the fitted ones, and these hardly
+/// do; or by this many times as much anyway.
 const SHOWS_MORE: f64 = 6.0;
+const SHOWS_MUCH_MORE: f64 = 200.0;
 /// A hypothesis whose squared residuals exceed the noise by this share leaves something to explain.
 pub(super) const LEFT_OVER: f64 = 0.02;
 /// Squared residuals that exceed the noise by this share are worth a law.
@@ -292,7 +294,8 @@ impl Attribution {
             return false;
         }
         let [held, fitted] = self.excess_apart(evidence, &self.best);
-        fitted < FAR && held > SHOWS_MORE * (fitted.max(0.0) + LEFT_OVER)
+        let more = held / (fitted.max(0.0) + LEFT_OVER);
+        (fitted < FAR && more > SHOWS_MORE) || more > SHOWS_MUCH_MORE
     }
 
     /// Whether the held-out logs had a say: in the beliefs, in the causes, in the law.

@@ -1,7 +1,7 @@
 //! What a user demands of the numbers of a study and of parameters of effects: `--fix`, `--free`, `--bound`, `--start`.
 
 use super::evidence::Evidence;
-use super::model::{GAIN, GapModel, parameters_of};
+use super::model::{DERIVATIVE, GAIN, GapModel, INTEGRAL, parameters_of};
 use crate::identify::{DirectiveError, Directives, JointModel, Parameter};
 use crate::joint::{EffectForm, EffectId, Scan};
 use std::collections::BTreeSet;
@@ -14,7 +14,13 @@ pub(super) fn resolved(asked: &Directives, evidence: &Evidence) -> Result<Direct
     let baseline = evidence.baseline();
     let forms = || EffectId::ALL.iter().flat_map(|effect| effect.forms());
     // What no drive shows is no number of this study.
-    let is_there = |(i, _): &(usize, &Parameter)| *i != GAIN || evidence.reach.driven.is_some();
+    let driven = evidence.reach.driven;
+    let is_there = |(i, _): &(usize, &Parameter)| match *i {
+        GAIN => driven.is_some(),
+        DERIVATIVE => driven.is_some_and(|driven| driven.by_derivative),
+        INTEGRAL => driven.is_some_and(|driven| driven.by_integral),
+        _ => true,
+    };
     let numbers = baseline.parameters().iter().enumerate().filter(is_there).map(|(_, p)| p.clone());
     let effects = forms().flat_map(|form| parameters_of(form, &evidence.reach));
     let mut known: Vec<Parameter> = numbers.chain(effects).collect();

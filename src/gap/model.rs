@@ -5,7 +5,9 @@ use super::evidence::Evidence;
 use super::law_shape::LawShape;
 use super::logs::LogSet;
 use crate::identify::{Belief, Deviations, Directives, Experiment, JointModel, Parameter, Search, Signal};
-use crate::joint::{Chain, EffectForm, EffectId, EffectParameter, Friction, Link, Motor, Reach, Real, Scan};
+use crate::joint::{
+    Chain, DrivenReach, EffectForm, EffectId, EffectParameter, Friction, Link, Motor, Reach, Real, Scan,
+};
 use crate::log::{Nominal, Uncertain};
 use std::sync::Arc;
 
@@ -16,9 +18,12 @@ pub(super) const COULOMB: usize = 2;
 pub(super) const VISCOUS: usize = 3;
 /// Torque that arrives per torque that the drive is believed to give.
 pub(super) const GAIN: usize = 4;
-pub(super) const REST: usize = 5;
+/// The drive's derivative and integral gain per believed ones.
+pub(super) const DERIVATIVE: usize = 5;
+pub(super) const INTEGRAL: usize = 6;
+pub(super) const REST: usize = 7;
 /// Number of values before those of the effects.
-pub(super) const BASELINE: usize = 6;
+pub(super) const BASELINE: usize = 8;
 
 /// The joint as it is believed to be, with effects on its stages.
 #[derive(Clone, Debug)]
@@ -56,9 +61,13 @@ impl GapModel {
         let largest_nm = reach.torque_nm.max(reach.driven.map_or(0.0, |driven| driven.command_nm));
         let sd = Deviations::of(n, uncertain, largest_nm, reach.speed_rad_s, moment_unit);
         let gain_sd = match reach.driven {
-            Some(driven) if driven.by_setpoint => uncertain.gain.of("gain"),
-            Some(_) => uncertain.torque.of("gain"),
+            Some(driven) if driven.by_setpoint => uncertain.gain.of("kp"),
+            Some(_) => uncertain.torque.of("tau"),
             None => 0.0,
+        };
+        // What the control law does not have is no number of this study.
+        let law_sd = |name: &str, is_there: fn(&DrivenReach) -> bool| {
+            if reach.driven.as_ref().is_some_and(is_there) { uncertain.gain.of(name) } else { 0.0 }
         };
         let parameters = vec![
             Parameter::positive("inertia", "I*", "kg m^2", Some(n.inertia_kg_m2), n.inertia_kg_m2).believed(sd.inertia),
@@ -72,6 +81,8 @@ impl GapModel {
             Parameter::friction("viscous", "mu_v", "N m s/rad", Some(n.viscous_nm_s_rad), n.viscous_nm_s_rad, damping)
                 .believed(sd.viscous_nm_s_rad),
             Parameter::positive("gain", "c", "", Some(1.0), 1.0).believed(gain_sd),
+            Parameter::positive("kd", "c_d", "", Some(1.0), 1.0).believed(law_sd("kd", |driven| driven.by_derivative)),
+            Parameter::positive("ki", "c_i", "", Some(1.0), 1.0).believed(law_sd("ki", |driven| driven.by_integral)),
             Parameter::angle("rest", "q_rest", Some(rest_rad), rest_rad).fixed(),
         ];
         Self {
@@ -353,6 +364,8 @@ impl JointModel for GapModel {
         };
         if let Some(motor) = &mut motor {
             motor.gain = values[self.at_experiment(GAIN, experiment)];
+            motor.derivative_share = values[DERIVATIVE];
+            motor.integral_share = values[INTEGRAL];
         }
         let coulomb_nm = values[self.at_experiment(COULOMB, experiment)];
         let friction = Friction::coulomb_viscous(coulomb_nm, values[VISCOUS]);

@@ -18,6 +18,7 @@ pub(crate) fn reach_of(experiments: &[Experiment], nominal: &Nominal) -> Reach {
         .flat_map(|e| &e.measured_rad)
         .fold([f64::INFINITY, f64::NEG_INFINITY], |r, &q| [r[0].min(q), r[1].max(q)]);
     let driven = || experiments.iter().filter(|e| e.is_driven());
+    let by_law = || driven().filter(|e| matches!(e.signal, Signal::Position { .. })).filter_map(|e| e.motor);
     let command_nm = driven().map(largest_command).fold(0.0, f64::max);
     let speed_rad_s = most(&speed).max(0.1);
     Reach {
@@ -33,6 +34,8 @@ pub(crate) fn reach_of(experiments: &[Experiment], nominal: &Nominal) -> Reach {
             speed_rad_s: driven().map(speed).fold(0.0, f64::max).max(0.1),
             period_s: driven().map(period).fold(f64::INFINITY, f64::min),
             by_setpoint: driven().any(|e| matches!(e.signal, Signal::Position { .. })),
+            by_derivative: by_law().any(|law| law.kd_nm_s_rad != 0.0),
+            by_integral: by_law().any(|law| law.ki_nm_rad_s != 0.0),
         }),
     }
 }

@@ -84,6 +84,9 @@ fn sentence(experiments: &[Experiment], parts: &[&str]) -> String {
     if parts.iter().all(|name| matches!(*name, "coulomb" | "viscous")) {
         return format!("These logs cannot tell {listed} apart; slow and fast motions beside one another would.");
     }
+    if parts.contains(&"kd") && parts.iter().all(|name| matches!(*name, "coulomb" | "viscous" | "kd")) {
+        return format!("These logs cannot tell {listed} apart; swings with the motor off would.");
+    }
     let remedy = match (by_setpoint, driven) {
         (true, _) => {
             "no torque of these position-driven logs is known; weigh the link, hang on a known mass, or log the current"
@@ -102,6 +105,8 @@ fn alone(name: &str) -> &'static str {
     match name {
         "coulomb" => "swings that come to rest, or slow motions with reversals, would",
         "viscous" => "fast motions would",
+        "kd" => "setpoints that move fast would",
+        "ki" => "setpoints that rest for long would",
         "inertia" => "motions with more acceleration would",
         "moment" => "a hung-on known mass, or wider swings, would",
         _ => "a known load, or a logged torque, would",

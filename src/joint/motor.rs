@@ -73,6 +73,10 @@ pub struct Motor<T> {
     law: Option<MotorSpec>,
     /// Delivered torque per commanded torque, before any limit; 1 for a perfect motor.
     pub gain: T,
+    /// Its derivative gain per stated one.
+    pub derivative_share: T,
+    /// Its integral gain per stated one.
+    pub integral_share: T,
     /// Torques below this do not arrive, and larger ones arrive less this \[N m\].
     pub dead_band_nm: Option<T>,
     /// A limit beyond those of the control law.
@@ -84,12 +88,21 @@ pub struct Motor<T> {
 impl<T: Real> Motor<T> {
     /// The motor of a log that is driven by position, perfect but for the limits that the engineer models.
     pub fn new(spec: MotorSpec) -> Self {
-        Self { law: Some(spec), gain: T::constant(1.0), dead_band_nm: None, torque_limit: None, speed_line: None }
+        Self { law: Some(spec), ..Self::direct() }
     }
 
     /// A perfect motor whose commanded torque is in the log.
     pub fn direct() -> Self {
-        Self { law: None, gain: T::constant(1.0), dead_band_nm: None, torque_limit: None, speed_line: None }
+        let as_stated = T::constant(1.0);
+        Self {
+            law: None,
+            gain: as_stated,
+            derivative_share: as_stated,
+            integral_share: as_stated,
+            dead_band_nm: None,
+            torque_limit: None,
+            speed_line: None,
+        }
     }
 
     /// Period at which the law is evaluated \[s\]; `None`: continuously.
@@ -107,12 +120,16 @@ impl<T: Real> Motor<T> {
     #[inline]
     pub fn command(&self, setpoint: Setpoint<T>, angle_rad: T, rate_rad_s: T, integral_rad_s: T) -> T {
         let Some(s) = &self.law else { return T::nought() };
-        let mut torque = (setpoint.angle_rad - angle_rad) * s.kp_nm_rad - rate_rad_s * s.kd_nm_s_rad;
+        let mut torque = (setpoint.angle_rad - angle_rad) * s.kp_nm_rad;
         if s.ki_nm_rad_s != 0.0 {
-            torque += integral_rad_s * s.ki_nm_rad_s;
+            torque += integral_rad_s * self.integral_share * s.ki_nm_rad_s;
         }
-        if s.derivative == Derivative::Error {
-            torque += setpoint.rate_rad_s * s.kd_nm_s_rad;
+        if s.kd_nm_s_rad != 0.0 {
+            let too_fast = match s.derivative {
+                Derivative::Error => rate_rad_s - setpoint.rate_rad_s,
+                Derivative::Measurement => rate_rad_s,
+            };
+            torque -= too_fast * self.derivative_share * s.kd_nm_s_rad;
         }
         torque
     }
@@ -179,7 +196,8 @@ impl<T: Real> Motor<T> {
             Driven::Held => (0.0, gain * braking),
             Driven::ByLaw => {
                 let per_answer = gain * law.nm_per_answer();
-                (per_answer * law.kp_nm_rad, per_answer * law.kd_nm_s_rad + gain * braking)
+                let kd = law.kd_nm_s_rad * self.derivative_share.re();
+                (per_answer * law.kp_nm_rad, per_answer * kd + gain * braking)
             }
         }
     }
@@ -238,6 +256,18 @@ mod tests {
     fn derivative_on_the_error_feeds_the_setpoint_rate_forward() {
         let s = MotorSpec { derivative: Derivative::Error, hold: Hold::Linear, ..spec() };
         assert_relative_eq!(ask(s, 0.1, 2.0), 0.5, epsilon = 1e-15);
+    }
+
+    #[test]
+    fn shares_scale_the_derivative_and_the_integral_gain_alone() {
+        let law = MotorSpec { ki_nm_rad_s: 2.0, ..spec() };
+        let motor = Motor { derivative_share: 2.0, integral_share: 0.5, ..Motor::new(law) };
+        // 5 0.1 - 2 0.05 2 + 0.5 2 0.3
+        let torque_nm = motor.torque_nm(Setpoint { angle_rad: 0.1, rate_rad_s: 2.0 }, 0.0, 2.0, 0.3);
+        assert_relative_eq!(torque_nm, 0.6, epsilon = 1e-15);
+        let (stiffness, damping) = motor.stiffness_and_damping(Driven::ByLaw);
+        assert_relative_eq!(stiffness, 5.0, epsilon = 1e-15);
+        assert_relative_eq!(damping, 0.1, epsilon = 1e-15);
     }
 
     fn by_voltage() -> MotorSpec {

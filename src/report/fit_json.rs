@@ -86,6 +86,12 @@ pub struct JointFit {
     /// Torque that arrives per torque that is commanded; absent where it was not fitted, and then 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gain: Option<Quantity>,
+    /// The control law's derivative gain per stated one; absent where it was not fitted, and then 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kd: Option<Quantity>,
+    /// Its integral gain per stated one, likewise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ki: Option<Quantity>,
 }
 
 /// A number with its unit and its intervals.
@@ -165,13 +171,17 @@ impl JointFit {
     /// From rows with the names of the baseline's parameters.
     pub(super) fn of(rows: &[ParameterRow]) -> Self {
         let quantity = |name: &str| rows.iter().find(|r| r.name == name).map(Quantity::of);
+        let searched =
+            |name: &str| rows.iter().find(|r| r.name == name && r.status != ParameterStatus::Held).map(Quantity::of);
         Self {
             inertia: quantity("inertia").unwrap_or_default(),
             moment: quantity("moment").unwrap_or_default(),
             coulomb: quantity("coulomb").unwrap_or_default(),
             viscous: quantity("viscous").unwrap_or_default(),
             rest: quantity("rest"),
-            gain: rows.iter().find(|r| r.name == "gain" && r.status != ParameterStatus::Held).map(Quantity::of),
+            gain: searched("gain"),
+            kd: searched("kd"),
+            ki: searched("ki"),
         }
     }
 }

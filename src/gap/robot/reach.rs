@@ -45,6 +45,13 @@ pub(super) fn reach_of(case: &RobotCase, given: &[Predicted], joint: usize) -> R
         angle_rad,
         duration_s,
         resolution_rad: case.study.sensor.resolution_rad.unwrap_or(0.0).max(1e-5),
-        driven: (command_nm > 0.0).then_some(DrivenReach { command_nm, speed_rad_s, period_s, by_setpoint: true }),
+        driven: (command_nm > 0.0).then_some(DrivenReach {
+            command_nm,
+            speed_rad_s,
+            period_s,
+            by_setpoint: true,
+            by_derivative: false,
+            by_integral: false,
+        }),
     }
 }

@@ -166,6 +166,10 @@ pub struct DrivenReach {
     pub period_s: f64,
     /// Some are driven by a setpoint, not by a torque.
     pub by_setpoint: bool,
+    /// The control law of some has a derivative gain.
+    pub by_derivative: bool,
+    /// The control law of some has an integral gain.
+    pub by_integral: bool,
 }
 
 /// One effect of the catalogue, in one of its forms.

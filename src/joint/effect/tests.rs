@@ -12,7 +12,14 @@ fn reach() -> Reach {
         angle_rad: [-0.8, 0.9],
         duration_s: 4.0,
         resolution_rad: 0.0015,
-        driven: Some(DrivenReach { command_nm: 3.0, speed_rad_s: 5.0, period_s: 0.005, by_setpoint: true }),
+        driven: Some(DrivenReach {
+            command_nm: 3.0,
+            speed_rad_s: 5.0,
+            period_s: 0.005,
+            by_setpoint: true,
+            by_derivative: false,
+            by_integral: false,
+        }),
     }
 }
 
