@@ -54,6 +54,46 @@ fn a_derivative_gain_that_is_off_is_the_finding() {
     assert_eq!(fit["joint"]["kd"]["value"].as_f64(), Some(kd), "{text}");
 }
 
+/// Two driven logs and a held-out one of a drive without derivative gain whose proportional gain is stated a third too
+/// high, with the torque that arrived.
+fn with_torque(motor: &str) -> tempfile::TempDir {
+    let to = |setpoint: f64, from: f64| {
+        let text = swing_under(&|q, _| KP * (setpoint - q), from, 250, [4.0e-3, 3.0e-3]);
+        let rows = text.lines().skip(1).map(|row| {
+            let q: f64 = row.split(',').nth(1).unwrap().parse().unwrap();
+            format!("{row},{setpoint},{:.5}\n", KP * (setpoint - q))
+        });
+        format!("t,q,q_ref,tau\n{}", rows.collect::<String>())
+    };
+    let logs = [("fit", to(0.6, -0.5)), ("fit", to(-0.4, 0.7)), ("validate", to(0.3, -0.8))];
+    let dir = swings(&logs, ["9e-4", "5e-3", "4e-3", "3e-3"]);
+    let path = dir.path().join("study.toml");
+    let driven = fs::read_to_string(&path).unwrap().replace("\"off\"", "\"position\"");
+    let motor = format!("[motor]\nkp = {}\nkd = 0.0\n{motor}[[log]]", KP * 4.0 / 3.0);
+    fs::write(path, driven.replacen("[[log]]", &motor, 1)).unwrap();
+    dir
+}
+
+#[test]
+fn a_logged_torque_says_what_the_drive_gives() {
+    let diagnosed = |motor: &str| {
+        let dir = with_torque(motor);
+        expect_code(dir.path(), &["gap", "study.toml", "--out", "out", "--json", "gap.json"], 0);
+        json(&dir.path().join("gap.json"))
+    };
+    let says = |found: &serde_json::Value, words: &str| found["undetermined"].to_string().contains(words);
+    let with = diagnosed("tau_is = \"applied\"\n");
+    assert_eq!((&with["verdict"], &with["effect"]), (&"effect".into(), &"motor_gain".into()), "{with}");
+    let gain = with["beliefs"]["gain"]["found"].as_f64().unwrap();
+    assert!((gain - 0.75).abs() < 0.04, "{gain}");
+    assert!(!says(&with, "log the current"), "{}", with["undetermined"]);
+    assert!(with["notes"].to_string().contains("0.75"), "{}", with["notes"]);
+    // A current is the same once it is a torque; and a column of which nothing is said is no evidence.
+    let current = diagnosed("tau_is = \"current\"\nkt = 0.5\ngear = 2.0\n");
+    assert_eq!(with["beliefs"], current["beliefs"]);
+    assert!(says(&diagnosed(""), "log the current"));
+}
+
 #[test]
 fn gains_that_are_known_stay() {
     let dir = study(1.6, "[uncertain]\ngain = { kd = 0.0 }\n");

@@ -331,6 +331,13 @@ fn notes(
             refuted.join(", ")
         ));
     }
+    if let Some(seen) = evidence.gain_seen {
+        let (ratio, sd) = (seen.at.exp(), seen.at.exp() * seen.sd);
+        notes.push(format!(
+            "Along the measured motion the logged torques are {ratio:.2} \u{b1} {sd:.2} times what the stated gains ask for: \
+             the drive's gain was weighed with that."
+        ));
+    }
     if !evidence.scale_known {
         notes.push(
             "No log is driven and no known mass is hung on: the logs show ratios of torques only; how large all of them \

@@ -2,8 +2,9 @@
 
 use super::model::GapModel;
 use super::reach::reach_of;
+use super::torque_seen::gain_seen;
 pub(super) use crate::identify::counts;
-use crate::identify::{Case, Directives, Experiment};
+use crate::identify::{Belief, Case, Directives, Experiment};
 use crate::joint::Reach;
 use crate::log::{Nominal, Role, Uncertain};
 use std::sync::Arc;
@@ -22,6 +23,8 @@ pub(super) struct Evidence {
     pub uncertain: Uncertain,
     /// Whether beliefs are normal: held-out logs refute numbers that heavy tails let go far.
     pub normal_beliefs: bool,
+    /// What logged torques say of the drive's gain.
+    pub gain_seen: Option<Belief>,
     /// What the user demands of numbers and of parameters of effects.
     pub demands: Arc<Directives>,
     /// Where it hangs, as given; 0 where nothing is said \[rad\].
@@ -60,6 +63,7 @@ impl Evidence {
             nominal,
             uncertain: case.uncertain.clone(),
             normal_beliefs: false,
+            gain_seen: gain_seen(&all, &case.uncertain),
             demands: Arc::default(),
             rest_rad: case.joint.rest_rad.unwrap_or(0.0),
             scale_known,
@@ -68,7 +72,9 @@ impl Evidence {
 
     /// The joint as it is believed to be.
     pub fn baseline(&self) -> GapModel {
-        let model = GapModel::baseline(&self.nominal, self.rest_rad, &self.reach, &self.uncertain).under(&self.demands);
+        let model = GapModel::baseline(&self.nominal, self.rest_rad, &self.reach, &self.uncertain)
+            .with_gain_seen(self.gain_seen)
+            .under(&self.demands);
         if self.normal_beliefs { model.believed_normally() } else { model }
     }
 

@@ -55,6 +55,7 @@ mod sight;
 mod smoother;
 mod stage;
 mod strength;
+mod torque_seen;
 mod trial;
 mod twins;
 mod variables;

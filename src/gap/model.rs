@@ -104,6 +104,12 @@ impl GapModel {
         self
     }
 
+    /// The same joint, of whose drive's gain the logs show something beside their motion.
+    pub(super) fn with_gain_seen(mut self, seen: Option<Belief>) -> Self {
+        self.parameters[GAIN].seen = seen;
+        self
+    }
+
     /// The same joint, whose numbers are believed without heavy tails.
     pub(super) fn believed_normally(mut self) -> Self {
         for p in &mut self.parameters {
@@ -126,7 +132,11 @@ impl GapModel {
     /// Deviance of values under the beliefs.
     pub(super) fn strain(&self, values: &[f64]) -> f64 {
         let free = self.parameters.iter().zip(values).filter(|(p, _)| !p.fixed);
-        free.filter_map(|(p, v)| Some(p.belief?.strain(p.to_coordinate(*v))[0].powi(2))).sum()
+        let strain = |(p, v): (&Parameter, &f64)| {
+            let x = p.to_coordinate(*v);
+            p.known_of().map(|belief| belief.strain(x)[0].powi(2)).sum::<f64>()
+        };
+        free.map(strain).sum()
     }
 
     /// The same joint with one effect more; a joint with a law has all its effects.
@@ -140,7 +150,9 @@ impl GapModel {
             let gain = &mut more.parameters[GAIN];
             (gain.fixed, gain.start) = (true, 1.0);
         }
+        let seen = self.parameters[GAIN].seen.filter(|_| form.id == EffectId::MotorGain);
         more.parameters.extend(parameters_of(form, reach).into_iter().map(|mut p| {
+            p.seen = seen;
             self.demands.impose(&mut p);
             p
         }));

@@ -3,7 +3,7 @@
 use crate::fit::Rounding;
 use crate::geometry::LinkBody;
 use crate::joint::{Carriage, Real};
-use crate::log::{DriveMode, ExtraMass, Health, Hold, Log, MotorSpec, Role, StudyLog};
+use crate::log::{DriveMode, ExtraMass, Health, Hold, Log, MotorSpec, Role, StudyLog, TauIs};
 use crate::pendulum::{Input, Start};
 use std::ops::Range;
 
@@ -104,6 +104,8 @@ pub struct Experiment {
     pub load: Option<Load>,
     /// Bodies of the bare link, where its geometry is known.
     pub bodies: Vec<Body>,
+    /// What a log that is driven by position says of the torque at the joint \[N m\].
+    pub torque_seen_nm: Option<Vec<f64>>,
     /// What a joint of a robot carries along the log; `None`: the same link all the time.
     pub carriage: Option<Carriage>,
     /// Gravity in the plane of motion \[m/s^2\].
@@ -116,6 +118,17 @@ pub struct Experiment {
 
 /// Phases of one repeated rounding error count once from this length on.
 const LONG_RUN: usize = 12;
+
+/// The torque at the joint that a position-driven log says there was \[N m\]. What its law asks for before gain and
+/// limits says nothing of what arrives.
+fn torque_seen_nm(log: &Log, entry: &StudyLog) -> Option<Vec<f64>> {
+    let (logged, tau_is) = (log.tau_nm.as_ref()?, entry.tau_is?);
+    match tau_is {
+        TauIs::Applied => Some(logged.clone()),
+        TauIs::Current { nm_per_a } => Some(logged.iter().map(|current_a| current_a * nm_per_a).collect()),
+        TauIs::Commanded => None,
+    }
+}
 
 impl Experiment {
     /// Prepares a log of which `found` is known; `None` where fewer than three samples are free.
@@ -175,6 +188,7 @@ impl Experiment {
             start,
             load: entry.extra.as_ref().map(Load::on_the_link),
             bodies: Vec::new(),
+            torque_seen_nm: torque_seen_nm(log, entry).map(|all| all[part].to_vec()),
             carriage: None,
             gravity_m_s2,
             resolution_rad,
@@ -248,6 +262,7 @@ impl Experiment {
             start,
             runs: Vec::new(),
             bodies: self.bodies.clone(),
+            torque_seen_nm: self.torque_seen_nm.as_ref().map(|all| all[range.clone()].to_vec()),
             carriage: self.carriage.clone(),
             file: self.file.clone(),
             session: self.session.clone(),

@@ -42,6 +42,8 @@ pub struct Parameter {
     pub known_to: f64,
     /// What is believed of it beforehand; `None`: nothing but its bounds.
     pub belief: Option<Belief>,
+    /// What logs show of it directly, beside their motion.
+    pub seen: Option<Belief>,
 }
 
 /// What is believed of a parameter beforehand: a distribution of its search coordinate that is normal near its middle
@@ -105,6 +107,7 @@ impl Parameter {
             fixed: false,
             known_to: 0.0,
             belief: None,
+            seen: None,
         }
     }
 
@@ -135,6 +138,11 @@ impl Parameter {
     pub fn believed(self, sd: f64) -> Self {
         let belief = Belief::new(self.to_coordinate(self.start), sd);
         Self { belief: (sd > 0.0).then_some(belief), fixed: self.fixed || sd <= 0.0, ..self }
+    }
+
+    /// What is believed of it, and what is seen of it.
+    pub fn known_of(&self) -> impl Iterator<Item = Belief> {
+        self.belief.into_iter().chain(self.seen)
     }
 
     /// How many standard deviations of its belief a value lies away; `None` where nothing is believed.

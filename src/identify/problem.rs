@@ -181,24 +181,23 @@ impl<'a, M: JointModel> Problem<'a, M> {
         Ok(taken)
     }
 
-    /// What is believed of the free parameters, as one more block: a row for each, in the criterion's unit. `None` where
-    /// nothing is believed.
+    /// What is believed of the free parameters, and what is seen of them beside the motion, as one more block: a row for
+    /// each, in the criterion's unit. `None` where there is nothing of that.
     pub fn beliefs(&self, x: &[f64]) -> Option<Block> {
         let root = self.model.unit_rad2_s().sqrt();
-        let believed = |(k, &i): (usize, &usize)| Some((k, self.model.parameters()[i].belief?));
-        let rows: Vec<_> = self.free.iter().enumerate().filter_map(believed).collect();
-        if rows.is_empty() || !(root > 0.0) {
+        let known = |k: usize| self.model.parameters()[self.free[k]].known_of();
+        let columns: Vec<usize> = (0..self.free.len()).filter(|&k| known(k).next().is_some()).collect();
+        if columns.is_empty() || !(root > 0.0) {
             return None;
         }
-        let mut block = Block {
-            columns: rows.iter().map(|(k, _)| *k).collect(),
-            residual: Vec::with_capacity(rows.len()),
-            jacobian: vec![0.0; rows.len() * rows.len()],
-        };
-        for (row, (k, belief)) in rows.iter().enumerate() {
-            let [strain, slope] = belief.strain(x[*k]);
-            block.residual.push(root * strain);
-            block.jacobian[row * rows.len() + row] = root * slope;
+        let width = columns.len();
+        let mut block = Block { columns, residual: Vec::new(), jacobian: Vec::new() };
+        for (column, &k) in block.columns.iter().enumerate() {
+            for belief in known(k) {
+                let [strain, slope] = belief.strain(x[k]);
+                block.residual.push(root * strain);
+                block.jacobian.extend((0..width).map(|other| if other == column { root * slope } else { 0.0 }));
+            }
         }
         Some(block)
     }

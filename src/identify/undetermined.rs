@@ -40,7 +40,11 @@ pub(crate) fn undetermined<M: JointModel>(
     }
     // What the starts and the causes can take up says nothing about the numbers.
     let others: Vec<usize> = (0..x.len()).filter(|c| !believed.iter().any(|(k, _)| k == c)).collect();
-    let Some(information) = reduced(&normal.jtj, &believed, &others, unit_rad2_s) else { return Vec::new() };
+    let Some(mut information) = reduced(&normal.jtj, &believed, &others, unit_rad2_s) else { return Vec::new() };
+    for (row, (k, sd)) in believed.iter().enumerate() {
+        let seen = parameters[free[*k]].seen.map_or(0.0, |seen| (sd / seen.sd).powi(2));
+        information[(row, row)] += seen;
+    }
     let eigen = information.symmetric_eigen();
     let name = |row: usize| parameters[free[believed[row].0]].name.as_str();
     let mut sentences: Vec<String> = Vec::new();
@@ -71,7 +75,8 @@ fn reduced(jtj: &DMatrix<f64>, believed: &[(usize, f64)], others: &[usize], unit
 }
 
 fn sentence(experiments: &[Experiment], parts: &[&str]) -> String {
-    let by_setpoint = experiments.iter().any(|e| matches!(e.signal, Signal::Position { .. }));
+    let unseen = |e: &Experiment| matches!(e.signal, Signal::Position { .. }) && e.torque_seen_nm.is_none();
+    let by_setpoint = experiments.iter().any(unseen);
     let driven = experiments.iter().any(|e| e.is_driven());
     let listed = match parts {
         [] => return "These logs leave a combination of the numbers to what is believed of them.".into(),
