@@ -1,5 +1,6 @@
 //! Which causes: the joint as given, recalibrated within its beliefs, and with the set of effects that explains most.
 
+use super::calibrate::calibrate;
 use super::chance;
 use super::compare::difference;
 use super::evidence::{Evidence, counts};
@@ -9,13 +10,12 @@ use super::folds::Folds;
 use super::grow::Growth;
 use super::held_out::Elsewhere;
 use super::laws::lawful;
-use super::model::GapModel;
 use super::refuted::{refutes_law, unrefuted};
 use super::score::Measure;
 use super::trial::Trial;
 use super::within::within_logs;
 use crate::fit::Budget;
-use crate::identify::{Experiment, JointModel, Problem, candidates, ranked};
+use crate::identify::Experiment;
 use crate::joint::EffectId;
 use crate::progress::{Cancelled, Progress, Step};
 use rayon::prelude::*;
@@ -377,26 +377,4 @@ fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance:
     let measure = Measure::by(evidence, &best);
     let bare = best.keeping(evidence, &[], AGAIN);
     if measure.deviance(evidence, &bare) - measure.deviance(evidence, &best) > chance { best } else { bare }
-}
-
-/// The numbers refitted within their beliefs, from several starts: as given, from smoothed accelerations and short parts
-/// of the logs, and with friction and inertia changed by factors.
-pub(super) fn calibrate(evidence: &Evidence, baseline: &GapModel, given: &Trial) -> Trial {
-    let baseline = &baseline.clone().in_unit(given.unit_rad2_s(evidence));
-    let problem = Problem::new(baseline, &evidence.fit);
-    let starts: Vec<Vec<f64>> = ranked(&problem, candidates(baseline, &evidence.fit)).into_iter().take(4).collect();
-    let from_given = given.found.values.clone();
-    let from_start = baseline.parameters().iter().map(|p| p.start).collect();
-    let demanded = Some(from_start).filter(|start| *start != from_given);
-    let brief: Vec<Trial> = starts
-        .par_iter()
-        .map(|x| problem.values(x))
-        .chain([from_given])
-        .chain(demanded)
-        .map(|values| Trial::solved(evidence, baseline.clone(), &values, given.found.starts.clone(), AGAIN))
-        .collect();
-    let best = brief.into_iter().min_by(|a, b| a.criterion().total_cmp(&b.criterion()));
-    let best = best.unwrap_or_else(|| given.clone());
-    // Beliefs weigh as much as the residuals that are left say; twice is enough to come to rest.
-    best.settled(evidence, AGAIN).settled(evidence, AGAIN)
 }

@@ -1,7 +1,7 @@
 //! Blocks of samples that are long enough to count as independent.
 
 use super::diagnosis::Phase;
-use super::localise::LogPart;
+use super::log_part::LogPart;
 
 /// A block is this many correlation times long.
 const TIMES: f64 = 3.0;

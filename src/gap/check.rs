@@ -1,6 +1,6 @@
 //! Before any diagnosis: what the logs of a study can tell about its joint, and what they cannot.
 
-use super::attribute::calibrate;
+use super::calibrate::calibrate;
 use super::compare::correlation_length;
 use super::detect::detectable;
 use super::diagnose::GapError;

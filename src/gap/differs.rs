@@ -79,7 +79,7 @@ fn as_map<S: serde::Serializer>(values: &[(String, f64)], serializer: S) -> Resu
 /// instead of them where that explains the logs better.
 pub(super) fn differing(evidence: &Evidence, a: &Attribution) -> Vec<Differs> {
     let coarse = evidence.coarse();
-    let Some(groups) = Groups::of(&coarse) else { return Vec::new() };
+    let Some(groups) = Groups::of(&coarse.fit, &coarse.held) else { return Vec::new() };
     let best = a.best.on(&coarse, AGAIN);
     let mut bases = vec![best.clone()];
     if !best.effects().is_empty() {

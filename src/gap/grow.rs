@@ -232,7 +232,8 @@ impl Growth<'_> {
     }
 
     fn in_form(&self, best: &Trial, k: usize, form: EffectForm) -> Trial {
-        let (model, values) = best.model.reformed(&best.found.values, k, form, self.evidence);
+        let (model, values) =
+            best.model.reformed(&best.found.values, (k, form), self.evidence.baseline(), &self.evidence.reach);
         Trial::solved(self.evidence, model, &values, best.found.starts.clone(), FORMING)
     }
 

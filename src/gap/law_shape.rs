@@ -1,7 +1,6 @@
 //! A law as it is searched: waves over the range of its variable, believed to be smooth or rough.
 
-use super::evidence::Evidence;
-use crate::identify::{Belief, Experiment, Parameter, Search, Signal};
+use crate::identify::{Belief, Parameter, Search};
 use crate::joint::{Chain, Law, LawActs, LawVariable, Real, Stage};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -22,58 +21,13 @@ pub(super) struct LawShape {
     pub charge: f64,
 }
 
-/// Waves of a law of the angle, where teeth and magnets make ripples, and of any other.
-const WAVES_OF_ANGLE: usize = 32;
-const WAVES: usize = 12;
 /// Knots for each wave.
 const KNOTS: usize = 2;
-/// Readings beyond these shares are left out of a variable's range.
-const TAILS: f64 = 0.002;
 /// Share of a curve's square that its strongest range holds.
 const MOST: f64 = 0.8;
-/// A range below this share of a full one shows nothing.
-const FLAT: f64 = 1e-9;
-
 impl LawShape {
-    /// Every law that the logs may show, with beliefs of size one.
-    pub fn all(evidence: &Evidence) -> Vec<Self> {
-        use LawActs::{Friction, Reading, Torque};
-        use LawVariable::{Angle, Load, MotorTorque, SetpointRate, Speed, Time};
-        let kinds = [
-            (Torque, Angle),
-            (Torque, Speed),
-            (Torque, MotorTorque),
-            (Torque, SetpointRate),
-            (Torque, Time),
-            (Friction, Speed),
-            (Friction, Angle),
-            (Friction, Load),
-            (Friction, MotorTorque),
-            (Friction, Time),
-            (Reading, Angle),
-        ];
-        kinds.into_iter().filter_map(|(acts, variable)| Self::of(evidence, acts, variable)).collect()
-    }
-
-    fn of(evidence: &Evidence, acts: LawActs, variable: LawVariable) -> Option<Self> {
-        let signed = acts != LawActs::Friction || variable == LawVariable::Angle;
-        let mut seen: Vec<f64> = evidence.fit.iter().flat_map(|e| values_of(evidence, e, variable)).collect();
-        if !signed {
-            seen.iter_mut().for_each(|x| *x = x.abs());
-        }
-        seen.retain(|x| x.is_finite());
-        if seen.is_empty() {
-            return None;
-        }
-        seen.sort_by(f64::total_cmp);
-        let at = |share: f64| seen[((seen.len() - 1) as f64 * share).round() as usize];
-        let (from, to) = (if signed { at(TAILS) } else { 0.0 }, at(1.0 - TAILS));
-        let count = if variable == LawVariable::Angle { WAVES_OF_ANGLE } else { WAVES };
-        (to - from > FLAT * (from.abs() + to.abs())).then(|| Self::between(acts, variable, [from, to], count))
-    }
-
     /// A law over a range, with so many waves of size one.
-    fn between(acts: LawActs, variable: LawVariable, [from, to]: [f64; 2], count: usize) -> Self {
+    pub fn between(acts: LawActs, variable: LawVariable, [from, to]: [f64; 2], count: usize) -> Self {
         let knots = KNOTS * count;
         let place = |k: usize| k as f64 / knots as f64;
         // Constants have names: Coulomb friction, one that differs with the direction, a wrong zero.
@@ -154,41 +108,5 @@ impl LawShape {
             (1..=n).find_map(|width| (0..=n - width).find(|from| holds(width, *from)).map(|from| (from, width)));
         let (from, width) = found.unwrap_or((0, n));
         [self.at[from], self.at[from + width - 1]]
-    }
-
-    /// A typical size, in the law's unit: all the torque that there is, or a radian.
-    pub fn typical(&self, evidence: &Evidence) -> f64 {
-        match self.acts {
-            LawActs::Reading => 1.0,
-            _ => evidence.reach.torque_nm.max(evidence.reach.driven.map_or(0.0, |driven| driven.command_nm)),
-        }
-    }
-}
-
-/// What a variable was along a log, roughly.
-fn values_of(evidence: &Evidence, e: &Experiment, variable: LawVariable) -> Vec<f64> {
-    let (t, q) = (&e.t_s[e.uncompared..], &e.measured_rad[e.uncompared..]);
-    let slope = |x: &[f64]| -> Vec<f64> {
-        let stride = (x.len() / 200).clamp(1, 4);
-        (stride..x.len()).map(|k| (x[k] - x[k - stride]) / (t[k] - t[k - stride])).collect()
-    };
-    match (variable, &e.signal) {
-        (LawVariable::Angle, _) => q.to_vec(),
-        (LawVariable::Speed, _) => slope(q),
-        (LawVariable::Load, _) => {
-            let nominal = evidence.nominal.moment_kg_m;
-            let load = e.load.map_or((0.0, 0.0), |l| (l.moment_kg_m, l.angle_rad));
-            let pull =
-                |q: &f64| nominal * (q - evidence.rest_rad).sin() + load.0 * (q - evidence.rest_rad - load.1).sin();
-            q.iter().map(|q| e.gravity_m_s2 * pull(q)).collect()
-        }
-        (LawVariable::Time, _) => t.iter().map(|t| t - e.t_s[0]).collect(),
-        (LawVariable::MotorTorque, Signal::Torque { torque_nm, .. }) => torque_nm[e.uncompared..].to_vec(),
-        (LawVariable::MotorTorque, Signal::Position { setpoint_rad, .. }) => {
-            let kp = e.motor.map_or(0.0, |motor| motor.nm_per_answer() * motor.kp_nm_rad);
-            setpoint_rad[e.uncompared..].iter().zip(q).map(|(r, q)| kp * (r - q)).collect()
-        }
-        (LawVariable::SetpointRate, Signal::Position { setpoint_rad, .. }) => slope(&setpoint_rad[e.uncompared..]),
-        _ => Vec::new(),
     }
 }

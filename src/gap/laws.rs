@@ -8,6 +8,7 @@
 use super::evidence::Evidence;
 use super::folds::Folds;
 use super::held_out::Elsewhere;
+use super::law_candidates::{candidates, typical};
 use super::law_shape::LawShape;
 use super::model::GapModel;
 use super::projector::Projector;
@@ -97,7 +98,7 @@ fn added(evidence: &Evidence, base: &Trial) -> Vec<Trial> {
     let absent: Vec<DVector<f64>> = blocks.iter().map(|b| DVector::from_column_slice(&b.residual)).collect();
     let Some(left) = projector.project(&absent) else { return Vec::new() };
     let measure = Measure::by(evidence, base);
-    let mut promising: Vec<Promise> = LawShape::all(evidence)
+    let mut promising: Vec<Promise> = candidates(evidence)
         .into_par_iter()
         .filter_map(|shape| promise(evidence, base, &projector, &left, measure.effective, &shape))
         .collect();
@@ -131,7 +132,7 @@ fn promise(
     let gram = gram.upper_triangle() + gram.upper_triangle().transpose() - DMatrix::from_diagonal(&gram.diagonal());
     let slopes = DVector::from_iterator(n, columns.iter().map(|c| -dot(c, left)));
     let before: f64 = left.iter().map(|r| r.norm_squared()).sum();
-    let typical = shape.typical(evidence);
+    let typical = typical(evidence, shape.acts);
     let roughness = [true, false].into_iter().flat_map(|falls| SIZES.map(|size| (size, falls)));
     let sized = roughness.filter_map(|(size, falls)| {
         let shape = shape.sized(size * typical, falls);

@@ -1,6 +1,5 @@
 //! Logs in which something holds: a servo's setting on another day, a warm motor, something in the way of one motion.
 
-use super::evidence::Evidence;
 use crate::identify::Experiment;
 use serde::Serialize;
 
@@ -65,24 +64,24 @@ pub(super) struct Groups {
 impl Groups {
     /// By session where the study names any, else by log where there are few; `None` where the fitted logs are all of one
     /// group.
-    pub fn of(evidence: &Evidence) -> Option<Self> {
-        let by_session = evidence.fit.iter().any(|e| e.session.is_some());
+    pub fn of(fit: &[Experiment], held: &[Experiment]) -> Option<Self> {
+        let by_session = fit.iter().any(|e| e.session.is_some());
         let by = if by_session { By::Session } else { By::Log };
         let name = |e: &Experiment| match by {
             By::Session => e.session.clone(),
             By::Log => Some(e.file.clone()),
         };
         let mut names: Vec<String> = Vec::new();
-        for name in evidence.fit.iter().filter_map(name) {
+        for name in fit.iter().filter_map(name) {
             if !names.contains(&name) {
                 names.push(name);
             }
         }
-        let stand_alone = evidence.fit.iter().any(|e| name(e).is_none());
+        let stand_alone = fit.iter().any(|e| name(e).is_none());
         if names.len() + usize::from(stand_alone) < 2 || (by == By::Log && names.len() > MOST_LOGS) {
             return None;
         }
-        let all = || evidence.fit.iter().chain(&evidence.held);
+        let all = || fit.iter().chain(held);
         let files = |inside: &dyn Fn(&Experiment) -> bool| {
             let mut files: Vec<String> = Vec::new();
             for e in all().filter(|e| inside(e)) {

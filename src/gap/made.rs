@@ -1,6 +1,6 @@
 //! Logs for tests, made by an integrator of their own: semi-implicit Euler in steps of 5 or 20 microseconds, friction by hand.
 
-use super::localise::LogPart;
+use super::log_part::LogPart;
 use super::residual_torque::residual_torque;
 use crate::fit::{Budget, Method};
 use crate::identify::{Experiment, ExtensiveModel, JointModel, Prediction, Scale, predict, search};

@@ -2,7 +2,7 @@
 
 use super::blocks::Blocks;
 use super::diagnosis::{MapCell, Phase};
-use super::localise::LogPart;
+use super::log_part::LogPart;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use statrs::distribution::{ChiSquared, ContinuousCDF};

@@ -9,6 +9,7 @@ mod along;
 mod attribute;
 mod binned;
 mod blocks;
+mod calibrate;
 mod chance;
 mod check;
 pub mod clamped;
@@ -27,10 +28,12 @@ mod grow;
 mod held_out;
 mod hold_fit;
 mod hold_scan;
+mod law_candidates;
 mod law_found;
 mod law_shape;
 mod laws;
 mod localise;
+mod log_part;
 mod logs;
 mod looks_like;
 #[cfg(test)]
@@ -70,7 +73,8 @@ pub use diagnosis::{
     MapCell, Next, Number, Phase, ProfileBin, ResidualTorque, Variable, Verdict, Where,
 };
 pub use differs::Differs;
-pub use localise::{LogPart, localise};
+pub use localise::localise;
+pub use log_part::LogPart;
 pub use logs::{By, LogSet};
 pub use looks_like::looks_like;
 pub(crate) use model::GapModel;

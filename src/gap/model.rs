@@ -1,7 +1,6 @@
 //! The joint with effects, as a model to be fitted: the numbers that a study states, with what is believed of them, then
 //! each effect's parameters.
 
-use super::evidence::Evidence;
 use super::law_shape::LawShape;
 use super::logs::LogSet;
 use crate::identify::{Belief, Deviations, Directives, Experiment, JointModel, Parameter, Search, Signal};
@@ -245,11 +244,13 @@ impl GapModel {
     }
 
     /// The model with these of its effects only, and what is left of a set of its values.
-    pub(super) fn keeping(&self, values: &[f64], kept: &[usize], evidence: &Evidence) -> (Self, Vec<f64>) {
-        let mut model = evidence.baseline().in_unit(self.unit_rad2_s);
+    ///
+    /// `bare` is the joint without effects, `reach` that of its logs.
+    pub(super) fn keeping(&self, values: &[f64], kept: &[usize], bare: Self, reach: &Reach) -> (Self, Vec<f64>) {
+        let mut model = bare.in_unit(self.unit_rad2_s);
         let mut left = values[..BASELINE].to_vec();
         for (i, &k) in kept.iter().enumerate() {
-            model = model.with(self.forms[k], &evidence.reach);
+            model = model.with(self.forms[k], reach);
             model.only[i].clone_from(&self.only[k]);
             left.extend(&values[self.place(k)]);
         }
@@ -261,16 +262,24 @@ impl GapModel {
     }
 
     /// The model with effect number `k` in another form, and values from which to fit it.
-    pub(super) fn reformed(&self, values: &[f64], k: usize, form: EffectForm, evidence: &Evidence) -> (Self, Vec<f64>) {
-        let mut model = evidence.baseline().in_unit(self.unit_rad2_s);
+    ///
+    /// `bare` is the joint without effects, `reach` that of its logs.
+    pub(super) fn reformed(
+        &self,
+        values: &[f64],
+        (k, form): (usize, EffectForm),
+        bare: Self,
+        reach: &Reach,
+    ) -> (Self, Vec<f64>) {
+        let mut model = bare.in_unit(self.unit_rad2_s);
         let mut there = values[..BASELINE].to_vec();
         for (i, &own) in self.forms.iter().enumerate() {
             let as_it_was = &values[self.place(i)];
             if i == k {
-                model = model.with(form, &evidence.reach);
-                there.extend(form.from_other(as_it_was, &evidence.reach));
+                model = model.with(form, reach);
+                there.extend(form.from_other(as_it_was, reach));
             } else {
-                model = model.with(own, &evidence.reach);
+                model = model.with(own, reach);
                 there.extend(as_it_was);
             }
             model.only[i].clone_from(&self.only[i]);

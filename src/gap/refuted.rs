@@ -1,7 +1,7 @@
 //! Causes that held-out logs refute, or do not know: the fitted logs ask for them, and with them logs that were not fitted
 //! are predicted clearly worse, or no better. Two or three logs seldom show more than they were made to show.
 
-use super::attribute::calibrate;
+use super::calibrate::calibrate;
 use super::compare::{Difference, blocks};
 use super::evidence::{Evidence, counts};
 use super::trial::Trial;

@@ -2,7 +2,7 @@
 
 use super::blocks::is_moving;
 use super::diagnosis::{Phase, Variable};
-use super::localise::{LogPart, is_spared};
+use super::log_part::{LogPart, is_spared};
 use super::variables::{Explained, Form};
 use crate::joint::Stage;
 

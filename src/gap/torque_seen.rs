@@ -3,8 +3,7 @@
 //! Along the measured motion the control law says what it asks for; the log says what there was. Their ratio needs no
 //! simulation, and no number of the link.
 
-use super::evidence::counts;
-use crate::identify::{Belief, Experiment, Signal, smooth_along};
+use crate::identify::{Belief, Experiment, Signal, counts, smooth_along};
 use crate::joint::{Motor, Setpoint};
 use crate::log::{Derivative, Uncertain};
 

@@ -91,7 +91,7 @@ impl Trial {
 
     /// With these of its effects only, fitted again from where it stands.
     pub fn keeping(&self, evidence: &Evidence, kept: &[usize], budget: Budget) -> Self {
-        let (model, values) = self.model.keeping(&self.found.values, kept, evidence);
+        let (model, values) = self.model.keeping(&self.found.values, kept, evidence.baseline(), &evidence.reach);
         Self::solved(evidence, model, &values, self.found.starts.clone(), budget)
     }
 

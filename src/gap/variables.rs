@@ -6,7 +6,7 @@
 use super::binned::{Binned, Sample, explain};
 use super::blocks::{Blocks, is_moving};
 use super::diagnosis::{Phase, Variable};
-use super::localise::LogPart;
+use super::log_part::LogPart;
 
 /// A variable that explains at least this share, and so many times what the earlier ones do, needs no more.
 const NOTABLE: f64 = 0.1;

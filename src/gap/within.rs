@@ -41,7 +41,7 @@ const TRIED: usize = 2;
 /// The hypothesis with its causes restricted to the logs in which they hold, and with causes of single groups added.
 /// `chance` is the deviance that chance alone may gain.
 pub(super) fn within_logs(growth: &Growth<'_>, mut best: Trial, chance: f64) -> Trial {
-    let Some(groups) = Groups::of(growth.evidence) else { return best };
+    let Some(groups) = Groups::of(&growth.evidence.fit, &growth.evidence.held) else { return best };
     for k in 0..best.effects().len() {
         best = restricted(growth.evidence, best, k, &groups);
     }
