@@ -65,7 +65,7 @@ const VERY_FAR: f64 = 4.0;
 /// Held-out logs show more where they exceed the noise by this many times as much as the fitted ones, and these hardly
 /// do; or by this many times as much anyway.
 const SHOWS_MORE: f64 = 6.0;
-const SHOWS_MUCH_MORE: f64 = 200.0;
+const SHOWS_MUCH_MORE: f64 = 50.0;
 /// A hypothesis whose squared residuals exceed the noise by this share leaves something to explain.
 pub(super) const LEFT_OVER: f64 = 0.02;
 /// Squared residuals that exceed the noise by this share are worth a law.
