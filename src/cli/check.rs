@@ -1,14 +1,18 @@
 //! `aibo-fit check`: what logs are like and what they can tell, before any diagnosis.
 
 use super::CliError;
-use super::common::{CommonArgs, print, write_outputs};
+use super::common::{CommonArgs, log_name, print, write_outputs};
+use super::init::drafted;
 use super::progress::Progress;
 use super::provenance::provenance;
 use super::still::never_moved;
-use crate::gap::{Checkup, GapError, check};
+use crate::gap::clamped::ClampedCase;
+use crate::gap::{GapError, check};
 use crate::identify::Case;
-use crate::log::{Outputs, StudyKind, study_kind};
-use crate::report::{CheckReport, check_json, check_text};
+use crate::log::{
+    ArrayLog, Columns, JointSpec, Outputs, SensorSpec, Source, StudyKind, Uncertain, read_source, study_kind,
+};
+use crate::report::{CheckReport, check_json, check_text, checks_json, checks_text};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -23,11 +27,22 @@ use std::path::{Path, PathBuf};
 Example: aibo-fit check data/examples/delay/study.toml"
 )]
 pub(super) struct CheckArgs {
-    /// A study (.toml) of a joint, or a log; of a log alone only the health is told
+    /// A study (.toml) of a joint or of a robot with a clamped base, or a log of any format; of a log alone only the health is told
     #[arg(value_name = "STUDY|LOG")]
     path: PathBuf,
+    /// Check a log of this robot (URDF, MJCF or TOML) without a study: one is written into --out, as `init` would
+    #[arg(long, value_name = "FILE")]
+    robot: Option<PathBuf>,
     #[command(flatten)]
     common: CommonArgs,
+}
+
+/// What is checked.
+enum Checked {
+    /// One joint; with a study what the logs can tell, too.
+    Joint { case: Box<Case>, is_study: bool },
+    /// The joints of a robot, and what its reader has to know.
+    Joints { name: String, cases: Vec<Case>, inputs: Vec<PathBuf>, notes: Vec<String>, is_study: bool },
 }
 
 /// Runs the command.
@@ -35,34 +50,126 @@ pub(super) fn run(args: &CheckArgs) -> Result<u8, CliError> {
     let progress = Progress::new(args.common.quiet);
     progress.say("reading");
     let is_study = args.path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
-    let case = if is_study { joint_study(&args.path)? } else { Case::of_logs(std::slice::from_ref(&args.path), None)? };
-    if case.items.iter().all(|item| item.experiments.is_empty()) {
-        return never_moved(&args.common, &case, "nothing to check");
+    let checked = match &args.robot {
+        Some(robot) => robot_study(&drafted(&args.path, robot, &args.common)?)?,
+        None if is_study => study(&args.path)?,
+        None => log(&args.path)?,
+    };
+    match checked {
+        Checked::Joint { case, is_study } => joint(args, &progress, &case, is_study),
+        Checked::Joints { name, cases, inputs, notes, is_study } => {
+            joints(args, &progress, &name, &cases, (inputs, notes, is_study))
+        }
     }
-    progress.say("what these logs can tell");
-    let checkup: Option<Result<Checkup, GapError>> = args.common.on_threads(|| is_study.then(|| check(&case)))?;
-    let report = CheckReport::new(&case, checkup.transpose()?, provenance(case.inputs())?);
+}
+
+fn moves(case: &Case) -> bool {
+    case.items.iter().any(|item| !item.experiments.is_empty())
+}
+
+fn joint(args: &CheckArgs, progress: &Progress, case: &Case, is_study: bool) -> Result<u8, CliError> {
+    if !moves(case) {
+        return never_moved(&args.common, case, "nothing to check");
+    }
+    let report = report(args, progress, case, is_study, case.inputs())?;
     let text = check_text(&report);
     let mut outputs = Outputs::default();
-    if let Some(folder) = &args.common.out {
-        outputs.add(folder.join("check.txt"), text.clone());
-    }
     args.common.add_json(&mut outputs, &check_json(&report))?;
-    write_outputs(outputs, &case.inputs())?;
-    drop(progress);
+    tell(args, outputs, &text, &case.inputs())
+}
+
+fn joints(
+    args: &CheckArgs,
+    progress: &Progress,
+    name: &str,
+    cases: &[Case],
+    (inputs, notes, is_study): (Vec<PathBuf>, Vec<String>, bool),
+) -> Result<u8, CliError> {
+    if let Some(case) = cases.first().filter(|_| !cases.iter().any(moves)) {
+        return never_moved(&args.common, case, "nothing to check");
+    }
+    let found = cases.iter().map(|case| {
+        let report = moves(case).then(|| report(args, progress, case, is_study, inputs.clone())).transpose()?;
+        Ok::<_, CliError>((case.joint.name.as_str(), report))
+    });
+    let found: Vec<(&str, Option<CheckReport>)> = found.collect::<Result<_, _>>()?;
+    let told: Vec<(&str, Option<&CheckReport>)> = found.iter().map(|(name, report)| (*name, report.as_ref())).collect();
+    let text = checks_text(&told, &notes);
+    let reports: Vec<CheckReport> = found.into_iter().filter_map(|(_, report)| report).collect();
+    let mut outputs = Outputs::default();
+    args.common.add_json(&mut outputs, &checks_json(name, &reports))?;
+    tell(args, outputs, &text, &inputs)
+}
+
+fn report(
+    args: &CheckArgs,
+    progress: &Progress,
+    case: &Case,
+    is_study: bool,
+    inputs: Vec<PathBuf>,
+) -> Result<CheckReport, CliError> {
+    progress.say(&format!("what the logs of {} can tell", case.joint.name));
+    let checkup = args.common.on_threads(|| is_study.then(|| check(case)))?;
+    // A joint that moved in none of the logs to be fitted has no model to check.
+    let checkup = match checkup.transpose() {
+        Err(GapError::NeverMoved) => None,
+        checkup => checkup?,
+    };
+    Ok(CheckReport::new(case, checkup, provenance(inputs)?))
+}
+
+fn tell(args: &CheckArgs, mut outputs: Outputs, text: &str, inputs: &[PathBuf]) -> Result<u8, CliError> {
+    if let Some(folder) = &args.common.out {
+        outputs.add(folder.join("check.txt"), text.to_owned());
+    }
+    write_outputs(outputs, inputs)?;
     if !args.common.quiet {
-        print(&text);
+        print(text);
     }
     Ok(0)
 }
 
-/// A study of a joint; those of robots are refused.
-fn joint_study(path: &Path) -> Result<Case, CliError> {
+/// A study of a joint or of a robot with a clamped base; those of walking robots are refused.
+fn study(path: &Path) -> Result<Checked, CliError> {
     match study_kind(path)? {
-        StudyKind::Robot | StudyKind::Clamped => Err(CliError::Usage(format!(
-            "{}: the study of a whole robot; check looks at the study of a joint, or at one log",
+        StudyKind::Robot => Err(CliError::Usage(format!(
+            "{}: the study of a walking robot; check looks at the study of a joint or of a robot with scenario = \"fixed\", or at a log",
             path.display()
         ))),
-        StudyKind::Joint => Ok(Case::of_study(path)?),
+        StudyKind::Clamped => robot_study(path),
+        StudyKind::Joint => Ok(Checked::Joint { case: Box::new(Case::of_study(path)?), is_study: true }),
     }
+}
+
+fn robot_study(path: &Path) -> Result<Checked, CliError> {
+    let ClampedCase { robot: name, joints, notes, inputs, .. } =
+        ClampedCase::of_study(path).map_err(|error| CliError::ClampedCase(Box::new(error)))?;
+    let cases = joints.into_iter().map(|joint| joint.case).collect();
+    Ok(Checked::Joints { name, cases, inputs, notes, is_study: true })
+}
+
+/// A log of one joint with its sidecar, or each joint of a log of several.
+fn log(path: &Path) -> Result<Checked, CliError> {
+    let source = read_source(path, &Columns::default());
+    match source {
+        Ok(source) if source.joints().iter().any(Option::is_some) => {
+            let names: Vec<String> = source.joints().into_iter().flatten().map(str::to_owned).collect();
+            let cases = names.iter().map(|name| joint_of(&source, name)).collect::<Result<_, _>>()?;
+            let inputs = vec![path.to_path_buf()];
+            Ok(Checked::Joints { name: log_name(path), cases, inputs, notes: source.notes, is_study: false })
+        }
+        // A sidecar may say more of it than the file does.
+        _ => {
+            let case = Case::of_logs(&[path.to_path_buf()], None)?;
+            Ok(Checked::Joint { case: Box::new(case), is_study: false })
+        }
+    }
+}
+
+fn joint_of(source: &Source, name: &str) -> Result<Case, CliError> {
+    let log = source.joint_log(Some(name))?;
+    let array =
+        ArrayLog { holes_are_known: true, ..ArrayLog::new(source.file.display().to_string(), log.t_s, log.q_rad) };
+    let spec = JointSpec { name: name.to_owned(), nominal: None, gravity_m_s2: 9.81, rest_rad: None };
+    Ok(Case::of_arrays(spec, SensorSpec::default(), None, Uncertain::default(), vec![array])?)
 }

@@ -5,7 +5,7 @@ use crate::gap::clamped::ClampedCaseError;
 use crate::gap::robot::RobotGapError;
 use crate::identify::{CaseError, DropError};
 use crate::log::LogError;
-use crate::report::ReportError;
+use crate::report::{DraftError, ReportError};
 use crate::robot::RobotError;
 use crate::robot::description::DescriptionError;
 use crate::robot::simulate::SimulateError;
@@ -50,6 +50,9 @@ pub enum CliError {
     /// No diagnosis of a robot can be made.
     #[error(transparent)]
     RobotGap(#[from] RobotGapError),
+    /// No study can be written from the logs.
+    #[error(transparent)]
+    Draft(#[from] DraftError),
     /// A figure cannot be drawn.
     #[error(transparent)]
     Report(#[from] ReportError),
@@ -158,6 +161,12 @@ impl CliError {
             CliError::ClampedCase(error) => match error.as_ref() {
                 ClampedCaseError::Log(error) => of_file(error),
                 ClampedCaseError::Description(error) if error.is_io() => IO,
+                _ => DATA,
+            },
+            CliError::Draft(error) => match error {
+                DraftError::Log(error) => of_file(error),
+                DraftError::Description(error) if error.is_io() => IO,
+                DraftError::NoJoint { .. } => USAGE,
                 _ => DATA,
             },
             // All that a robot study is made of stands in files.

@@ -3,6 +3,7 @@
 
 use super::common::{CommonArgs, json_text, print, study_name, write_outputs};
 use super::demands::DemandArgs;
+use super::init::drafted;
 use super::progress::Progress;
 use super::provenance::provenance;
 use super::still::never_moved;
@@ -11,8 +12,8 @@ use crate::gap::robot::{Cause, UnknownCause};
 use crate::gap::{GapError, GapOptions, diagnose};
 use crate::identify::Case;
 use crate::joint::EffectId;
-use crate::log::{Outputs, StudyKind, study_kind};
-use crate::report::{FitFile, GapReport, NEXT_FILE, gap_figures, gap_json, gap_text, render_gap_html};
+use crate::log::{Outputs, StudyKind, mcap_bytes, study_kind};
+use crate::report::{FitFile, GapReport, NEXT_FILE, gap_figures, gap_json, gap_text, render_gap_html, trace_topics};
 use clap::Args;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -27,9 +28,15 @@ use std::path::{Path, PathBuf};
 #[derive(Args, Debug)]
 #[command(after_help = after_help())]
 pub(super) struct GapArgs {
-    /// The study: nominal model and logs in one TOML file
+    /// The study: nominal model and logs in one TOML file; with --robot a log
     #[arg(value_name = "STUDY")]
     pub study: PathBuf,
+    /// Diagnose a log of this robot (URDF, MJCF or TOML) without a study: one is written into --out, as `init` would
+    #[arg(long, value_name = "FILE")]
+    pub robot: Option<PathBuf>,
+    /// Write measured, predicted and residual of every joint as MCAP, for Foxglove and Rerun
+    #[arg(long, value_name = "FILE")]
+    pub mcap: Option<PathBuf>,
     /// Withhold effects from the catalogue, separated by commas [default: none]
     #[arg(long, value_name = "IDS", value_delimiter = ',', value_parser = cause)]
     pub without: Vec<Cause>,
@@ -96,9 +103,17 @@ pub(super) fn run(args: &GapArgs) -> Result<u8, CliError> {
     if let Some(both) = args.only.iter().find(|effect| args.without.contains(effect)) {
         return Err(CliError::Usage(format!("`{both}` stands in --without and in --only; leave it out of one")));
     }
+    if let Some(robot) = &args.robot {
+        let study = drafted(&args.study, robot, &args.common)?;
+        return clamped_gap::run(args, &study);
+    }
     match study_kind(&args.study)? {
+        StudyKind::Robot if args.mcap.is_some() => {
+            let why = "--mcap shows joints of a bench or of a robot whose base is clamped";
+            return Err(CliError::Usage(why.to_owned()));
+        }
         StudyKind::Robot => return robot_gap::run(args),
-        StudyKind::Clamped => return clamped_gap::run(args),
+        StudyKind::Clamped => return clamped_gap::run(args, &args.study),
         StudyKind::Joint => {}
     }
     let options = options(args)?;
@@ -126,6 +141,10 @@ fn write_report(args: &GapArgs, case: &Case, report: &GapReport) -> Result<PathB
     let folder = args.common.folder(&study_name(&args.study));
     let mut outputs = Outputs::default();
     let page = add_report(&mut outputs, &folder, report)?;
+    if let Some(path) = &args.mcap {
+        let traces = [(report.diagnosis.joint.as_str(), &report.diagnosis.traces[..])];
+        outputs.add_apart(path, mcap_bytes(&trace_topics(&traces)));
+    }
     args.common.add_json(&mut outputs, &gap_json(report))?;
     write_outputs(outputs, &case.inputs())?;
     Ok(page)

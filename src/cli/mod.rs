@@ -4,12 +4,14 @@ mod blind;
 mod check;
 mod clamped_gap;
 mod common;
+mod convert;
 mod demands;
 mod drop;
 mod dynamics;
 mod error;
 mod full_drop;
 mod gap;
+mod init;
 mod progress;
 mod provenance;
 mod robot_gap;
@@ -39,9 +41,11 @@ struct Cli {
 enum Command {
     Blind(Box<blind::BlindArgs>),
     Check(check::CheckArgs),
+    Convert(convert::ConvertArgs),
     Drop(Box<drop::DropArgs>),
     Dynamics(dynamics::DynamicsArgs),
     Gap(gap::GapArgs),
+    Init(init::InitArgs),
     SensorTest(sensor_test::SensorTestArgs),
     Simulate(simulate::SimulateArgs),
     Synth(synth::SynthArgs),
@@ -62,9 +66,11 @@ pub fn run() -> ExitCode {
     let result = match cli.command {
         Command::Blind(args) => blind::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Convert(args) => convert::run(&args),
         Command::Drop(args) => drop::run(&args),
         Command::Dynamics(args) => dynamics::run(&args),
         Command::Gap(args) => gap::run(&args),
+        Command::Init(args) => init::run(&args),
         Command::SensorTest(args) => sensor_test::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Synth(args) => synth::run(&args),

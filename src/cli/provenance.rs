@@ -1,6 +1,6 @@
 //! Where a result comes from: version, command line, hashes of the inputs.
 
-use crate::log::LogError;
+use crate::log::{LogError, log_files};
 use crate::report::Provenance;
 use sha2::{Digest, Sha256};
 use std::fs::File;
@@ -13,7 +13,8 @@ use std::path::PathBuf;
 /// [`LogError::Read`] where a file has gone since it was read.
 pub(super) fn provenance(inputs: impl IntoIterator<Item = PathBuf>) -> Result<Provenance, LogError> {
     let mut hashed: Vec<(String, String)> = Vec::new();
-    for file in inputs {
+    let files: Vec<Vec<PathBuf>> = inputs.into_iter().map(|path| log_files(&path)).collect::<Result<_, _>>()?;
+    for file in files.into_iter().flatten() {
         let name = file.display().to_string();
         if hashed.iter().any(|(known, _)| *known == name) {
             continue;

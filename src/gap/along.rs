@@ -51,7 +51,7 @@ const SAME_INSTANT_S: f64 = 1e-9;
 impl<'a> Along<'a> {
     pub(super) fn new(chain: &'a Chain<f64>, input: Input<'_>, t_s: &'a [f64]) -> Self {
         let sample_period_s = match input {
-            Input::Position { .. } => chain.motor.as_ref().and_then(|m| m.sample_period_s()),
+            Input::Position { .. } | Input::Messages { .. } => chain.motor.as_ref().and_then(|m| m.sample_period_s()),
             _ => None,
         };
         let mut schedule = Schedule::new(input, t_s, chain.setpoint);

@@ -81,7 +81,7 @@ impl LogPart {
 
 /// Backward slope of the setpoint at each compared sample; the motor must be on.
 fn setpoint_rates(e: &Experiment) -> Vec<f64> {
-    let Input::Position { setpoint_rad, on, .. } = e.input() else { return vec![0.0; e.compared()] };
+    let Input::Position { setpoint_rad, on, .. } = e.input_at_samples() else { return vec![0.0; e.compared()] };
     let slope = |k: usize| {
         let to_s = e.t_s[k];
         let back = e.t_s[..k].iter().rposition(|t| *t <= to_s - SLOPE_S).unwrap_or(0);

@@ -114,8 +114,10 @@ pub(super) fn made(joint: &Joint, swing: &Swing) -> Made {
         dq_rad_s: None,
         tau_nm: None,
         q_ref_rad: driven.then(Vec::new),
+        setpoints: None,
         drive: (!driven).then(Vec::new),
         ignored_columns: vec![],
+        notes: vec![],
     };
     let (mut q, mut v) = (swing.angle, 0.0f64);
     let samples = (swing.lasts / swing.period) as usize;

@@ -140,7 +140,7 @@ fn proposals(evidence: &Evidence) -> Vec<Proposal> {
             let setpoint_rad: Vec<f64> = t_s.iter().map(|t| sweep(*t)).collect();
             let motion = Some((t_s.clone(), setpoint_rad.clone()));
             let hold = example.motor.map(|m| m.hold).unwrap_or_default();
-            let signal = Signal::Position { setpoint_rad, hold, on: None };
+            let signal = Signal::Position { setpoint_rad, apart: None, hold, on: None };
             let what = format!(
                 "drive it along the sweep in next.csv: {amplitude:.2} rad, from {from_hz} to {to_hz} Hz in {DURATION_S:.0} s"
             );

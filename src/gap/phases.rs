@@ -75,7 +75,7 @@ impl Course<'_, '_> {
 
     /// A motor that is on, with a setpoint that does not move.
     fn is_held_by_motor(&self, k: usize) -> bool {
-        let Input::Position { setpoint_rad, on, .. } = self.e.input() else { return false };
+        let Input::Position { setpoint_rad, on, .. } = self.e.input_at_samples() else { return false };
         let offset = self.e.uncompared;
         on.is_none_or(|on| on[k + offset])
             && self.near(k, SETTLED_S).all(|i| setpoint_rad[i + offset] == setpoint_rad[k + offset])

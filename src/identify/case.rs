@@ -4,8 +4,8 @@ use super::holes::{FEWEST_SAMPLES, cut, ends_of_holes};
 use super::{Experiment, LegCase};
 use crate::geometry::{GeometryError, LegJoint};
 use crate::log::{
-    ArrayLog, DriveMode, Health, JointSpec, Log, LogError, MotorSpec, Role, SensorSpec, Start, Study, StudyLog,
-    Uncertain, check_drive_stated, check_inputs, check_period, check_torque_sign, health, read_joint_log, read_log,
+    ArrayLog, Columns, DriveMode, Health, JointSpec, Log, LogError, MotorSpec, Role, SensorSpec, Start, Study,
+    StudyLog, Uncertain, check_drive_stated, check_inputs, check_period, check_torque_sign, health, read_joint_log_as,
     read_pose_for, read_sidecar, read_sidecar_for, read_study, read_study_logs, thinned,
 };
 use std::path::{Path, PathBuf};
@@ -154,8 +154,9 @@ impl Case {
             if sidecar.is_some() {
                 documents.push(path.with_extension("toml"));
             }
-            let log = match read_log(path) {
-                Err(LogError::SeveralJoints { .. }) if joint.is_some() => read_joint_log(path, joint)?,
+            let columns = sidecar.as_ref().map_or_else(Columns::default, |(sidecar, _)| sidecar.columns.clone());
+            let log = match read_joint_log_as(path, &columns, None) {
+                Err(LogError::SeveralJoints { .. }) if joint.is_some() => read_joint_log_as(path, &columns, joint)?,
                 read => read?,
             };
             if sidecar.as_ref().is_none_or(|(_, is_stated)| !is_stated) {

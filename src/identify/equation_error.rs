@@ -30,7 +30,7 @@ fn motor_nm<T: Real>(chain: &Chain<T>, e: &Experiment, at: &Moment) -> T {
     let is_on = |on: &Option<Vec<bool>>| on.as_ref().is_none_or(|on| on[at.index]);
     match &e.signal {
         Signal::Torque { torque_nm, on } if is_on(on) => T::constant(torque_nm[at.index]),
-        Signal::Position { setpoint_rad, hold, on } if is_on(on) => {
+        Signal::Position { setpoint_rad, hold, on, .. } if is_on(on) => {
             let Some(motor) = &chain.motor else { return T::nought() };
             let rate = match hold {
                 Hold::Linear if at.index > 0 => {

@@ -3,9 +3,10 @@
 use crate::fit::Rounding;
 use crate::geometry::LinkBody;
 use crate::joint::{Carriage, Real};
-use crate::log::{DriveMode, ExtraMass, Health, Hold, Log, MotorSpec, Role, StudyLog, TauIs};
+use crate::log::{DriveMode, ExtraMass, Health, Hold, Log, MotorSpec, Role, Stamped, StudyLog, TauIs};
 use crate::pendulum::{Input, Start};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// A known mass on the link, as it acts about the joint axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,8 +61,11 @@ pub enum Signal {
     },
     /// A setpoint through the motor's controller.
     Position {
-        /// \[rad\]
+        /// The one in force at each of the times \[rad\].
         setpoint_rad: Vec<f64>,
+        /// Setpoints at stamps of their own \[rad\], on the experiment's clock, from before its start to beyond its end;
+        /// `None`: they come with the readings.
+        apart: Option<Arc<Stamped>>,
         /// How it is read between its samples.
         hold: Hold,
         /// Whether the motor is on; `None`: always.
@@ -156,6 +160,10 @@ impl Experiment {
             DriveMode::Torque => Signal::Torque { torque_nm: log.tau_nm.as_ref()?[part.clone()].to_vec(), on: on() },
             DriveMode::Position => Signal::Position {
                 setpoint_rad: log.q_ref_rad.as_ref()?[part.clone()].to_vec(),
+                apart: log.setpoints.as_ref().map(|own| {
+                    let t_s = own.t_s.iter().map(|t| t - t0).collect();
+                    Arc::new(Stamped { t_s, values: own.values.clone() })
+                }),
                 hold: entry.motor.map(|m| m.hold).unwrap_or_default(),
                 on: on(),
             },
@@ -241,8 +249,9 @@ impl Experiment {
             Signal::Torque { torque_nm, on } => {
                 Signal::Torque { torque_nm: torque_nm[range.clone()].to_vec(), on: cut(on) }
             }
-            Signal::Position { setpoint_rad, hold, on } => {
-                Signal::Position { setpoint_rad: setpoint_rad[range.clone()].to_vec(), hold: *hold, on: cut(on) }
+            Signal::Position { setpoint_rad, apart, hold, on } => {
+                let setpoint_rad = setpoint_rad[range.clone()].to_vec();
+                Signal::Position { setpoint_rad, apart: apart.clone(), hold: *hold, on: cut(on) }
             }
         };
         let t_s = self.t_s[range.clone()].to_vec();
@@ -275,9 +284,19 @@ impl Experiment {
     /// What acts on the joint.
     pub fn input(&self) -> Input<'_> {
         match &self.signal {
+            Signal::Position { apart: Some(apart), hold, on, .. } => {
+                Input::Messages { at_s: &apart.t_s, setpoint_rad: &apart.values, hold: *hold, on: on.as_deref() }
+            }
+            _ => self.input_at_samples(),
+        }
+    }
+
+    /// The same with setpoints as they are in force at the samples.
+    pub fn input_at_samples(&self) -> Input<'_> {
+        match &self.signal {
             Signal::Off => Input::Off,
             Signal::Torque { torque_nm, on } => Input::Torque { torque_nm, on: on.as_deref() },
-            Signal::Position { setpoint_rad, hold, on } => {
+            Signal::Position { setpoint_rad, hold, on, .. } => {
                 Input::Position { setpoint_rad, hold: *hold, on: on.as_deref() }
             }
         }

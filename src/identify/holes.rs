@@ -98,10 +98,12 @@ mod tests {
             file: "a.csv".into(),
             q_rad: t_s.iter().map(|t| q(*t)).collect(),
             q_ref_rad: Some(t_s.iter().map(|t| 2.0 * q(*t)).collect()),
+            setpoints: None,
             dq_rad_s: None,
             tau_nm: None,
             drive: None,
             ignored_columns: vec![],
+            notes: vec![],
             t_s,
         }
     }

@@ -2,8 +2,8 @@
 
 use super::error::LogError;
 use super::header::Column;
-use super::plausible::{self, Extremes, Row};
-use super::types::{DriveMode, ExtraMass, Log, Role, TauIs};
+use super::plausible::{self, LONGEST_GAP_S};
+use super::types::{DriveMode, ExtraMass, Log, Role, Stamped, TauIs};
 use std::path::PathBuf;
 
 /// One log in memory, and what a study's `[[log]]` says of it.
@@ -31,6 +31,10 @@ pub struct ArrayLog {
     pub extra: Option<ExtraMass>,
     /// What `tau_nm` of a position-driven log is.
     pub tau_is: Option<TauIs>,
+    /// Setpoints at stamps of their own, where `q_ref_rad` is what was in force at each sample \[rad\].
+    pub setpoints: Option<Stamped>,
+    /// A gap of more than a minute is no mistake: the reader of a file has seen it.
+    pub holes_are_known: bool,
 }
 
 impl ArrayLog {
@@ -48,6 +52,8 @@ impl ArrayLog {
             session: None,
             extra: None,
             tau_is: None,
+            setpoints: None,
+            holes_are_known: false,
         }
     }
 
@@ -72,11 +78,9 @@ impl ArrayLog {
         if n < 2 {
             return Err(self.wrong("t", None, format!("{n} samples, expected at least 2")));
         }
-        let mut extremes = Extremes::default();
         for (column, values) in columns.iter().filter_map(|(column, values)| Some((*column, (*values)?))) {
             for (index, &value) in values.iter().enumerate() {
                 self.check(column, index, value)?;
-                extremes.see(column, value, row(index));
             }
         }
         for (index, pair) in self.t_s.windows(2).enumerate() {
@@ -84,15 +88,16 @@ impl ArrayLog {
                 let what = format!("{} s after {} s, expected strictly increasing", pair[1], pair[0]);
                 return Err(self.wrong("t", Some(index + 1), what));
             }
-            extremes.see_step(pair[1] - pair[0], row(index), row(index + 1));
         }
         let q_ref = self.q_ref_rad.as_deref().unwrap_or_default();
-        if let Some((row, column, fault)) = plausible::check(&self.t_s, &self.q_rad, q_ref, &extremes) {
-            return Err(self.wrong(column.name(), Some(row.line as usize), fault.to_string()));
+        if let Some((column, index, fault)) = plausible::faults(&self.t_s, &self.q_rad, q_ref).into_iter().next() {
+            return Err(self.wrong(column.name(), Some(index), fault.to_string()));
         }
-        if let Some((gap_s, _, after)) = extremes.gap {
+        let gap = |pair: &[f64]| pair[1] - pair[0] > LONGEST_GAP_S;
+        if let Some(before) = self.t_s.windows(2).position(gap).filter(|_| !self.holes_are_known) {
+            let gap_s = self.t_s[before + 1] - self.t_s[before];
             let what = format!("a gap of {gap_s:.1} s, expected at most 60 s; split the log there");
-            return Err(self.wrong("t", Some(after.line as usize), what));
+            return Err(self.wrong("t", Some(before + 1), what));
         }
         self.check_drive()?;
         Ok(Log {
@@ -102,8 +107,10 @@ impl ArrayLog {
             dq_rad_s: None,
             tau_nm: self.tau_nm.clone(),
             q_ref_rad: self.q_ref_rad.clone(),
+            setpoints: self.setpoints.clone(),
             drive: self.on.clone(),
             ignored_columns: Vec::new(),
+            notes: Vec::new(),
         })
     }
 
@@ -130,11 +137,6 @@ impl ArrayLog {
     pub(crate) fn wrong(&self, array: &'static str, index: Option<usize>, what: String) -> LogError {
         LogError::Array { log: self.name.clone(), array, index, what }
     }
-}
-
-/// A sample in the place of a file's row.
-fn row(index: usize) -> Row {
-    Row { byte: 0, line: index as u64 }
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::place::Place;
+use super::source::{Columns, Format, more, tell_mend, tell_others};
 
 /// Why a log or a study could not be read or written.
 ///
@@ -102,6 +103,12 @@ pub enum LogError {
     /// A robot study where a joint study was asked for.
     #[error("{at}: this is a robot study (it has a table `[robot]`), expected a joint study with a table `[joint]`; read it with a command that takes robot studies{}", at.excerpt())]
     RobotStudy { at: Box<Place> },
+    /// Several things wrong with one file.
+    #[error("{first}{}{}{}", more(*count), tell_others(others, *beyond), tell_mend(mend))]
+    Defects { first: Box<LogError>, count: usize, others: Vec<(LogError, usize)>, beyond: usize, mend: Columns },
+    /// A file of a known format that is damaged, or holds nothing that can be read.
+    #[error("{}: {format}: {what}", file.display())]
+    Format { file: PathBuf, format: Format, what: String },
     /// The columns of a log to be written differ in length.
     #[error("{}: column `{column}` has {found} values, expected {expected} as in `t`; nothing was written", file.display())]
     Ragged { file: PathBuf, column: &'static str, found: usize, expected: usize },
@@ -110,7 +117,10 @@ pub enum LogError {
 impl LogError {
     /// Whether a file could not be opened, read or written (exit code 5), as opposed to bad data in it (3).
     pub fn is_io(&self) -> bool {
-        matches!(self, Self::Read { .. } | Self::Write { .. } | Self::NamedLog { .. })
+        match self {
+            Self::Defects { first, .. } => first.is_io(),
+            error => matches!(error, Self::Read { .. } | Self::Write { .. } | Self::NamedLog { .. }),
+        }
     }
 }
 
@@ -167,6 +177,8 @@ pub enum CellFault {
     Text { first_row: bool, unit: &'static str },
     /// Neither 0 nor 1 in column `drive`.
     Drive,
+    /// No list of numbers, or one of another length.
+    List { expected: Option<usize> },
     /// A magnitude that no joint has.
     Absurd { limit: f64, unit: &'static str },
 }
@@ -189,6 +201,12 @@ impl CellFault {
             Self::Text { first_row: false, unit } => format!("found `{found}`, expected a number [{unit}]"),
             Self::Drive => {
                 format!("found `{found}`, expected 0 (motor off, joint free) or 1 (motor on, or joint held)")
+            }
+            Self::List { expected: None } => {
+                format!("found `{found}`, expected a list of numbers such as `[0.1, 0.2]`")
+            }
+            Self::List { expected: Some(count) } => {
+                format!("found `{found}`, expected a list of {count} numbers as in the rows before")
             }
             Self::Absurd { limit, unit } => {
                 format!(

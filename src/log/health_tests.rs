@@ -23,8 +23,10 @@ fn made(t_s: Vec<f64>, q_rad: Vec<f64>) -> Log {
         dq_rad_s: None,
         tau_nm: None,
         q_ref_rad: None,
+        setpoints: None,
         drive: None,
         ignored_columns: vec![],
+        notes: vec![],
     }
 }
 

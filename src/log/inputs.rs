@@ -4,7 +4,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::csv::{read_joint_log, read_log};
+use super::csv::read_joint_of_study;
 use super::error::LogError;
 use super::header::{Column, hint};
 use super::plausible::check_period;
@@ -25,12 +25,7 @@ pub fn read_study_logs(study: &Study) -> Result<Vec<Log>, LogError> {
 }
 
 fn read_one(study: &Study, i: usize, entry: &StudyLog) -> Result<Log, LogError> {
-    let log = match read_log(&entry.path) {
-        Err(LogError::SeveralJoints { joints, .. }) if joints.contains(&study.joint.name) => {
-            read_joint_log(&entry.path, Some(&study.joint.name))
-        }
-        read => read,
-    }?;
+    let log = read_joint_of_study(&entry.path, &study.columns, &study.joint.name)?;
     check_period(&log, &study.sensor)?;
     check_inputs(&study.file, i, entry, log)
 }

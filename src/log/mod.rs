@@ -15,6 +15,7 @@ mod health_noise;
 mod health_stamps;
 mod inputs;
 mod manifest;
+mod mcap_out;
 mod motor;
 mod outputs;
 mod place;
@@ -25,11 +26,13 @@ mod robot_log;
 mod robot_study;
 mod rows;
 mod schema;
+mod source;
 mod study;
 mod thin;
 mod toml_text;
 mod types;
 mod write;
+mod write_source;
 mod write_study;
 
 pub(crate) use document::{Document, NOT_NEGATIVE, POSITIVE, Range64, finite_within, range};
@@ -43,11 +46,12 @@ pub(crate) use toml_text::{toml_key, toml_string};
 
 pub use arrays::ArrayLog;
 pub use clamped_study::{ClampedStudy, ClampedStudyLog, JointBeliefs, read_clamped_study, read_clamped_study_logs};
-pub use csv::{read_joint_log, read_log};
+pub use csv::{read_joint_log, read_joint_log_as, read_log};
 pub use error::{CellFault, FileKind, LogError, UnitFault};
 pub use health::{Health, health};
 pub use inputs::read_study_logs;
 pub use manifest::MANIFEST_FILE;
+pub use mcap_out::{McapTopic, mcap_bytes};
 pub use outputs::Outputs;
 pub use place::{Place, Subject};
 pub use plausible::check_period;
@@ -58,11 +62,13 @@ pub use robot_study::{
     ControlSpec, FloorSpec, Forward, LegFrictionSpec, RobotRelease, RobotScenario, RobotSensorSpec, RobotStudy,
     RobotStudyLog, StudyKind, read_robot_study, read_robot_study_logs, study_kind,
 };
+pub use source::{Channel, ColumnSpec, Columns, Format, Source, Unit, log_files, read_source, study_columns};
 pub use study::{read_sidecar_for, read_study};
 pub use thin::thinned;
 pub use types::{
     Derivative, DriveMode, EncoderSide, ExtraMass, Hold, JointSpec, Log, MotorModel, MotorSpec, Nominal, Release, Role,
-    SensorSpec, Spread, Study, StudyLog, TauIs, Uncertain, VoltageMotor,
+    SensorSpec, Spread, Stamped, Study, StudyLog, TauIs, Uncertain, VoltageMotor,
 };
 pub use write::{write_atomically, write_log};
+pub use write_source::{mcap_topics, write_csv};
 pub use write_study::study_text;

@@ -27,7 +27,7 @@ pub enum Subject {
 pub struct Place {
     /// The file as the user named it.
     pub file: PathBuf,
-    /// Line number as an editor counts, from 1.
+    /// Line number as an editor counts, from 1; 0 in a file that has no lines.
     pub line: u64,
     /// The column or key that is wrong.
     pub subject: Subject,
@@ -60,6 +60,16 @@ impl Place {
         out
     }
 
+    /// A file without lines as a whole.
+    pub(super) fn in_file(file: &Path) -> Self {
+        Self { file: file.to_path_buf(), line: 0, subject: Subject::Line, text: String::new(), caret: 0..0 }
+    }
+
+    /// A channel of a file without lines.
+    pub(super) fn of_column(file: &Path, name: &str) -> Self {
+        Self { subject: Subject::Column(name.to_owned()), ..Self::in_file(file) }
+    }
+
     /// The place of a byte span in a text that is at hand.
     pub(super) fn in_text(file: &Path, text: &str, span: Range<usize>, subject: Subject) -> Self {
         let from = floor_boundary(text, span.start);
@@ -90,9 +100,13 @@ impl Place {
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: line {}", self.file.display(), self.line)?;
+        write!(f, "{}", self.file.display())?;
+        if self.line > 0 {
+            write!(f, ": line {}", self.line)?;
+        }
         match &self.subject {
             Subject::Line => Ok(()),
+            Subject::Column(name) if self.line == 0 => write!(f, ": `{name}`"),
             Subject::Column(name) => write!(f, ", column `{name}`"),
             Subject::Key(name) => write!(f, ", key `{name}`"),
         }

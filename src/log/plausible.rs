@@ -8,7 +8,7 @@ use super::header::Column;
 use super::types::{Log, SensorSpec};
 
 /// Gaps longer than this are two recordings \[s\].
-const LONGEST_GAP_S: f64 = 60.0;
+pub(super) const LONGEST_GAP_S: f64 = 60.0;
 /// No joint logger is slower than this \[s\]; 8 ms read as seconds is far beyond it.
 const SLOWEST_STEP_S: f64 = 0.5;
 /// Two turns \[rad\]: more than a limb's joint does, little in degrees.
@@ -27,47 +27,10 @@ pub(super) struct Row {
     pub(super) line: u64,
 }
 
-/// What has to be remembered while reading, so that an error about the whole can still name a line.
-#[derive(Debug, Default)]
-pub(super) struct Extremes {
-    angle: Option<(f64, Row)>,
-    setpoint: Option<(f64, Row)>,
-    first: Option<Row>,
-    fractional_angle: bool,
-    /// The first gap that is too long \[s\], with the rows before and after it.
-    pub(super) gap: Option<(f64, Row, Row)>,
-}
-
-impl Extremes {
-    pub(super) fn see(&mut self, column: Column, value: f64, row: Row) {
-        let slot = match column {
-            Column::Time => {
-                self.first.get_or_insert(row);
-                return;
-            }
-            Column::Angle => {
-                self.fractional_angle |= value.fract() != 0.0;
-                &mut self.angle
-            }
-            Column::Setpoint => &mut self.setpoint,
-            _ => return,
-        };
-        if slot.is_none_or(|(largest, _)| value.abs() > largest.abs()) {
-            *slot = Some((value, row));
-        }
-    }
-
-    pub(super) fn see_step(&mut self, step_s: f64, before: Row, after: Row) {
-        if step_s > LONGEST_GAP_S && self.gap.is_none() {
-            self.gap = Some((step_s, before, after));
-        }
-    }
-}
-
-/// The first column that is in another unit, with the row to show.
-pub(super) fn check(t: &[f64], q: &[f64], q_ref: &[f64], seen: &Extremes) -> Option<(Row, Column, UnitFault)> {
-    let first = seen.first?;
-    let (angle, angle_row) = seen.angle?;
+/// Columns that seem to be in another unit, each with the sample that shows it, time first. A reading that is not a number
+/// counts for nothing here.
+pub(super) fn faults(t: &[f64], q: &[f64], q_ref: &[f64]) -> Vec<(Column, usize, UnitFault)> {
+    let mut faults = Vec::new();
     let step_s = median_step(t);
     if step_s >= SLOWEST_STEP_S {
         let unit = match step_s {
@@ -75,26 +38,40 @@ pub(super) fn check(t: &[f64], q: &[f64], q_ref: &[f64], seen: &Extremes) -> Opt
             s if s < 5e5 => "microseconds",
             _ => "nanoseconds",
         };
-        return Some((first, Column::Time, UnitFault::Time { step_s, unit }));
+        faults.push((Column::Time, 0, UnitFault::Time { step_s, unit }));
     }
+    let Some((at, angle)) = largest(q) else { return faults };
+    let beyond = |values: &[f64], value: f64| {
+        let whole = values.iter().all(|value| value.is_nan() || value.fract() == 0.0);
+        if whole && value.abs() > 720.0 { UnitFault::Counts { value } } else { UnitFault::Angle { value } }
+    };
     if angle.abs() > WIDEST_ANGLE {
-        let counts = !seen.fractional_angle && angle.abs() > 720.0;
-        let fault = if counts { UnitFault::Counts { value: angle } } else { UnitFault::Angle { value: angle } };
-        return Some((angle_row, Column::Angle, fault));
-    }
-    let median_rad_s = median_moving_speed(t, q, step_s);
-    if median_rad_s > FASTEST_MEDIAN {
-        return Some((angle_row, Column::Angle, UnitFault::Speed { median_rad_s }));
-    }
-    if let Some((setpoint, row)) = seen.setpoint.filter(|_| !q_ref.is_empty()) {
-        // pi/180 apart: a joint follows its setpoint closer than this
-        let ratio = setpoint.abs() / angle.abs();
-        if setpoint.abs() > WIDEST_ANGLE || (setpoint.abs() > 2.0 && ratio > 40.0 && ratio < 80.0) {
-            let fault = UnitFault::Setpoint { value: setpoint, angle_rad: angle.abs() };
-            return Some((row, Column::Setpoint, fault));
+        faults.push((Column::Angle, at, beyond(q, angle)));
+    } else if faults.is_empty() {
+        let median_rad_s = median_moving_speed(t, q, step_s);
+        if median_rad_s > FASTEST_MEDIAN {
+            faults.push((Column::Angle, at, UnitFault::Speed { median_rad_s }));
         }
     }
-    None
+    if let Some((at, setpoint)) = largest(q_ref) {
+        // pi/180 apart: a joint follows its setpoint closer than this
+        let ratio = setpoint.abs() / angle.abs();
+        if angle.abs() > WIDEST_ANGLE && setpoint.abs() > WIDEST_ANGLE {
+            faults.push((Column::Setpoint, at, beyond(q_ref, setpoint)));
+        } else if setpoint.abs() > WIDEST_ANGLE || (setpoint.abs() > 2.0 && ratio > 40.0 && ratio < 80.0) {
+            faults.push((Column::Setpoint, at, UnitFault::Setpoint { value: setpoint, angle_rad: angle.abs() }));
+        }
+    }
+    faults
+}
+
+/// The number of largest magnitude, the first of several.
+fn largest(values: &[f64]) -> Option<(usize, f64)> {
+    let numbers = values.iter().copied().enumerate().filter(|(_, value)| !value.is_nan());
+    numbers.fold(None, |most: Option<(usize, f64)>, (at, value)| match most {
+        Some((_, largest)) if value.abs() <= largest.abs() => most,
+        _ => Some((at, value)),
+    })
 }
 
 /// Median of the sampling steps \[s\]; zero where there are fewer than two samples.
@@ -158,8 +135,10 @@ mod tests {
             dq_rad_s: None,
             tau_nm: None,
             q_ref_rad: None,
+            setpoints: None,
             drive: None,
             ignored_columns: vec![],
+            notes: vec![],
         };
         let sensor = |period| SensorSpec { resolution_rad: None, period_s: Some(period) };
         let message = check_period(&log, &sensor(3e-4)).unwrap_err().to_string();

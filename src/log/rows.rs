@@ -13,8 +13,18 @@ use super::plausible::Row;
 /// Hands every row that is not blank to `take`, the header first.
 pub(super) fn for_each_row(
     path: &Path,
+    take: impl FnMut(Row, &ByteRecord) -> Result<(), LogError>,
+) -> Result<(), LogError> {
+    for_some_rows(path, usize::MAX, take)
+}
+
+/// As [`for_each_row`], of the first `most` rows.
+pub(super) fn for_some_rows(
+    path: &Path,
+    most: usize,
     mut take: impl FnMut(Row, &ByteRecord) -> Result<(), LogError>,
 ) -> Result<(), LogError> {
+    let mut taken = 0;
     let failed = |source| LogError::Read { file: path.to_path_buf(), source };
     let mut input = BufReader::with_capacity(1 << 16, File::open(path).map_err(failed)?);
     if let Some(found) = not_text(input.fill_buf().map_err(failed)?) {
@@ -22,7 +32,7 @@ pub(super) fn for_each_row(
     }
     let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(input);
     let mut record = ByteRecord::new();
-    while reader.read_byte_record(&mut record).map_err(|error| failed(error.into()))? {
+    while taken < most && reader.read_byte_record(&mut record).map_err(|error| failed(error.into()))? {
         if record.iter().all(<[u8]>::is_empty) && record.len() < 2 || record.len() == 1 && is_blank(&record[0]) {
             continue;
         }
@@ -31,6 +41,7 @@ pub(super) fn for_each_row(
             line: record.position().map_or(1, csv::Position::line),
         };
         take(row, &record)?;
+        taken += 1;
     }
     Ok(())
 }

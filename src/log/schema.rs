@@ -3,6 +3,8 @@
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::source::RawColumns;
+
 pub(super) type Number = Option<Spanned<f64>>;
 pub(super) type Text = Option<Spanned<String>>;
 
@@ -16,6 +18,8 @@ pub(super) struct RawStudy {
     pub motor: Option<RawMotor>,
     #[serde(default)]
     pub uncertain: RawUncertain,
+    #[serde(default)]
+    pub columns: RawColumns,
     #[serde(default)]
     pub log: Vec<RawLog>,
     pub release: Option<Spanned<RawRelease>>,

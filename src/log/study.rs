@@ -12,6 +12,7 @@ use super::document::{ANGLE, Document, FINITE, NOT_NEGATIVE, PERIOD, Range64, ra
 use super::error::LogError;
 use super::motor::{motor, tau_is};
 use super::schema::{RawExtra, RawJoint, RawLog, RawMotor, RawRelease, RawSensor, RawStudy, Text};
+use super::source::{columns, is_log_folder};
 use super::types::{DriveMode, ExtraMass, JointSpec, Nominal, Release, Role, SensorSpec, Study, StudyLog};
 
 const INERTIA: Range64 = range(|x| x > 0.0 && x < 1e4, "a number above 0 and below 1e4 (kg m^2)");
@@ -45,6 +46,7 @@ pub fn read_study(path: &Path) -> Result<Study, LogError> {
     let sensor = sensor(&document, &raw.sensor)?;
     let motor = raw.motor.as_ref().map(|raw| motor(&document, "[motor] ", raw)).transpose()?;
     let uncertain = uncertain(&document, &raw.uncertain, JOINT_NAMES)?;
+    let columns = columns(&document, &raw.columns)?;
     if let Some(release) = &raw.release {
         let expected = "it only in the sidecar NAME.toml of a single log NAME.csv";
         return Err(document.wrong("[release]", release.span(), "a release in a study", expected));
@@ -64,7 +66,7 @@ pub fn read_study(path: &Path) -> Result<Study, LogError> {
     if !logs.iter().any(|log| log.role == Role::Fit) {
         return Err(document.missing("[[log]] role", "at least one log with role = \"fit\""));
     }
-    Ok(Study { file: path.to_path_buf(), joint, sensor, motor, uncertain, logs, release: None })
+    Ok(Study { file: path.to_path_buf(), joint, sensor, motor, uncertain, columns, logs, release: None })
 }
 
 /// Reads the sidecar `NAME.toml` beside a log `NAME.csv`; `None` if there is none.
@@ -95,6 +97,7 @@ pub(crate) fn read_sidecar(log_path: &Path) -> Result<Option<(Study, bool)>, Log
     let sensor = sensor(&document, &raw.sensor)?;
     let motor = raw.motor.as_ref().map(|raw| motor(&document, "[motor] ", raw)).transpose()?;
     let uncertain = uncertain(&document, &raw.uncertain, JOINT_NAMES)?;
+    let columns = columns(&document, &raw.columns)?;
     if raw.log.len() > 1 {
         let spans = raw.log[1].file.as_ref().map_or(0..0, Spanned::span);
         let expected =
@@ -118,7 +121,7 @@ pub(crate) fn read_sidecar(log_path: &Path) -> Result<Option<(Study, bool)>, Log
     let drive = document.word(&format!("{table} drive"), &entry.drive, &DRIVES)?.unwrap_or(DriveMode::Off);
     let log = study_log(&document, table, entry, &raw.motor, (own_name, log_path.to_path_buf(), role, drive))?;
     let release = raw.release.as_ref().map(|release| self::release(&document, release.get_ref())).transpose()?;
-    let study = Study { file: path.clone(), joint, sensor, motor, uncertain, logs: vec![log], release };
+    let study = Study { file: path.clone(), joint, sensor, motor, uncertain, columns, logs: vec![log], release };
     Ok(Some((study, is_stated)))
 }
 
@@ -130,7 +133,7 @@ pub(super) fn named_log(
     seen: &mut BTreeMap<PathBuf, usize>,
 ) -> Result<(String, PathBuf), LogError> {
     let key = format!("[[log]] {} file", i + 1);
-    let file = file.as_ref().ok_or_else(|| document.missing(&*key, "the name of a CSV file"))?;
+    let file = file.as_ref().ok_or_else(|| document.missing(&*key, "the name of a log"))?;
     let resolved = document.file.parent().unwrap_or(Path::new("")).join(file.get_ref());
     if let Some(first) = seen.insert(resolved.components().collect(), i + 1) {
         let found = format!("\"{}\", which is also [[log]] {first}", file.get_ref());
@@ -144,7 +147,8 @@ pub(super) fn named_log(
 }
 
 fn is_file(path: &Path) -> io::Result<()> {
-    if fs::metadata(path)?.is_dir() { Err(io::ErrorKind::IsADirectory.into()) } else { Ok(()) }
+    let is_odd_folder = fs::metadata(path)?.is_dir() && !is_log_folder(path);
+    if is_odd_folder { Err(io::ErrorKind::IsADirectory.into()) } else { Ok(()) }
 }
 
 pub(crate) fn check_schema(document: &Document<'_>, schema: &Option<Spanned<i64>>) -> Result<(), LogError> {

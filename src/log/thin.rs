@@ -39,6 +39,8 @@ pub fn thinned(log: &Log, health: &Health, most: usize) -> Option<(Log, Health)>
         dq_rad_s: pick_some(&log.dq_rad_s),
         tau_nm: pick_some(&log.tau_nm),
         q_ref_rad: pick_some(&log.q_ref_rad),
+        setpoints: log.setpoints.clone(),
+        notes: log.notes.clone(),
         drive: log.drive.as_ref().map(|drive| kept.iter().map(|&k| drive[k]).collect()),
         ignored_columns: log.ignored_columns.clone(),
     };
@@ -66,7 +68,9 @@ mod tests {
             dq_rad_s: None,
             tau_nm: None,
             q_ref_rad: None,
+            setpoints: None,
             ignored_columns: vec![],
+            notes: vec![],
             t_s,
         }
     }

@@ -1,5 +1,6 @@
 //! What a log and a study are once they have been read: plain data, SI units, radians.
 
+use super::source::Columns;
 use std::path::PathBuf;
 
 /// One logged joint: samples in columns, all of the same length.
@@ -17,12 +18,25 @@ pub struct Log {
     pub dq_rad_s: Option<Vec<f64>>,
     /// Torque column \[N m\]: the input of a torque-driven log, information otherwise.
     pub tau_nm: Option<Vec<f64>>,
-    /// Position setpoint \[rad\].
+    /// Position setpoint \[rad\]: the one in force at each sample.
     pub q_ref_rad: Option<Vec<f64>>,
+    /// The setpoints at stamps of their own \[rad\], where they do not come with the readings.
+    pub setpoints: Option<Stamped>,
     /// Column `drive`: 1 is `true` (motor on, or joint held in a log with `drive = "off"`).
     pub drive: Option<Vec<bool>>,
     /// Columns that were present and are not used, in file order.
     pub ignored_columns: Vec<String>,
+    /// What the reader of the file decided, in sentences.
+    pub notes: Vec<String>,
+}
+
+/// Values at stamps of their own.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Stamped {
+    /// \[s\], strictly increasing, in the time of the log that they belong to.
+    pub t_s: Vec<f64>,
+    /// As many.
+    pub values: Vec<f64>,
 }
 
 impl Log {
@@ -50,6 +64,8 @@ pub struct Study {
     pub motor: Option<MotorSpec>,
     /// How sure the engineer is of what the study states.
     pub uncertain: Uncertain,
+    /// What the logs call their columns, and in which units they have them.
+    pub columns: Columns,
     /// At least one.
     pub logs: Vec<StudyLog>,
     /// Only in the sidecar of a single log.

@@ -134,8 +134,10 @@ mod tests {
             dq_rad_s: None,
             tau_nm: None,
             q_ref_rad: None,
+            setpoints: None,
             drive: None,
             ignored_columns: vec![],
+            notes: vec![],
         };
         assert!(matches!(write_log(Path::new("x.csv"), &log), Err(LogError::Ragged { column: "q", .. })));
     }
@@ -160,10 +162,12 @@ mod tests {
                     dq_rad_s: has[0].then(|| other.clone()),
                     tau_nm: has[1].then(|| other.iter().map(|x| x * 1e-7).collect()),
                     q_ref_rad: has[2].then(|| q_rad.clone()),
+                    setpoints: None,
                     drive: has[3].then_some(drive),
                     t_s,
                     q_rad,
                     ignored_columns: vec![],
+                    notes: vec![],
                 }
             },
         )

@@ -157,7 +157,9 @@ fn walk<T: Real>(
 ) -> Result<(), Diverged> {
     let mut release_s = start.release_s;
     let sample_period_s = match input {
-        Input::Position { .. } => body.chain().motor.as_ref().and_then(|m| m.sample_period_s()),
+        Input::Position { .. } | Input::Messages { .. } => {
+            body.chain().motor.as_ref().and_then(|m| m.sample_period_s())
+        }
         _ => None,
     };
     let mut schedule = Schedule::new(input, t_s, body.chain().setpoint);

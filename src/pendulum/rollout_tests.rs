@@ -106,6 +106,34 @@ fn halving_the_step_changes_little_with_stribeck_and_a_driven_joint() {
 }
 
 #[test]
+fn messages_act_at_their_own_stamps_and_not_at_those_of_the_readings() {
+    let mut c = chain(0.0173, 0.1356, 0.02, 0.035);
+    c.motor = Some(Motor::new(MotorSpec { kp_nm_rad: 12.0, kd_nm_s_rad: 0.6, ..motor() }));
+    // Readings every 20 ms and setpoints every 7 ms, against the same joint read every millisecond.
+    let at_s: Vec<f64> = (0..400).map(|k| 0.001 * f64::from(7 * k)).collect();
+    let setpoint_rad: Vec<f64> = at_s.iter().map(|t| 0.6 * (4.0 * t).sin()).collect();
+    for (hold, delay_s, from) in
+        [(Hold::Step, None, 0), (Hold::Step, Some(0.013), 0), (Hold::Linear, None, 0), (Hold::Step, None, 1005)]
+    {
+        c.setpoint.delay_s = delay_s;
+        let t: Vec<f64> = (0..60).map(|k| 0.001 * f64::from(from + 20 * k)).collect();
+        let fine: Vec<f64> = (0..1181).map(|k| 0.001 * f64::from(from + k)).collect();
+        let asked = |t: &f64| {
+            let k = at_s.partition_point(|at| at <= t) - 1;
+            let share = if hold == Hold::Linear { (t - at_s[k]) / 0.007 } else { 0.0 };
+            setpoint_rad[k] + share * (setpoint_rad[k + 1] - setpoint_rad[k])
+        };
+        let finely: Vec<f64> = fine.iter().map(asked).collect();
+        let messages = Input::Messages { at_s: &at_s, setpoint_rad: &setpoint_rad, hold, on: None };
+        let coarse = angles(&c, messages, &t, free(0.0), 1.0);
+        let whole = angles(&c, Input::Position { setpoint_rad: &finely, hold, on: None }, &fine, free(0.0), 1.0);
+        let picked: Vec<f64> = whole.into_iter().step_by(20).collect();
+        let worst = largest_difference(&coarse, &picked);
+        assert!(worst < 1e-4, "{hold:?} {delay_s:?} {from}: {worst}");
+    }
+}
+
+#[test]
 fn a_stuck_joint_breaks_away_when_the_setpoint_has_moved_far_enough() {
     let mut c = chain(0.01, 0.0, 0.5, 0.0);
     c.motor = Some(Motor::new(motor()));

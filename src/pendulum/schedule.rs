@@ -25,6 +25,17 @@ pub enum Input<'a> {
         /// Whether the motor is on; `None`: always.
         on: Option<&'a [bool]>,
     },
+    /// The same with setpoints that have stamps of their own: `on` alone is as long as the log's times.
+    Messages {
+        /// When each setpoint was given \[s\], strictly increasing; they may begin before the log and end after it.
+        at_s: &'a [f64],
+        /// As many \[rad\].
+        setpoint_rad: &'a [f64],
+        /// How it is read between its messages.
+        hold: Hold,
+        /// Whether the motor is on; `None`: always.
+        on: Option<&'a [bool]>,
+    },
 }
 
 /// What is asked of the motor between two events.
@@ -145,6 +156,8 @@ impl<T: Real> Command<T> {
 pub(crate) struct Schedule<'a, T> {
     input: Input<'a>,
     t_s: &'a [f64],
+    /// Stamps of what is asked: those of the log, or its own.
+    at_s: &'a [f64],
     path: SetpointPath<T>,
     /// Setpoint or torque in force, where the path is not perfect: value, slope, since when.
     in_force: (T, f64, T),
@@ -165,25 +178,41 @@ const WHOLE: f64 = 0.2;
 impl<'a, T: Real> Schedule<'a, T> {
     pub(crate) fn new(input: Input<'a>, t_s: &'a [f64], path: SetpointPath<T>) -> Self {
         let hold_s = path.hold_s.filter(|hold| hold.re() >= SHORTEST_HOLD_S).map(|hold| whole_periods(hold, t_s));
+        let start_s = T::constant(t_s.first().copied().unwrap_or(0.0));
+        // Messages that have arrived when the part begins.
+        let (at_s, given) = match input {
+            Input::Messages { at_s, .. } => {
+                let late_s = path.delay_s.map_or(0.0, |delay| delay.re());
+                (at_s, at_s.partition_point(|at| at + late_s <= start_s.re() + SAME_INSTANT_S))
+            }
+            _ => (t_s, 0),
+        };
         let first = match input {
             Input::Off => 0.0,
             Input::Torque { torque_nm: values, .. } | Input::Position { setpoint_rad: values, .. } => {
                 values.first().copied().unwrap_or(0.0)
             }
+            Input::Messages { setpoint_rad, .. } => setpoint_rad.get(given.saturating_sub(1)).copied().unwrap_or(0.0),
         };
-        let start_s = T::constant(t_s.first().copied().unwrap_or(0.0));
         // Readings of a hold count from the start of the log; the first that matters is in force when the part begins.
-        let next = hold_s.map_or(0, |hold| ((start_s.re() + SAME_INSTANT_S) / hold.re()).max(0.0) as usize);
-        let in_force = (T::constant(first), 0.0, start_s);
+        let next = hold_s.map_or(given, |hold| ((start_s.re() + SAME_INSTANT_S) / hold.re()).max(0.0) as usize);
+        let in_force = match (input, given.checked_sub(1)) {
+            (Input::Messages { setpoint_rad, hold, .. }, Some(k)) => {
+                let at = T::constant(at_s[k]);
+                (T::constant(first), slope(at_s, setpoint_rad, hold, k), path.delay_s.map_or(at, |delay| at + delay))
+            }
+            _ => (T::constant(first), 0.0, start_s),
+        };
         let profile = path
             .profile
-            .filter(|_| matches!(input, Input::Position { .. }))
+            .filter(|_| matches!(input, Input::Position { .. } | Input::Messages { .. }))
             .map(|limits| Profile::at_rest(limits, T::constant(first), start_s));
-        Self { input, t_s, path: SetpointPath { hold_s, ..path }, in_force, next, profile }
+        Self { input, t_s, at_s, path: SetpointPath { hold_s, ..path }, in_force, next, profile }
     }
 
     fn is_perfect(&self) -> bool {
-        self.path.delay_s.is_none() && self.path.hold_s.is_none() && self.profile.is_none()
+        let is_apart = matches!(self.input, Input::Messages { .. });
+        self.path.delay_s.is_none() && self.path.hold_s.is_none() && self.profile.is_none() && !is_apart
     }
 
     /// The next instant between samples at which the input changes, where the path makes any.
@@ -201,8 +230,8 @@ impl<'a, T: Real> Schedule<'a, T> {
     /// When the next setpoint or torque is taken over.
     fn next_reading(&self) -> Option<T> {
         let instant = match (self.input, self.path.hold_s) {
-            (Input::Position { .. }, Some(hold)) => hold * self.next as f64,
-            _ => T::constant(*self.t_s.get(self.next)?),
+            (Input::Position { .. } | Input::Messages { .. }, Some(hold)) => hold * self.next as f64,
+            _ => T::constant(*self.at_s.get(self.next)?),
         };
         Some(self.path.delay_s.map_or(instant, |delay| instant + delay))
     }
@@ -219,14 +248,22 @@ impl<'a, T: Real> Schedule<'a, T> {
         }
         let Some(at) = reading else { return };
         self.in_force = match (self.input, self.path.hold_s) {
-            (Input::Position { setpoint_rad, hold: reading, .. }, Some(hold)) => {
+            (
+                Input::Position { setpoint_rad, hold: reading, .. }
+                | Input::Messages { setpoint_rad, hold: reading, .. },
+                Some(hold),
+            ) => {
                 let read_s = hold * self.next as f64;
-                let k = self.t_s.partition_point(|t| *t <= read_s.re() + SAME_INSTANT_S).max(1) - 1;
+                let k = self.at_s.partition_point(|t| *t <= read_s.re() + SAME_INSTANT_S).max(1) - 1;
                 let value = T::constant(setpoint_rad[k]);
                 let slope = self.slope(setpoint_rad, reading, k);
-                (value + (read_s - self.t_s[k]) * slope, 0.0, at)
+                (value + (read_s - self.at_s[k]) * slope, 0.0, at)
             }
-            (Input::Position { setpoint_rad, hold: reading, .. }, None) => {
+            (
+                Input::Position { setpoint_rad, hold: reading, .. }
+                | Input::Messages { setpoint_rad, hold: reading, .. },
+                None,
+            ) => {
                 let slope = self.slope(setpoint_rad, reading, self.next);
                 (T::constant(setpoint_rad[self.next]), slope, at)
             }
@@ -241,12 +278,7 @@ impl<'a, T: Real> Schedule<'a, T> {
 
     /// Slope of the setpoint from sample `k` on \[rad/s\].
     fn slope(&self, setpoint_rad: &[f64], reading: Hold, k: usize) -> f64 {
-        match reading {
-            Hold::Linear if k + 1 < self.t_s.len() => {
-                (setpoint_rad[k + 1] - setpoint_rad[k]) / (self.t_s[k + 1] - self.t_s[k])
-            }
-            _ => 0.0,
-        }
+        slope(self.at_s, setpoint_rad, reading, k)
     }
 
     /// What acts from sample `k - 1` to sample `k`, as far as it is known now.
@@ -257,7 +289,7 @@ impl<'a, T: Real> Schedule<'a, T> {
                 true => T::constant(torque_nm[k - 1]),
                 false => self.in_force.0,
             }),
-            Input::Position { on, .. } if is_on(on) && self.profile.is_some() => {
+            Input::Position { on, .. } | Input::Messages { on, .. } if is_on(on) && self.profile.is_some() => {
                 let Some(profile) = &self.profile else { return Command::Off };
                 let [setpoint_rad, rate, acceleration] = profile.now;
                 let curve = profile.ends_s().map(|_| [rate, acceleration]);
@@ -273,8 +305,19 @@ impl<'a, T: Real> Schedule<'a, T> {
                 };
                 Command::Pid { setpoint_rad, slope_rad_s, from_s, curve: None }
             }
+            Input::Messages { on, .. } if is_on(on) => {
+                let (setpoint_rad, slope_rad_s, from_s) = self.in_force;
+                Command::Pid { setpoint_rad, slope_rad_s, from_s, curve: None }
+            }
             _ => Command::Off,
         }
+    }
+}
+
+fn slope(at_s: &[f64], setpoint_rad: &[f64], reading: Hold, k: usize) -> f64 {
+    match reading {
+        Hold::Linear if k + 1 < at_s.len() => (setpoint_rad[k + 1] - setpoint_rad[k]) / (at_s[k + 1] - at_s[k]),
+        _ => 0.0,
     }
 }
 

@@ -187,6 +187,8 @@ fn health_row(item: &Item) -> LogHealthRow {
     {
         remarks.push(format!("samples every {:.4} s, the study says {given} s", h.period_s));
     }
+    remarks.extend(item.log.setpoints.as_ref().and_then(|own| stamps_apart(&own.t_s, &item.log.t_s)));
+    remarks.extend(item.log.notes.iter().cloned());
     if !item.log.ignored_columns.is_empty() {
         remarks.push(format!("columns not used: {}", item.log.ignored_columns.join(", ")));
     }
@@ -204,6 +206,22 @@ fn health_row(item: &Item) -> LogHealthRow {
         rest_from_s: h.rest_from_s,
         remarks,
     }
+}
+
+/// How setpoints with stamps of their own lie to the readings.
+fn stamps_apart(asked_s: &[f64], read_s: &[f64]) -> Option<String> {
+    let middle = |mut values: Vec<f64>| {
+        values.sort_unstable_by(f64::total_cmp);
+        values.get(values.len() / 2).copied()
+    };
+    let period_s = middle(asked_s.windows(2).map(|pair| pair[1] - pair[0]).collect())?;
+    let until = |asked: &f64| Some(read_s.get(read_s.partition_point(|read| read < asked))? - asked);
+    let later_s = middle(asked_s.iter().filter_map(until).collect())?;
+    Some(format!(
+        "setpoints have stamps of their own, every {:.2} ms, {:.2} ms before the next reading",
+        1e3 * period_s,
+        1e3 * later_s
+    ))
 }
 
 fn role(role: Role) -> String {

@@ -15,11 +15,14 @@ use super::text::{finish, number, one_line, table, wrap};
 use super::{HashedInput, JointFit, LogHealthRow, Provenance, SCHEMA};
 use crate::gap::{BeliefFound, Checkup};
 use crate::identify::Case;
+use crate::log::Nominal;
 
 /// Characters of a file name.
 const NAME: usize = 28;
 /// A rest above so many times the sensor's own noise is worth a remark.
 const MUCH: f64 = 2.0;
+/// No link swings like a pendulum longer than this \[m\].
+const LONGEST_M: f64 = 10.0;
 /// What is to be kept in mind where the recalibrated joint leaves a rest.
 const LEFT: &str = "The recalibrated joint leaves more than noise: these sizes hold beside what is still to be explained, once it \
      is; `gap` looks for it.";
@@ -36,6 +39,8 @@ pub struct CheckReport {
     pub health: Vec<LogHealthRow>,
     /// `None` without a study.
     pub checkup: Option<Checkup>,
+    /// Numbers of the study that cannot be right, in sentences.
+    pub doubts: Vec<String>,
     /// Where the report comes from.
     pub provenance: Provenance,
 }
@@ -43,13 +48,18 @@ pub struct CheckReport {
 impl CheckReport {
     /// The report of a case.
     pub fn new(case: &Case, checkup: Option<Checkup>, provenance: Provenance) -> Self {
-        Self { joint: case.joint.name.clone(), health: health_rows(case), checkup, provenance }
+        // A robot's link is computed from its description, and may well hang on an axis that stands upright.
+        let is_stated = case.items.iter().flat_map(|item| &item.experiments).all(|e| e.carriage.is_none());
+        let stated = case.joint.nominal.filter(|_| is_stated);
+        let doubts = stated.and_then(|nominal| long_lever(&nominal)).into_iter().collect();
+        Self { joint: case.joint.name.clone(), health: health_rows(case), checkup, doubts, provenance }
     }
 }
 
 /// Writes a check as plain text, at most 100 columns wide where file names allow it, ending in a newline.
 pub fn check_text(report: &CheckReport) -> String {
     let mut blocks = vec![health(&report.health)];
+    blocks.extend(report.doubts.iter().map(|doubt| paragraph(doubt)));
     match &report.checkup {
         None => blocks.push(paragraph(NO_STUDY)),
         Some(checkup) => {
@@ -72,6 +82,37 @@ pub fn check_text(report: &CheckReport) -> String {
         }
     }
     blocks.join("\n\n") + "\n"
+}
+
+/// The checks of several joints one after the other, each with its name above it; `None`: one that never moved.
+pub fn checks_text(joints: &[(&str, Option<&CheckReport>)], notes: &[String]) -> String {
+    let mut text = String::new();
+    for (name, report) in joints {
+        text += &format!("== {name} ==\n");
+        text += &match report {
+            None => "It never moved: nothing to check.\n".to_owned(),
+            Some(CheckReport { health: rows, checkup: None, .. }) => health(rows) + "\n",
+            Some(report) => check_text(report),
+        };
+        text += "\n";
+    }
+    if joints.iter().any(|(_, report)| report.is_some_and(|report| report.checkup.is_none())) {
+        text += &paragraph(NO_STUDY);
+        text += "\n";
+    }
+    notes.iter().for_each(|note| text += &(wrap(WIDTH, note, "- ", "  ") + "\n"));
+    text
+}
+
+/// What a link's inertia would say of its length, where no link is that long.
+fn long_lever(nominal: &Nominal) -> Option<String> {
+    let length_m = nominal.inertia_kg_m2 / nominal.moment_kg_m;
+    (length_m.is_finite() && length_m > LONGEST_M).then(|| {
+        format!(
+            "The stated inertia and moment are those of a pendulum of {length_m:.0} m (inertia / moment): is the inertia in \
+             kg m^2 and the moment in kg m, or is a geared rotor in it (`armature` in [motor])?"
+        )
+    })
 }
 
 /// One line for each log, then what is odd about it.
@@ -130,6 +171,7 @@ pub fn check_json(report: &CheckReport) -> impl Serialize + '_ {
         schema: SCHEMA,
         name: &report.joint,
         health: &report.health,
+        doubts: &report.doubts,
         can_tell: report.checkup.as_ref().map(CanTell::of),
         version: &provenance.version,
         command: &provenance.command,
@@ -137,11 +179,26 @@ pub fn check_json(report: &CheckReport) -> impl Serialize + '_ {
     }
 }
 
+/// The checks of several joints of a robot, by name.
+pub fn checks_json<'a>(name: &'a str, reports: &'a [CheckReport]) -> impl Serialize + 'a {
+    let joints: BTreeMap<&str, _> = reports.iter().map(|report| (report.joint.as_str(), check_json(report))).collect();
+    Several { schema: SCHEMA, name, joints }
+}
+
+#[derive(Serialize)]
+struct Several<'a, T> {
+    schema: u32,
+    name: &'a str,
+    joints: BTreeMap<&'a str, T>,
+}
+
 #[derive(Serialize)]
 struct Document<'a> {
     schema: u32,
     name: &'a str,
     health: &'a [LogHealthRow],
+    #[serde(skip_serializing_if = "<[String]>::is_empty")]
+    doubts: &'a [String],
     #[serde(flatten)]
     can_tell: Option<CanTell<'a>>,
     version: &'a str,
@@ -183,5 +240,20 @@ impl<'a> CanTell<'a> {
             undetermined: &checkup.undetermined,
             detectable: checkup.detectable.iter().map(|d| (d.effect.id(), Threshold::of(d))).collect(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_inertia_that_no_link_has_is_doubted() {
+        let nominal =
+            |inertia_kg_m2| Nominal { inertia_kg_m2, moment_kg_m: 5e-3, coulomb_nm: 0.0, viscous_nm_s_rad: 0.0 };
+        assert_eq!(long_lever(&nominal(9e-4)), None);
+        let doubt = long_lever(&nominal(1.0)).unwrap();
+        assert!(doubt.contains("200 m"), "{doubt}");
+        assert_eq!(long_lever(&Nominal { moment_kg_m: 0.0, ..nominal(1.0) }), None);
     }
 }

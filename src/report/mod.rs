@@ -10,11 +10,13 @@ mod beliefs;
 mod blind;
 mod check;
 mod clamped_gap;
+mod draft;
 mod error;
 mod fit_json;
 mod full;
 mod gap;
 mod html;
+mod mcap;
 mod model;
 mod notes;
 mod plot;
@@ -36,13 +38,15 @@ pub use blind::{
     BlindReport, RobotBlindReport, blind_figures, blind_html, blind_text, robot_blind_figures, robot_blind_html,
     robot_blind_text,
 };
-pub use check::{CheckReport, check_json, check_text};
+pub use check::{CheckReport, check_json, check_text, checks_json, checks_text};
 pub use clamped_gap::{ClampedGapReport, clamped_gap_figures, clamped_gap_html, clamped_gap_json, clamped_gap_text};
+pub use draft::{Draft, DraftError, draft_study};
 pub use error::ReportError;
 pub use fit_json::{EffectFit, FitFile, JointFit, LogFit, ModelFit, Quantity, SCHEMA};
 pub use full::{FullCurves, FullDrop, FullRow, HeldRow, RefitFit, RefitSummary};
 pub use gap::{GapReport, NEXT_FILE, gap_figures, gap_json, gap_text, law_figure, render_gap_html};
 pub use html::render_html;
+pub use mcap::trace_topics;
 pub use model::{
     Correlation, DropReport, FrictionPoint, HashedInput, LogCurves, LogHealthRow, ModelSummary, ParameterRow,
     ParameterStatus, Provenance,

@@ -275,6 +275,7 @@ impl Of<'_> {
                 name: joint.name.clone(),
                 q_rad: q_ref.clone(),
                 q_ref_rad: Some(q_ref),
+                setpoints: None,
                 ..JointColumns::default()
             }
         };
@@ -292,6 +293,7 @@ impl Of<'_> {
             base,
             acceleration_m_s2: None,
             ignored_columns: Vec::new(),
+            notes: Vec::new(),
         }
     }
 }

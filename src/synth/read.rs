@@ -87,6 +87,7 @@ fn study(document: &Document<'_>, sections: Sections) -> RobotStudy {
         floor,
         sensor,
         uncertain: Uncertain::default(),
+        columns: crate::log::Columns::default(),
         logs: Vec::new(),
     }
 }

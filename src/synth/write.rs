@@ -198,6 +198,7 @@ mod tests {
         let believed = Believed { nominal, gravity_m_s2: 9.81, rest_rad: 0.0, kind: r#"q"2\"#.into() };
         let study = RobotStudy {
             uncertain: crate::log::Uncertain::default(),
+            columns: crate::log::Columns::default(),
             file: "study.toml".into(),
             model: "ers7".into(),
             model_path: None,

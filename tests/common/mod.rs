@@ -182,7 +182,9 @@ fn draw(seed: u64, attempt: u64, lack: Lack) -> Option<Set> {
             dq_rad_s: None,
             tau_nm: (driven == Driven::Torque).then_some(tau),
             q_ref_rad: (driven == Driven::Position).then_some(q_ref),
+            setpoints: None,
             ignored_columns: Vec::new(),
+            notes: Vec::new(),
             t_s,
         };
         let drive = match driven {

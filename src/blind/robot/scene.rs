@@ -60,6 +60,7 @@ impl Scene {
                 noise_rad: Some(NOISE_RAD),
             },
             uncertain: Uncertain::default(),
+            columns: crate::log::Columns::default(),
             logs: Vec::new(),
         };
         let truth = TruthSpec { scatter: SCATTER, ..TruthSpec::default() };

@@ -143,6 +143,9 @@ impl ClampedCase {
         if !unseen.is_empty() {
             notes.push(format!("No log has {}: taken to stand as drawn.", unseen.join(", ")));
         }
+        for log in logs.iter().filter(|log| !log.notes.is_empty()) {
+            notes.push(format!("{}: {}.", log.file.display(), log.notes.join("; ")));
+        }
         notes.extend(description.left_out.iter().cloned());
         let mut inputs: Vec<PathBuf> = study.logs.iter().map(|log| log.path.clone()).collect();
         inputs.push(study.file.clone());
@@ -181,6 +184,8 @@ impl Maker<'_> {
             let own = log.joint(name)?;
             Some(ArrayLog {
                 q_ref_rad: own.q_ref_rad.clone(),
+                setpoints: own.setpoints.clone(),
+                holes_are_known: true,
                 tau_nm: if entry.drive == DriveMode::Torque { own.tau_nm.clone() } else { None },
                 on: own.drive.clone(),
                 role: entry.role,

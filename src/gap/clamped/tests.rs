@@ -41,6 +41,7 @@ fn a_joint_of_a_robot_is_a_pendulum_with_a_load_that_time_changes() {
         base: None,
         acceleration_m_s2: None,
         ignored_columns: Vec::new(),
+        notes: Vec::new(),
     };
     let links = Along::new(&description, &tree).links(std::slice::from_ref(&log));
     let mut dynamics = TreeDynamics::new(&tree);

@@ -11,6 +11,7 @@ mod tests;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use super::source::Columns;
 use super::types::{Derivative, DriveMode, EncoderSide, Hold, MotorModel, Role, SensorSpec, Uncertain};
 
 pub use read::{read_clamped_study, read_clamped_study_logs};
@@ -26,6 +27,8 @@ pub struct ClampedStudy {
     pub tip: Option<String>,
     /// Gravity in the description's axes \[m/s^2\]; `None`: as the description has it.
     pub gravity_m_s2: Option<[f64; 3]>,
+    /// Joints of the logs that are not the robot's, or are to be left out.
+    pub without: Vec<String>,
     /// What is believed of all joints.
     pub all: JointBeliefs,
     /// What is believed of single joints, by name.
@@ -42,6 +45,8 @@ pub struct ClampedStudy {
     pub sensor: SensorSpec,
     /// How sure the engineer is of what study and description state; names are those of joints and links.
     pub uncertain: Uncertain,
+    /// What the logs call their columns, and in which units they have them.
+    pub columns: Columns,
     /// At least one.
     pub logs: Vec<ClampedStudyLog>,
 }

@@ -6,6 +6,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use crate::log::schema::{Number, RawMotor, RawSensor, RawUncertain, Text};
+use crate::log::source::RawColumns;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -23,6 +24,8 @@ pub(super) struct RawClampedStudy {
     #[serde(default)]
     pub uncertain: RawUncertain,
     #[serde(default)]
+    pub columns: RawColumns,
+    #[serde(default)]
     pub log: Vec<RawClampedLog>,
 }
 
@@ -33,6 +36,8 @@ pub(super) struct RawDescribed {
     pub scenario: Text,
     pub tip: Text,
     pub gravity: Option<Spanned<Vec<f64>>>,
+    #[serde(default)]
+    pub without: Vec<String>,
 }
 
 #[derive(Deserialize, Default)]

@@ -12,6 +12,7 @@ use crate::log::document::{Document, NOT_NEGATIVE, PERIOD, POSITIVE, Range64, ra
 use crate::log::error::LogError;
 use crate::log::motor::{DERIVATIVES, ENCODERS, HOLDS, model};
 use crate::log::robot_log::{RobotLog, read_robot_logs};
+use crate::log::source::columns;
 use crate::log::study::{DRIVES, ROLES, check_schema, named_log, sensor};
 use crate::log::types::{Derivative, DriveMode, Hold, Role};
 
@@ -62,6 +63,7 @@ pub fn read_clamped_study(path: &Path) -> Result<ClampedStudy, LogError> {
     Ok(ClampedStudy {
         file: path.to_path_buf(),
         model_path: folder.join(model.get_ref()),
+        without: raw.robot.without,
         tip: raw.robot.tip.map(Spanned::into_inner),
         gravity_m_s2,
         all,
@@ -72,6 +74,7 @@ pub fn read_clamped_study(path: &Path) -> Result<ClampedStudy, LogError> {
         sample_period_s: document.number("[control] sample_period", &raw.control.sample_period, PERIOD)?,
         sensor: sensor(&document, &raw.sensor)?,
         uncertain: uncertain(&document, &raw.uncertain, ANY_NAME)?,
+        columns: columns(&document, &raw.columns)?,
         logs,
     })
 }
@@ -83,7 +86,9 @@ pub fn read_clamped_study(path: &Path) -> Result<ClampedStudy, LogError> {
 /// `[sensor] period`.
 pub fn read_clamped_study_logs(study: &ClampedStudy) -> Result<Vec<RobotLog>, LogError> {
     let paths: Vec<&Path> = study.logs.iter().map(|log| log.path.as_path()).collect();
-    read_robot_logs(&paths, study.sensor.period_s)
+    let mut logs = read_robot_logs(&paths, &study.columns, study.sensor.period_s)?;
+    logs.iter_mut().for_each(|log| log.joints.retain(|joint| !study.without.contains(&joint.name)));
+    Ok(logs)
 }
 
 fn gravity(document: &Document<'_>, raw: &Spanned<Vec<f64>>) -> Result<[f64; 3], LogError> {

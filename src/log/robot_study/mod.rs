@@ -10,6 +10,7 @@ mod tests;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use super::source::Columns;
 use super::types::{Derivative, ExtraMass, Hold, Role, Uncertain};
 
 pub(crate) use raw::{RawControl, RawFloor, RawFriction, RawRobot, RawRobotSensor};
@@ -39,6 +40,8 @@ pub struct RobotStudy {
     pub sensor: RobotSensorSpec,
     /// How sure the engineer is of what the study states; names are those of the robot's description.
     pub uncertain: Uncertain,
+    /// What the logs call their columns, and in which units they have them.
+    pub columns: Columns,
     /// At least one.
     pub logs: Vec<RobotStudyLog>,
 }

@@ -6,6 +6,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use crate::log::schema::{Number, RawExtra, RawUncertain, Text};
+use crate::log::source::RawColumns;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -18,6 +19,8 @@ pub(super) struct RawRobotStudy {
     pub sensor: Option<RawRobotSensor>,
     #[serde(default)]
     pub uncertain: RawUncertain,
+    #[serde(default)]
+    pub columns: RawColumns,
     #[serde(default)]
     pub log: Vec<RawRobotLog>,
 }

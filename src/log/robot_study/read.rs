@@ -16,6 +16,7 @@ use crate::log::error::LogError;
 use crate::log::motor::{DERIVATIVES, HOLDS};
 use crate::log::robot_log::{RobotLog, read_robot_logs};
 use crate::log::schema::{Number, Text};
+use crate::log::source::columns;
 use crate::log::study::{RESOLUTION, ROLES, check_schema, extra, named_log};
 use crate::log::types::{Derivative, Hold, Role};
 
@@ -84,6 +85,7 @@ pub fn read_robot_study(path: &Path) -> Result<RobotStudy, LogError> {
         (raw.friction.as_ref(), raw.control.as_ref(), raw.floor.as_ref(), raw.sensor.as_ref()),
     )?;
     let uncertain = uncertain(&document, &raw.uncertain, ANY_NAME)?;
+    let columns = columns(&document, &raw.columns)?;
     if raw.log.is_empty() {
         return Err(document.missing("[[log]]", "at least one log"));
     }
@@ -105,6 +107,7 @@ pub fn read_robot_study(path: &Path) -> Result<RobotStudy, LogError> {
         floor,
         sensor,
         uncertain,
+        columns,
         logs,
     })
 }
@@ -116,7 +119,7 @@ pub fn read_robot_study(path: &Path) -> Result<RobotStudy, LogError> {
 /// `[sensor] period`.
 pub fn read_robot_study_logs(study: &RobotStudy) -> Result<Vec<RobotLog>, LogError> {
     let paths: Vec<&Path> = study.logs.iter().map(|log| log.path.as_path()).collect();
-    read_robot_logs(&paths, study.sensor.period_s)
+    read_robot_logs(&paths, &study.columns, study.sensor.period_s)
 }
 
 /// What a robot study says before its logs.

@@ -19,6 +19,7 @@ fn study(scenario: RobotScenario) -> RobotStudy {
         floor: FloorSpec { static_friction: Some(0.9), ..FloorSpec::default() },
         sensor: RobotSensorSpec::default(),
         uncertain: crate::log::Uncertain::default(),
+        columns: crate::log::Columns::default(),
         logs: Vec::new(),
     }
 }
@@ -33,7 +34,15 @@ fn log(joints: &[&str], angle_rad: f64) -> RobotLog {
         ..JointColumns::default()
     };
     let joints = joints.iter().map(joint).collect();
-    RobotLog { file: "log.csv".into(), joints, base: None, acceleration_m_s2: None, ignored_columns: Vec::new(), t_s }
+    RobotLog {
+        file: "log.csv".into(),
+        joints,
+        base: None,
+        acceleration_m_s2: None,
+        ignored_columns: Vec::new(),
+        notes: Vec::new(),
+        t_s,
+    }
 }
 
 const LEGS: [&str; 12] = ["lf1", "lf2", "lf3", "rf1", "rf2", "rf3", "lr1", "lr2", "lr3", "rr1", "rr2", "rr3"];

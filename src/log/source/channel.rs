@@ -1,0 +1,140 @@
+//! Channels, their stamps, and where in the file a sample stands.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use super::columns::ColumnSpec;
+use crate::log::header::Column;
+use crate::log::place::{Place, Subject};
+use crate::log::plausible::Row;
+
+/// A format that is read, recognised by what a file holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Format {
+    /// The project's own CSV, or any other that `[columns]` explains.
+    Csv,
+    /// A table with a row for each message, empty cells where another message stands.
+    StaggeredCsv,
+    /// A JointState message as a table, in one of the layouts that tools write.
+    JointStateTable,
+    /// A folder of SAGE: `control.csv`, `state_motor.csv`, `joint_list.txt`.
+    Sage,
+    /// A ROS 2 bag in SQLite.
+    Rosbag2,
+    /// MCAP.
+    Mcap,
+    /// A LeRobot dataset, or one of its Parquet files.
+    LeRobot,
+    /// Arrays of NumPy.
+    Npz,
+    /// A log of Rhoban's BAM, in JSON.
+    Bam,
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Csv => "CSV",
+            Self::StaggeredCsv => "CSV with a row for each message",
+            Self::JointStateTable => "a table of JointState messages",
+            Self::Sage => "a SAGE recording",
+            Self::Rosbag2 => "a rosbag2 file (SQLite)",
+            Self::Mcap => "MCAP",
+            Self::LeRobot => "a LeRobot dataset",
+            Self::Npz => "NumPy arrays (.npz)",
+            Self::Bam => "a log of BAM (JSON)",
+        })
+    }
+}
+
+/// Samples of one quantity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// What we call it: `q`, `elbow.q_ref`, `base.z`; `None`: nothing that is used.
+    pub ours: Option<String>,
+    /// What the file calls it.
+    pub theirs: String,
+    /// Which of [`Source::clocks`] its samples are stamped by.
+    pub clock: usize,
+    /// In SI units, radians.
+    pub values: Vec<f64>,
+    /// The cell of a row that it stands in, of a table.
+    pub(in crate::log) cell: Option<usize>,
+    /// What its reader takes it to be, until `[columns]` is applied; only ever set while a file is read.
+    pub(in crate::log) spec: Option<ColumnSpec>,
+}
+
+/// A file's channels.
+#[derive(Clone, Debug)]
+pub struct Source {
+    /// As the user named it.
+    pub file: PathBuf,
+    /// What it is.
+    pub format: Format,
+    /// Stamps \[s\], strictly increasing; channels that were sampled together share one.
+    pub clocks: Vec<Vec<f64>>,
+    /// In file order.
+    pub channels: Vec<Channel>,
+    /// What the file calls that which is not used, in file order.
+    pub ignored: Vec<String>,
+    /// What the reader decided that a user may want to know, in sentences.
+    pub notes: Vec<String>,
+    /// Where samples stand in a table.
+    pub(in crate::log) rows: Option<Rows>,
+}
+
+/// Where the rows of a table are.
+#[derive(Clone, Debug, Default)]
+pub(in crate::log) struct Rows {
+    /// Of all rows after the header.
+    pub all: Vec<Row>,
+    /// The row of each sample of a clock; `None`: sample and row count alike.
+    pub of_clock: Vec<Option<Vec<u32>>>,
+    /// The cell that stamps stand in, and its name.
+    pub time: (usize, String),
+}
+
+impl Source {
+    /// A file without channels yet.
+    pub(in crate::log) fn new(file: PathBuf, format: Format) -> Self {
+        Self {
+            file,
+            format,
+            clocks: Vec::new(),
+            channels: Vec::new(),
+            ignored: Vec::new(),
+            notes: Vec::new(),
+            rows: None,
+        }
+    }
+
+    /// The channel that we call so.
+    pub fn ours(&self, name: &str) -> Option<&Channel> {
+        self.channels.iter().find(|channel| channel.ours.as_deref() == Some(name))
+    }
+
+    /// Stamps of a channel \[s\].
+    pub fn t_s(&self, channel: &Channel) -> &[f64] {
+        &self.clocks[channel.clock]
+    }
+
+    /// Joints that have an angle, in file order; the joint of a log of one has the name `None`.
+    pub fn joints(&self) -> Vec<Option<&str>> {
+        let ours = self.channels.iter().filter_map(|channel| super::column_of(channel.ours.as_deref()?));
+        ours.filter(|(_, column)| *column == Column::Angle).map(|(joint, _)| joint).collect()
+    }
+
+    /// Where a sample stands, as far as the format has places; `time`: where its stamp does.
+    pub(in crate::log) fn place(&self, channel: &Channel, sample: usize, time: bool) -> Box<Place> {
+        let row_of = |rows: &Rows| match rows.of_clock.get(channel.clock) {
+            Some(Some(of)) => of.get(sample).map(|row| *row as usize),
+            _ => Some(sample),
+        };
+        let found = self.rows.as_ref().and_then(|rows| Some((rows, *rows.all.get(row_of(rows)?)?)));
+        let Some((rows, row)) = found else { return Box::new(Place::of_column(&self.file, &channel.theirs)) };
+        let (cell, name) =
+            if time { (rows.time.0, &rows.time.1) } else { (channel.cell.unwrap_or(0), &channel.theirs) };
+        Box::new(Place::in_log(&self.file, row.byte, row.line, Subject::Column(name.clone()), Some(cell)))
+    }
+}

@@ -1,0 +1,279 @@
+//! `[columns]` of a study: what a file calls the columns that we know, and the units, signs and zeros it has them in.
+
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+use std::fmt;
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use crate::log::document::{Document, FINITE, POSITIVE};
+use crate::log::error::LogError;
+use crate::log::header::Column;
+use crate::log::schema::{Number, Text};
+use crate::log::toml_text::{toml_key, toml_string};
+
+/// The unit of a column of a file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Unit {
+    /// Times a second of this length \[s\]: `s`, `ms`, `us`, `ns`.
+    Time(f64),
+    /// Times this many radians \[rad\]: `rad`, `deg`, `rev`; of a speed, per second.
+    Angle(f64),
+    /// So many to a turn: encoder counts, or a fraction of a range.
+    Ticks {
+        /// \[1\]
+        per_rev: f64,
+    },
+    /// `N m`
+    Torque,
+    /// `A`: a current, which `tau_is = "current"` turns into torque.
+    Current,
+}
+
+/// The words of a study for units, but for `ticks`.
+const WORDS: [(&str, Unit); 9] = [
+    ("s", Unit::Time(1.0)),
+    ("ms", Unit::Time(1e-3)),
+    ("us", Unit::Time(1e-6)),
+    ("ns", Unit::Time(1e-9)),
+    ("rad", Unit::Angle(1.0)),
+    ("deg", Unit::Angle(TAU / 360.0)),
+    ("rev", Unit::Angle(TAU)),
+    ("N m", Unit::Torque),
+    ("A", Unit::Current),
+];
+
+impl Unit {
+    /// In SI per unit of the file.
+    pub fn scale(self) -> f64 {
+        match self {
+            Self::Time(scale) | Self::Angle(scale) => scale,
+            Self::Ticks { per_rev } => TAU / per_rev,
+            Self::Torque | Self::Current => 1.0,
+        }
+    }
+
+    /// Units that a column may have.
+    fn fits(self, column: Column) -> bool {
+        match column {
+            Column::Time => matches!(self, Self::Time(_)),
+            Column::Angle | Column::Setpoint | Column::Speed => matches!(self, Self::Angle(_) | Self::Ticks { .. }),
+            Column::Torque => matches!(self, Self::Torque | Self::Current),
+            Column::Drive => false,
+        }
+    }
+}
+
+impl fmt::Display for Unit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(WORDS.iter().find(|(_, unit)| unit == self).map_or("ticks", |(word, _)| word))
+    }
+}
+
+/// What a file has for one of our columns: `ours = sign * (theirs in SI) - zero`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ColumnSpec {
+    /// As the file calls it.
+    pub name: String,
+    /// In what it stands there; `None`: as ours.
+    pub unit: Option<Unit>,
+    /// Where theirs grows the other way.
+    pub is_reversed: bool,
+    /// What ours reads less \[our unit\].
+    pub zero: f64,
+}
+
+impl ColumnSpec {
+    /// A column that is ours under another name.
+    pub fn named(name: impl Into<String>) -> Self {
+        Self { name: name.into(), unit: None, is_reversed: false, zero: 0.0 }
+    }
+
+    /// Ours, of a number of theirs.
+    pub fn apply(&self, theirs: f64) -> f64 {
+        let value = self.unit.map_or(theirs, |unit| theirs * unit.scale());
+        (if self.is_reversed { -value } else { value }) - self.zero
+    }
+
+    /// The value that it has in a study.
+    pub fn toml(&self) -> String {
+        let mut text = format!("{{ name = {}", toml_string(&self.name));
+        if let Some(unit) = self.unit {
+            text += &format!(", unit = \"{unit}\"");
+        }
+        if let Some(Unit::Ticks { per_rev }) = self.unit {
+            text += &format!(", per_rev = {per_rev:?}");
+        }
+        if self.is_reversed {
+            text += ", sign = -1";
+        }
+        if self.zero != 0.0 {
+            text += &format!(", zero = {:?}", self.zero);
+        }
+        text + " }"
+    }
+}
+
+/// `[columns]`, by our names: `t`, `q`, `elbow.q_ref`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Columns(pub BTreeMap<String, ColumnSpec>);
+
+impl Columns {
+    /// What the file has for one of our columns.
+    pub fn get(&self, ours: &str) -> Option<&ColumnSpec> {
+        self.0.get(ours)
+    }
+
+    /// The table as it stands in a study; empty where there is nothing to say.
+    pub fn toml(&self) -> String {
+        let lines = self.0.iter().map(|(ours, spec)| format!("{} = {}\n", toml_key(ours), spec.toml()));
+        if self.0.is_empty() { String::new() } else { "[columns]\n".to_owned() + &lines.collect::<String>() }
+    }
+}
+
+/// One entry as it stands in the file.
+#[derive(Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(in crate::log) struct RawColumn {
+    name: Text,
+    unit: Text,
+    per_rev: Number,
+    sign: Number,
+    zero: Number,
+}
+
+/// `[columns]` as it stands in the file.
+pub(in crate::log) type RawColumns = BTreeMap<String, Spanned<RawColumn>>;
+
+/// Which of our columns a name is: `elbow.q_ref` is the setpoint of `elbow`.
+pub(in crate::log) fn column_of(ours: &str) -> Option<(Option<&str>, Column)> {
+    let (joint, name) = ours.rsplit_once('.').map_or((None, ours), |(joint, name)| (Some(joint), name));
+    let column = Column::ALL.into_iter().find(|column| column.name() == name)?;
+    let is_named = joint.is_none_or(|joint| !joint.is_empty() && column != Column::Time);
+    is_named.then_some((joint, column))
+}
+
+/// Checks the table `[columns]`.
+pub(in crate::log) fn columns(document: &Document<'_>, raw: &RawColumns) -> Result<Columns, LogError> {
+    let mut checked = BTreeMap::new();
+    for (ours, entry) in raw {
+        let key = format!("[columns] {ours}");
+        let Some((_, column)) = column_of(ours) else {
+            let expected =
+                "t, q, dq, tau, q_ref or drive, of several joints with the joint's name before it: \"elbow.q\"";
+            return Err(document.wrong(&key, entry.span(), format!("\"{ours}\""), expected));
+        };
+        let RawColumn { name, unit, per_rev, sign, zero } = entry.get_ref();
+        let name = name.as_ref().ok_or_else(|| document.missing(format!("{key}.name"), "what the file calls it"))?;
+        let unit = self::unit(document, &key, column, unit, per_rev)?;
+        let is_reversed = match sign {
+            None => false,
+            Some(sign) if sign.get_ref().abs() == 1.0 => *sign.get_ref() < 0.0,
+            Some(sign) => {
+                return Err(document.wrong(&format!("{key}.sign"), sign.span(), sign.get_ref().to_string(), "1 or -1"));
+            }
+        };
+        let zero = document.number(&format!("{key}.zero"), zero, FINITE)?.unwrap_or(0.0);
+        checked.insert(ours.clone(), ColumnSpec { name: name.get_ref().clone(), unit, is_reversed, zero });
+    }
+    Ok(Columns(checked))
+}
+
+/// The table `[columns]` of a study of any kind; empty where it has none.
+///
+/// # Errors
+/// [`LogError`] where the file is no TOML, or the table is wrong.
+pub fn study_columns(path: &std::path::Path) -> Result<Columns, LogError> {
+    #[derive(Deserialize)]
+    struct Only {
+        #[serde(default)]
+        columns: RawColumns,
+    }
+    let document = Document::open(path)?;
+    let only: Only = document.parse_any()?;
+    columns(&document, &only.columns)
+}
+
+fn unit(
+    document: &Document<'_>,
+    key: &str,
+    column: Column,
+    unit: &Text,
+    per_rev: &Number,
+) -> Result<Option<Unit>, LogError> {
+    let per_rev_key = format!("{key}.per_rev");
+    let Some(word) = unit else {
+        if let Some(per_rev) = per_rev {
+            return Err(document.wrong(&per_rev_key, per_rev.span(), "it alone", "unit = \"ticks\" beside it"));
+        }
+        return Ok(None);
+    };
+    let found = if word.get_ref() == "ticks" {
+        Some(Unit::Ticks { per_rev: document.needed(&per_rev_key, per_rev, POSITIVE)? })
+    } else {
+        if let Some(per_rev) = per_rev {
+            return Err(document.wrong(&per_rev_key, per_rev.span(), "it", "it with unit = \"ticks\" only"));
+        }
+        WORDS.iter().find(|(known, _)| known == word.get_ref()).map(|(_, unit)| *unit)
+    };
+    match found.filter(|unit| unit.fits(column)) {
+        Some(unit) => Ok(Some(unit)),
+        None => {
+            let expected = match column {
+                Column::Time => "\"s\", \"ms\", \"us\" or \"ns\"",
+                Column::Torque => "\"N m\" or \"A\"",
+                Column::Drive => "no unit: 0 or 1",
+                Column::Speed => "\"rad\", \"deg\", \"rev\" or \"ticks\" (with per_rev), per second",
+                _ => "\"rad\", \"deg\", \"rev\" or \"ticks\" (with per_rev)",
+            };
+            Err(document.wrong(&format!("{key}.unit"), word.span(), format!("\"{}\"", word.get_ref()), expected))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    #[derive(Deserialize)]
+    struct Whole {
+        columns: RawColumns,
+    }
+
+    fn read(text: &str) -> Result<Columns, String> {
+        let document = Document::of_text(Path::new("study.toml"), text);
+        let whole: Whole = document.parse_any().map_err(|error| error.to_string())?;
+        columns(&document, &whole.columns).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn ours_is_sign_times_theirs_in_si_less_zero() {
+        let text = "[columns]\nt = { name = \"stamp\", unit = \"ns\" }\nq = { name = \"a\", unit = \"deg\", sign = -1, \
+                    zero = 0.1 }\n\"elbow.q\" = { name = \"raw\", unit = \"ticks\", per_rev = 4096 }\n";
+        let columns = read(text).unwrap();
+        assert!((columns.get("q").unwrap().apply(90.0) + TAU / 4.0 + 0.1).abs() < 1e-12);
+        assert!((columns.get("t").unwrap().apply(5e6) - 0.005).abs() < 1e-15);
+        assert!((columns.get("elbow.q").unwrap().apply(1024.0) - TAU / 4.0).abs() < 1e-12);
+        assert_eq!(read(&columns.toml()).unwrap(), columns);
+    }
+
+    #[test]
+    fn what_cannot_be_is_an_error_that_names_the_key() {
+        for (entry, expected) in [
+            ("q = { name = \"a\", unit = \"ms\" }", "[columns] q.unit"),
+            ("t = { name = \"a\", unit = \"deg\" }", "expected \"s\", \"ms\", \"us\" or \"ns\""),
+            ("q = { name = \"a\", unit = \"ticks\" }", "[columns] q.per_rev"),
+            ("q = { name = \"a\", per_rev = 4096.0 }", "unit = \"ticks\" beside it"),
+            ("q = { name = \"a\", sign = 2.0 }", "expected 1 or -1"),
+            ("q = { unit = \"deg\" }", "[columns] q.name"),
+            ("angle = { name = \"a\" }", "[columns] angle"),
+            ("\"elbow.t\" = { name = \"a\" }", "[columns] elbow.t"),
+            ("q = { name = \"a\", units = \"deg\" }", "units"),
+        ] {
+            let message = read(&format!("[columns]\n{entry}\n")).unwrap_err();
+            assert!(message.contains(expected) && message.contains("study.toml"), "{entry}: {message}");
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! What the name of a column says: whose it is, what it holds, in which unit. A guess, and always told as one.
+
+use super::columns::Unit;
+use crate::log::header::Column;
+use std::f64::consts::TAU;
+
+/// What a name looks like.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::log) struct Guess {
+    /// What is left of the name; `None`: nothing is.
+    pub joint: Option<String>,
+    /// What it seems to hold.
+    pub column: Column,
+    /// The unit that the name states.
+    pub unit: Option<Unit>,
+}
+
+const TIMES: [&str; 8] = ["t", "time", "timestamp", "timestamps", "stamp", "times", "ts", "tsec"];
+const ANGLES: [&str; 16] = [
+    "q",
+    "pos",
+    "position",
+    "positions",
+    "angle",
+    "angles",
+    "theta",
+    "phi",
+    "encoder",
+    "present",
+    "actual",
+    "measured",
+    "state",
+    "jointangle",
+    "jointposition",
+    "qpos",
+];
+const SETPOINTS: [&str; 13] = [
+    "ref",
+    "qref",
+    "target",
+    "goal",
+    "cmd",
+    "command",
+    "commanded",
+    "desired",
+    "des",
+    "setpoint",
+    "reference",
+    "action",
+    "qdes",
+];
+const SPEEDS: [&str; 8] = ["dq", "vel", "velocity", "velocities", "speed", "qdot", "qd", "qvel"];
+const TORQUES: [&str; 5] = ["tau", "torque", "torques", "effort", "efforts"];
+const CURRENTS: [&str; 3] = ["current", "currents", "amps"];
+const NOISE: [&str; 4] = ["joint", "states", "field", "header"];
+
+/// What a unit at the end of a name, or in brackets, is.
+fn unit_of(word: &str) -> Option<Unit> {
+    Some(match word {
+        "s" | "sec" | "secs" | "seconds" => Unit::Time(1.0),
+        "ms" | "msec" | "millis" | "milliseconds" => Unit::Time(1e-3),
+        "us" | "usec" | "micros" | "microseconds" => Unit::Time(1e-6),
+        "ns" | "nsec" | "nanos" | "nanoseconds" => Unit::Time(1e-9),
+        "rad" | "rads" | "radians" => Unit::Angle(1.0),
+        "deg" | "degs" | "degree" | "degrees" => Unit::Angle(TAU / 360.0),
+        "rev" | "revs" | "turns" | "revolutions" => Unit::Angle(TAU),
+        "nm" => Unit::Torque,
+        _ => return None,
+    })
+}
+
+/// What a column's name looks like; `None`: like nothing that is used.
+pub(in crate::log) fn guess(name: &str) -> Option<Guess> {
+    let words: Vec<&str> = name.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
+    let lower: Vec<String> = words.iter().map(|word| word.to_lowercase()).collect();
+    let is = |set: &[&str], word: &str| set.contains(&word);
+    let unit_at = (1..lower.len()).rev().find(|&k| unit_of(&lower[k]).is_some());
+    let unit = unit_at.and_then(|k| unit_of(&lower[k]));
+    // A unit alone is a name too: `ms`, `deg`.
+    let alone = if lower.len() == 1 { unit_of(&lower[0]) } else { None };
+    let any = |set: &[&str]| lower.iter().enumerate().any(|(k, word)| Some(k) != unit_at && is(set, word));
+    let column = if any(&SETPOINTS) && !any(&TORQUES) && !any(&SPEEDS) {
+        Column::Setpoint
+    } else if any(&SPEEDS) {
+        Column::Speed
+    } else if any(&TORQUES) || any(&CURRENTS) {
+        Column::Torque
+    } else if any(&ANGLES) || matches!(alone, Some(Unit::Angle(_))) {
+        Column::Angle
+    } else if any(&TIMES) || matches!(alone, Some(Unit::Time(_))) {
+        Column::Time
+    } else {
+        return None;
+    };
+    let unit = match (unit.or(alone), column) {
+        (None, Column::Torque) if any(&CURRENTS) => Some(Unit::Current),
+        (unit, _) => unit,
+    };
+    let known = |k: usize, word: &str| {
+        let sets: [&[&str]; 7] = [&TIMES, &ANGLES, &SETPOINTS, &SPEEDS, &TORQUES, &CURRENTS, &NOISE];
+        Some(k) == unit_at || lower.len() == 1 || sets.iter().any(|set| set.contains(&word))
+    };
+    let rest: Vec<&str> =
+        words.iter().enumerate().filter(|(k, _)| !known(*k, &lower[*k])).map(|(_, word)| *word).collect();
+    let joint = (!rest.is_empty() && column != Column::Time).then(|| rest.join("_"));
+    (column != Column::Time || rest.is_empty()).then_some(Guess { joint, column, unit })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_people_give_are_understood() {
+        let deg = Some(Unit::Angle(TAU / 360.0));
+        for (name, joint, column, unit) in [
+            ("time", None, Column::Time, None),
+            ("t [s]", None, Column::Time, Some(Unit::Time(1.0))),
+            ("stamp_ns", None, Column::Time, Some(Unit::Time(1e-9))),
+            ("ms", None, Column::Time, Some(Unit::Time(1e-3))),
+            ("angle_deg", None, Column::Angle, deg),
+            ("elbow_pos", Some("elbow"), Column::Angle, None),
+            ("elbow_target_position (deg)", Some("elbow"), Column::Setpoint, deg),
+            ("left_hip.velocity", Some("left_hip"), Column::Speed, None),
+            ("shoulder current", Some("shoulder"), Column::Torque, Some(Unit::Current)),
+            ("effort", None, Column::Torque, None),
+        ] {
+            let found = guess(name).unwrap_or_else(|| panic!("{name}: nothing"));
+            assert_eq!(found, Guess { joint: joint.map(str::to_owned), column, unit }, "{name}");
+        }
+        assert_eq!(guess("volts"), None);
+        assert_eq!(guess("temperature"), None);
+    }
+}

@@ -1,0 +1,40 @@
+//! What a file holds, whatever its format: named channels in SI units, each with stamps of its own.
+//!
+//! Every reader makes a [`Source`]; logs of a joint and of a robot are made of one ([`assemble`]). What is asked of a
+//! joint and what is read of it stay apart, each at the times that its own messages or cells carry.
+
+mod assemble;
+mod bam;
+mod cdr;
+mod cells;
+mod channel;
+mod columns;
+mod crc;
+mod defects;
+mod guess;
+mod heading;
+mod joint_layout;
+mod joint_tables;
+#[cfg(feature = "parquet")]
+mod lerobot;
+mod mcap;
+mod npz;
+mod read;
+mod rosbag;
+mod sage;
+mod sqlite;
+mod table;
+mod topics;
+mod units;
+mod zip;
+
+pub(super) use assemble::{joint_log, robot_log};
+pub(super) use cdr::joint_state;
+pub(super) use columns::{RawColumns, column_of, columns};
+pub(super) use crc::Crc;
+pub(super) use defects::{more, tell_mend, tell_others};
+pub(super) use read::{Want, is_log_folder, read_wanted};
+
+pub use channel::{Channel, Format, Source};
+pub use columns::{ColumnSpec, Columns, Unit, study_columns};
+pub use read::{log_files, read_source};

@@ -1,0 +1,153 @@
+//! The study of one joint.
+
+use super::seen::{Seen, SeenJoint, drive_word, median};
+use super::{DraftError, digits, relative};
+use crate::log::{Columns, DriveMode, toml_string};
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// Joints told by name at the most.
+const NAMED: usize = 12;
+
+/// The text, and what could not be told.
+pub(super) fn study(seen: &[Seen], asked: Option<&str>, folder: &Path) -> Result<(String, Vec<String>), DraftError> {
+    let name = chosen(seen, asked);
+    let mut of_joint: Vec<(&Seen, &SeenJoint)> = Vec::new();
+    for log in seen {
+        let joint = match (&name, &log.joints[..]) {
+            (_, [only]) if asked.is_none() || only.name.is_none() => Some(only),
+            (Some(name), joints) => joints.iter().find(|joint| joint.name.as_ref() == Some(name)),
+            (None, joints) => joints.first(),
+        };
+        let joint = joint.ok_or_else(|| DraftError::NoJoint {
+            file: log.path.clone(),
+            joint: name.clone().unwrap_or_default(),
+            known: known(log),
+        })?;
+        of_joint.push((log, joint));
+    }
+    let mut untold = vec![
+        "inertia, moment and friction of the joint, which `gap` starts from: fill them in under [joint]".to_owned(),
+        "the logged angle at which the joint hangs, and so the encoder's zero and sign: `rest` is estimated unless you state it".to_owned(),
+    ];
+    let is_driven = of_joint.iter().any(|(_, joint)| joint.drive == DriveMode::Position);
+    let mut text = String::from(
+        "# Written by `aibo-fit init` from the logs below. What stands here they show; what is marked as a guess is one; lines\n\
+         # that begin with `# ` and a key are for you to fill in (drop the `# `).\nschema = 1\n\n",
+    );
+    let title = name.as_deref().unwrap_or("joint");
+    let _ = writeln!(text, "[joint]\nname = {}", toml_string(title));
+    text += "# inertia = 0.0    # kg m^2, of the bare link about its axis: from CAD, or mass x length^2 / 3 of a rod\n\
+             # moment = 0.0     # kg m, mass x distance of its centre of mass from the axis: weigh it; 0 where the axis is vertical\n\
+             # coulomb = 0.0    # N m, dry friction: the torque that just turns it by hand\n\
+             # viscous = 0.0    # N m s/rad: from the data sheet, or 0 if unknown ([uncertain] friction = 1.0 says so)\n\
+             # gravity = 9.81   # m/s^2, in the plane of motion\n\
+             # rest = 0.0       # rad, the logged angle at which the link hangs; estimated where absent\n\n";
+    text += &sensor(&of_joint.iter().map(|(_, joint)| *joint).collect::<Vec<_>>(), &mut untold);
+    if is_driven {
+        untold.push("the controller's gains: a log shows setpoints, not what the drive makes of them".to_owned());
+        text += "\n[motor]\n\
+                 # kp = 0.0         # N m/rad: tau = kp (q_ref - q) - kd q'; from the drive's parameters and its torque constant\n\
+                 # kd = 0.0         # N m s/rad\n\
+                 # torque_limit = 0.0   # N m, where you know it\n\
+                 # armature = 0.0   # kg m^2, rotor inertia x gear ratio^2\n";
+    }
+    text += &told_columns(seen);
+    for (log, joint) in &of_joint {
+        let _ = write!(text, "\n[[log]]\nfile = {}\nrole = \"fit\"\n", toml_string(&relative(&log.path, folder)));
+        let _ = writeln!(text, "drive = \"{}\"{}", drive_word(joint.drive), why(joint));
+        text += &notes(log);
+        untold.extend(of_drive(log, joint));
+    }
+    let others: Vec<&str> = seen.iter().flat_map(|log| &log.joints).filter_map(|joint| joint.name.as_deref()).collect();
+    let mut others: Vec<&str> = others.into_iter().filter(|other| Some(*other) != name.as_deref()).collect();
+    others.sort_unstable();
+    others.dedup();
+    if !others.is_empty() && name.is_some() {
+        let more = if others.len() > NAMED { " ..." } else { "" };
+        others.truncate(NAMED);
+        let others = others.join(", ");
+        let how = if asked.is_some() { "as asked" } else { "it moves most" };
+        untold.push(format!("the logs have several joints: this is the study of {title} ({how}); --joint chooses another of {others}{more}, --robot FILE makes one study of all"));
+    }
+    Ok((text, untold))
+}
+
+/// The joint that was asked for, or the one that moves most and is driven.
+fn chosen(seen: &[Seen], asked: Option<&str>) -> Option<String> {
+    if let Some(asked) = asked {
+        return Some(asked.to_owned());
+    }
+    let joints = seen.first()?.joints.iter().filter(|joint| joint.name.is_some());
+    let rank = |joint: &&SeenJoint| (joint.drive != DriveMode::Off, joint.span_rad());
+    let most = joints.max_by(|a, b| rank(a).0.cmp(&rank(b).0).then(rank(a).1.total_cmp(&rank(b).1)));
+    most.and_then(|joint| joint.name.clone())
+}
+
+fn known(log: &Seen) -> String {
+    let names: Vec<&str> = log.joints.iter().filter_map(|joint| joint.name.as_deref()).collect();
+    if names.is_empty() { "one without a name".to_owned() } else { names.join(", ") }
+}
+
+/// `[sensor]` of joints.
+pub(super) fn sensor(joints: &[&SeenJoint], untold: &mut Vec<String>) -> String {
+    let mut text = String::from("[sensor]\n");
+    if let Some(period_s) = median(joints.iter().map(|joint| joint.period_s).collect()) {
+        let _ = writeln!(text, "period = {}   # s, median step of the stamps", digits(period_s));
+    }
+    match median(joints.iter().filter_map(|joint| joint.step_rad).collect()) {
+        Some(step_rad) => {
+            let _ = writeln!(text, "resolution = {}   # rad, the step of the readings", digits(step_rad));
+        }
+        None => {
+            untold.push("the encoder's step: the readings show none".to_owned());
+            text += "# resolution = 0.001534   # rad, the encoder's step: 2 pi / 4096 of 12 bits\n";
+        }
+    }
+    text
+}
+
+/// `[columns]`, where names or units were guessed.
+pub(super) fn told_columns(seen: &[Seen]) -> String {
+    let mut all = Columns::default();
+    seen.iter().for_each(|log| all.0.extend(log.guessed.0.clone()));
+    if all.0.is_empty() {
+        String::new()
+    } else {
+        format!("\n# guess: by the columns' names and numbers; check units, signs and zeros\n{}", all.toml())
+    }
+}
+
+/// Why a log is taken to be driven so.
+pub(super) fn why(joint: &SeenJoint) -> &'static str {
+    match joint.drive {
+        DriveMode::Position => "   # its setpoints move",
+        DriveMode::Torque => {
+            "   # guess: no setpoint, and a torque that varies, taken to be the one applied to the joint"
+        }
+        DriveMode::Off => "   # guess: nothing that is asked of the joint moves",
+    }
+}
+
+/// What could not be told of how a log is driven.
+fn of_drive(log: &Seen, joint: &SeenJoint) -> Option<String> {
+    let file = log.path.display();
+    match joint.drive {
+        DriveMode::Off if joint.is_unsigned => {
+            Some(format!("{file}: what moves the joint: its torque has no sign, and no setpoint stands beside it"))
+        }
+        DriveMode::Off => {
+            Some(format!("{file}: whether the motor was off: no setpoint or torque that moves stands beside the angle"))
+        }
+        DriveMode::Torque => Some(format!("{file}: whether its torque was commanded, applied or computed")),
+        DriveMode::Position if joint.has_torque => Some(format!(
+            "{file}: what its torque column is; `tau_is = \"applied\"`, \"commanded\" or \"current\" says it"
+        )),
+        DriveMode::Position => None,
+    }
+}
+
+/// What the reader decided, as comments.
+pub(super) fn notes(log: &Seen) -> String {
+    log.source.notes.iter().map(|note| format!("# {note}\n")).collect()
+}

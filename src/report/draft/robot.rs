@@ -1,0 +1,158 @@
+//! The study of a robot that somebody described.
+
+use super::joint::{notes, sensor, why};
+use super::match_joints::{How, pairs};
+use super::seen::{Seen, SeenJoint, drive_word};
+use super::{DraftError, relative};
+use crate::log::{ColumnSpec, Columns, DriveMode, Unit, toml_string};
+use crate::robot::description::{ActuatorKind, Description, Mover};
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// The text, and what could not be told.
+pub(super) fn study(
+    seen: &[Seen],
+    model: &Path,
+    robot: &Description,
+    folder: &Path,
+) -> Result<(String, Vec<String>), DraftError> {
+    let follows = |k: usize| robot.couplings.iter().any(|coupling| coupling.follower.0 == k);
+    let moving: Vec<&Mover> =
+        robot.joints.iter().enumerate().filter(|(k, _)| !follows(*k)).map(|(_, joint)| joint).collect();
+    let names: Vec<String> = moving.iter().map(|joint| joint.name.clone()).collect();
+    let mut untold = vec!["whether the robot's base was clamped: scenario = \"fixed\" says so".to_owned()];
+    let mut columns = Columns::default();
+    let mut without: Vec<String> = Vec::new();
+    let mut by_order: Vec<String> = Vec::new();
+    let mut comments: Vec<String> = Vec::new();
+    for log in seen {
+        let own: Vec<String> = log.joints.iter().map(|joint| joint.name.clone().unwrap_or_default()).collect();
+        let found = pairs(&own, &names);
+        if found.is_empty() {
+            return Err(DraftError::NoMatch { file: log.path.clone(), found: own.join(", "), known: names.join(", ") });
+        }
+        without.extend((0..own.len()).filter(|k| !found.iter().any(|(at, _, _)| at == k)).map(|k| own[k].clone()));
+        for (at, of, how) in found {
+            let (joint, mover) = (&log.joints[at], moving[of]);
+            let range = fraction(joint, mover, log);
+            if how != How::Name || range.is_some() {
+                map(log, joint, mover, range, &mut columns);
+            }
+            if how == How::Order {
+                by_order.push(format!("{} is {}", own[at], mover.name));
+            }
+            if let Some((_, note)) = range {
+                comments.push(format!("{}: {note}", mover.name));
+            } else if let Some(note) = beyond(joint, mover) {
+                comments.push(note);
+            }
+        }
+        columns.0.extend(log.guessed.0.clone());
+    }
+    for list in [&mut without, &mut by_order, &mut comments] {
+        list.sort();
+        list.dedup();
+    }
+    if !by_order.is_empty() {
+        untold.push(format!("which joint is which: by their order {} (a guess)", by_order.join(", ")));
+    }
+    untold.push("the encoders' zeros and signs against the robot's: they are taken to be the robot's own".to_owned());
+    let mut text = String::from(
+        "# Written by `aibo-fit init` from the logs below. What stands here they show, or the robot's description; what is\n\
+         # marked as a guess is one; lines that begin with `# ` and a key are for you to fill in (drop the `# `).\nschema = 1\n\n",
+    );
+    let _ = writeln!(text, "[robot]\nmodel = {}", toml_string(&relative(model, folder)));
+    text += "scenario = \"fixed\"   # guess: the base is clamped; a log does not say\n\
+             # tip = \"\"           # the link that carries a payload; by itself the end of the longest chain\n";
+    if !without.is_empty() {
+        let list: Vec<String> = without.iter().map(|name| toml_string(name)).collect();
+        let _ = writeln!(text, "without = [{}]   # joints of the logs that are none of the robot's", list.join(", "));
+        untold.push(format!("which joints of the robot {} are: left out", without.join(", ")));
+    }
+    text += "\n[joints.default]   # what you believe beyond the description; by name as in [joints.elbow]\n\
+             # coulomb = 0.0    # N m, dry friction of the joint and its gears; the description's where absent\n\
+             # viscous = 0.0    # N m s/rad\n\
+             # armature = 0.0   # kg m^2, rotor inertia x gear ratio^2\n";
+    let joints: Vec<&SeenJoint> = seen.iter().flat_map(|log| &log.joints).collect();
+    let is_driven = joints.iter().any(|joint| joint.drive == DriveMode::Position);
+    if is_driven {
+        let servos = robot.actuators.iter().filter(|actuator| actuator.kind == ActuatorKind::Position).count();
+        text += "# kp = 0.0         # N m/rad: tau = kp (q_ref - q) - kd q'; the description's position actuator where absent\n\
+                 # kd = 0.0         # N m s/rad\n# torque_limit = 0.0   # N m\n";
+        if servos < moving.len() {
+            untold.push(
+                "the gains of joints without a position actuator in the description: state kp under [joints.default]"
+                    .to_owned(),
+            );
+        } else {
+            untold.push(
+                "whether the description's gains are those of the drives: a log shows setpoints, not gains".to_owned(),
+            );
+        }
+        text += "\n[control]\nhold = \"step\"      # guess: setpoints stay until the next\n";
+    }
+    text += "\n";
+    text += &sensor(&joints, &mut untold);
+    if !columns.0.is_empty() {
+        text += "\n# guess: which column is which joint, and in which unit; check signs and zeros\n";
+        comments.iter().for_each(|note| text += &format!("# {note}\n"));
+        text += &columns.toml();
+    } else if !comments.is_empty() {
+        text += "\n";
+        comments.iter().for_each(|note| text += &format!("# {note}\n"));
+    }
+    for log in seen {
+        let strongest = [DriveMode::Position, DriveMode::Torque, DriveMode::Off];
+        let joint = strongest.iter().find_map(|drive| log.joints.iter().find(|joint| joint.drive == *drive));
+        let Some(joint) = joint else { continue };
+        let _ = write!(text, "\n[[log]]\nfile = {}\nrole = \"fit\"\n", toml_string(&relative(&log.path, folder)));
+        let _ = writeln!(text, "drive = \"{}\"{}", drive_word(joint.drive), why(joint));
+        text += &notes(log);
+    }
+    Ok((text, untold))
+}
+
+/// The range that a joint's readings are a fraction of \[rad\], and a note: a gripper from 0 to 1, or from 0 to 100.
+fn fraction(joint: &SeenJoint, mover: &Mover, log: &Seen) -> Option<((f64, [f64; 2]), &'static str)> {
+    let name = joint.name.as_deref()?;
+    let lower = format!("{} {}", name, mover.name).to_lowercase();
+    let is_hand = ["jaw", "gripper", "finger", "hand"].iter().any(|word| lower.contains(word));
+    let range = mover.limit_rad.filter(|[low, high]| high > low && is_hand)?;
+    let said = |words: &str| log.source.notes.iter().any(|note| note.starts_with(&format!("{name}: {words}")));
+    if said("0 to 100") {
+        return Some(((100.0, range), "from 0 to 100, taken to be percent of the description's range"));
+    }
+    let [low, high] = joint.range_rad;
+    (low >= -0.02 && high <= 1.02 && said("from 0 to 1"))
+        .then_some(((1.0, range), "from 0 to 1, taken to be a fraction of the description's range"))
+}
+
+/// Adds the columns of a joint under the robot's name of it.
+fn map(log: &Seen, joint: &SeenJoint, mover: &Mover, range: Option<((f64, [f64; 2]), &str)>, columns: &mut Columns) {
+    let own = joint.name.as_ref().map_or_else(String::new, |name| format!("{name}."));
+    for column in ["q", "q_ref", "tau", "drive"] {
+        let Some(channel) = log.source.ours(&format!("{own}{column}")) else { continue };
+        let guessed = log.guessed.get(&format!("{own}{column}")).cloned();
+        let mut spec = guessed.unwrap_or_else(|| ColumnSpec::named(&channel.theirs));
+        if let (Some(((whole, [low, high]), _)), "q" | "q_ref") = (range, column) {
+            spec.unit = Some(Unit::Ticks { per_rev: rounded(TAU * whole / (high - low)) });
+            spec.zero = rounded(-low);
+        }
+        columns.0.insert(format!("{}.{column}", mover.name), spec);
+    }
+}
+
+fn rounded(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6
+}
+
+/// A remark where a joint goes where the description says it cannot.
+fn beyond(joint: &SeenJoint, mover: &Mover) -> Option<String> {
+    const SLACK_RAD: f64 = 0.1;
+    let [low, high] = mover.limit_rad?;
+    let [from, to] = joint.range_rad;
+    (from < low - SLACK_RAD || to > high + SLACK_RAD).then(|| {
+        format!("{}: read from {from:.2} to {to:.2} rad, but the description lets it go from {low:.2} to {high:.2}: is its zero or sign another?", mover.name)
+    })
+}

@@ -1,0 +1,88 @@
+//! What a log shows by itself.
+
+use crate::log::{Columns, DriveMode, LogError, SensorSpec, Source, health, read_source};
+use std::path::{Path, PathBuf};
+
+/// A log that was looked at.
+pub(super) struct Seen {
+    pub path: PathBuf,
+    pub source: Source,
+    /// Names and units that were guessed, because the file has others than ours.
+    pub guessed: Columns,
+    pub joints: Vec<SeenJoint>,
+}
+
+/// What a log shows of a joint.
+pub(super) struct SeenJoint {
+    /// `None`: the log of a joint without a name.
+    pub name: Option<String>,
+    pub drive: DriveMode,
+    /// From the lowest to the highest reading \[rad\].
+    pub range_rad: [f64; 2],
+    pub period_s: f64,
+    /// Step between readings \[rad\]; `None`: they show none.
+    pub step_rad: Option<f64>,
+    /// A torque without a sign.
+    pub is_unsigned: bool,
+    pub has_torque: bool,
+}
+
+impl SeenJoint {
+    pub fn span_rad(&self) -> f64 {
+        self.range_rad[1] - self.range_rad[0]
+    }
+}
+
+/// Reads a log; one whose columns have other names or units is read by what they look like.
+pub(super) fn look(path: &Path) -> Result<Seen, LogError> {
+    let (source, guessed) = match read_source(path, &Columns::default()) {
+        Err(LogError::Defects { mend, first, count, others, beyond }) if !mend.0.is_empty() => {
+            match read_source(path, &mend) {
+                Ok(source) => (source, mend),
+                // What is wrong with it is more than names and units.
+                Err(_) => return Err(LogError::Defects { mend, first, count, others, beyond }),
+            }
+        }
+        read => (read?, Columns::default()),
+    };
+    let names: Vec<Option<String>> = source.joints().into_iter().map(|name| name.map(str::to_owned)).collect();
+    let joints = names.into_iter().map(|name| joint(&source, name)).collect::<Result<_, _>>()?;
+    Ok(Seen { path: path.to_path_buf(), source, guessed, joints })
+}
+
+fn joint(source: &Source, name: Option<String>) -> Result<SeenJoint, LogError> {
+    let log = source.joint_log(name.as_deref())?;
+    let varies = |values: &Option<Vec<f64>>| values.as_ref().is_some_and(|v| v.iter().any(|value| *value != v[0]));
+    let is_unsigned = log.tau_nm.as_ref().is_some_and(|tau| tau.iter().all(|tau| *tau >= 0.0));
+    let drive = match &log {
+        log if varies(&log.q_ref_rad) => DriveMode::Position,
+        log if varies(&log.tau_nm) && !is_unsigned => DriveMode::Torque,
+        _ => DriveMode::Off,
+    };
+    let found = health(&log, &SensorSpec::default(), drive);
+    let range = log.q_rad.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], q| [low.min(*q), high.max(*q)]);
+    Ok(SeenJoint {
+        name,
+        drive,
+        range_rad: range,
+        period_s: found.period_s,
+        step_rad: found.step_rad,
+        is_unsigned,
+        has_torque: log.tau_nm.is_some(),
+    })
+}
+
+/// How the logs are driven, as a study says it.
+pub(super) fn drive_word(drive: DriveMode) -> &'static str {
+    match drive {
+        DriveMode::Off => "off",
+        DriveMode::Position => "position",
+        DriveMode::Torque => "torque",
+    }
+}
+
+/// The middle one.
+pub(super) fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_unstable_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}

@@ -1,0 +1,111 @@
+use super::*;
+use crate::log::{StudyKind, read_clamped_study, read_clamped_study_logs, read_study, study_kind};
+use std::fs;
+
+/// 200 samples of two joints, with names and units of a user's own logger.
+fn folder() -> tempfile::TempDir {
+    let dir = tempfile::tempdir().unwrap();
+    let mut text = "stamp_ms,elbow_angle_deg,elbow_target_deg\n".to_owned();
+    for k in 0..200 {
+        let asked = 40.0 * (0.1 * f64::from(k)).sin();
+        text += &format!("{},{:.2},{asked:.4}\n", 10 * k, 40.0 * (0.1 * f64::from(k - 2)).sin());
+    }
+    fs::write(dir.path().join("log.csv"), text).unwrap();
+    dir
+}
+
+/// The text with the keys that a user fills in.
+fn filled(text: &str) -> String {
+    ["inertia", "moment", "coulomb", "viscous", "kp", "kd"]
+        .iter()
+        .fold(text.to_owned(), |text, key| text.replace(&format!("# {key} = 0.0"), &format!("{key} = 0.01")))
+}
+
+#[test]
+fn a_users_own_columns_are_guessed_and_the_study_reads_them() {
+    let dir = folder();
+    let draft = draft_study(&[dir.path().join("log.csv")], None, None, dir.path()).unwrap();
+    for part in [
+        "t = { name = \"stamp_ms\", unit = \"ms\" }",
+        "q = { name = \"elbow_angle_deg\", unit = \"deg\" }",
+        "q_ref = { name = \"elbow_target_deg\", unit = \"deg\" }",
+        "file = \"log.csv\"",
+        "drive = \"position\"",
+        "period = 0.01 ",
+        "# inertia = 0.0",
+        "guess",
+    ] {
+        assert!(draft.text.contains(part), "`{part}` is not in\n{}", draft.text);
+    }
+    let study = dir.path().join("study.toml");
+    fs::write(&study, &draft.text).unwrap();
+    let missing = read_study(&study).unwrap_err().to_string();
+    assert!(missing.contains("[joint] inertia"), "{missing}");
+    fs::write(&study, filled(&draft.text)).unwrap();
+    let logs = crate::log::read_study_logs(&read_study(&study).unwrap()).unwrap();
+    assert!((logs[0].t_s[1] - 0.01).abs() < 1e-12 && logs[0].q_rad.iter().all(|q| q.abs() < 0.7));
+    assert!(draft.untold.iter().any(|sentence| sentence.contains("gains")), "{:?}", draft.untold);
+}
+
+const ARM: &str = r#"<robot name="arm"><link name="base"/>
+<link name="a"><inertial><origin xyz="0 0 -0.1"/><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="b"><inertial><origin xyz="0 0 -0.1"/><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="arm/elbow" type="revolute"><parent link="base"/><child link="a"/><axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="9" velocity="9"/></joint>
+<joint name="gripper" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 1 0"/><limit lower="-0.2" upper="1.8" effort="9" velocity="9"/></joint>
+</robot>"#;
+
+#[test]
+fn joints_of_a_folder_become_the_robots() {
+    let dir = tempfile::tempdir().unwrap();
+    let take = dir.path().join("take");
+    fs::create_dir(&take).unwrap();
+    let rows = |at: &dyn Fn(i32) -> [f64; 3]| -> String {
+        (0..100).map(|k| format!("X,{},\"{:?}\"\n", 20_000 * k, at(k))).collect()
+    };
+    let wave = |k: i32, late: i32| (0.1 * f64::from(k - late)).sin();
+    let head = "type,timestamp,positions\n";
+    fs::write(take.join("state_motor.csv"), format!("{head}{}", rows(&|k| [wave(k, 2), 0.5 + 0.4 * wave(k, 1), 0.1])))
+        .unwrap();
+    fs::write(take.join("control.csv"), format!("{head}{}", rows(&|k| [wave(k, 0), 0.5 + 0.4 * wave(k, 0), 0.1])))
+        .unwrap();
+    fs::write(take.join("joint_list.txt"), "Elbow\nGripper\nWheel\n").unwrap();
+    fs::write(dir.path().join("arm.urdf"), ARM).unwrap();
+    let draft = draft_study(std::slice::from_ref(&take), Some(&dir.path().join("arm.urdf")), None, dir.path()).unwrap();
+    for part in [
+        "model = \"arm.urdf\"",
+        "file = \"take\"",
+        "without = [\"Wheel\"]",
+        "\"arm/elbow.q\" = { name = \"Elbow.positions\" }",
+        // A range of 2 rad from -0.2 rad on.
+        "\"gripper.q\" = { name = \"Gripper.positions\", unit = \"ticks\", per_rev = 3.141593, zero = 0.2 }",
+        "period = 0.02 ",
+    ] {
+        assert!(
+            draft.text.replace("gripper.q = ", "\"gripper.q\" = ").contains(part),
+            "`{part}` is not in\n{}",
+            draft.text
+        );
+    }
+    let study = dir.path().join("study.toml");
+    fs::write(&study, &draft.text).unwrap();
+    assert_eq!(study_kind(&study).unwrap(), StudyKind::Clamped);
+    let logs = read_clamped_study_logs(&read_clamped_study(&study).unwrap()).unwrap();
+    assert_eq!(logs[0].joints.iter().map(|joint| joint.name.as_str()).collect::<Vec<_>>(), ["arm/elbow", "gripper"]);
+    let gripper = logs[0].joint("gripper").unwrap();
+    assert!((gripper.q_rad[1] - (2.0 * 0.5 - 0.2)).abs() < 1e-5, "{}", gripper.q_rad[1]);
+    assert!(
+        gripper.q_ref_rad.is_some() && draft.untold.iter().any(|sentence| sentence.contains("kp")),
+        "{:?}",
+        draft.untold
+    );
+}
+
+#[test]
+fn paths_are_relative_to_the_study() {
+    assert_eq!(relative(Path::new("/home/a/logs/x.csv"), Path::new("/home/a/study")), "../logs/x.csv");
+    assert_eq!(relative(Path::new("/home/a/x.csv"), Path::new("/home/a")), "x.csv");
+    assert_eq!(relative(Path::new("/mnt/x.csv"), Path::new("/home/a")), "/mnt/x.csv");
+    assert_eq!(relative(Path::new("/home/a/x.csv"), Path::new("/home/a/..")), "a/x.csv");
+    assert_eq!(relative(Path::new("tests/x.csv"), Path::new("")), "tests/x.csv");
+    assert_eq!(digits(0.020_083_44), "0.0200834");
+}

@@ -1,0 +1,128 @@
+//! `aibo-fit init`, `gap`, `check` and `convert` on logs as people have them, as the whole program: from a bag, a CSV of
+//! PlotJuggler or a LeRobot folder to a verdict in two commands, without an edit beyond the physical numbers.
+
+mod support;
+
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use support::*;
+
+/// The arm of the logs, under the names that they have.
+fn arm(folder: &Path) {
+    let urdf = fs::read_to_string(root().join("data/examples/arm/arm.urdf")).unwrap();
+    fs::write(folder.join("arm.urdf"), urdf.replace("arm/", "")).unwrap();
+}
+
+fn log(name: &str) -> String {
+    root().join("tests/logs").join(name).display().to_string()
+}
+
+/// Fills in what `init` leaves open.
+fn fill_in(study: &Path, numbers: &[(&str, f64)]) {
+    let mut text = fs::read_to_string(study).unwrap();
+    for (key, value) in numbers {
+        let open = format!("# {key} = 0.0 ");
+        assert!(text.contains(&open), "no `{open}` in\n{text}");
+        text = text.replacen(&open, &format!("{key} = {value} "), 1);
+    }
+    fs::write(study, text).unwrap();
+}
+
+#[test]
+fn a_bag_comes_to_a_verdict_in_two_commands() {
+    let dir = tempfile::tempdir().unwrap();
+    arm(dir.path());
+    let said = expect_code(dir.path(), &["init", &log("arm.mcap"), "--robot", "arm.urdf", "--study", "study.toml"], 0);
+    assert!(said.contains("What the logs do not tell") && said.contains("kp"), "{said}");
+    fill_in(&dir.path().join("study.toml"), &[("kp", 25.0), ("kd", 0.5)]);
+    let said = expect_code(dir.path(), &["gap", "study.toml", "--json", "gap.json", "--mcap", "gap.mcap"], 0);
+    let verdict = json(&dir.path().join("gap.json"));
+    assert!(verdict["verdict"].is_string() && said.contains("elbow"), "{said}");
+    // What was measured, what is predicted and what is left, of every joint, for a viewer.
+    expect_code(dir.path(), &["convert", "gap.mcap", "back.csv"], 0);
+    let bytes = fs::read(dir.path().join("gap.mcap")).unwrap();
+    for topic in ["/arm/measured", "/arm/predicted", "/arm/residual", "/arm/setpoint"] {
+        assert!(bytes.windows(topic.len()).any(|part| part == topic.as_bytes()), "no {topic}");
+    }
+}
+
+#[test]
+fn a_csv_of_plotjuggler_comes_to_a_verdict_in_two_commands() {
+    let dir = tempfile::tempdir().unwrap();
+    expect_code(dir.path(), &["init", &log("plotjuggler.csv"), "--joint", "elbow", "--study", "study.toml"], 0);
+    let numbers =
+        [("inertia", 0.0102), ("moment", 0.06), ("coulomb", 0.04), ("viscous", 0.05), ("kp", 12.0), ("kd", 0.2)];
+    fill_in(&dir.path().join("study.toml"), &numbers);
+    expect_code(dir.path(), &["gap", "study.toml", "--json", "gap.json"], 0);
+    assert!(json(&dir.path().join("gap.json"))["verdict"].is_string());
+}
+
+#[test]
+fn a_lerobot_folder_comes_to_a_verdict_in_two_commands() {
+    let dir = tempfile::tempdir().unwrap();
+    expect_code(dir.path(), &["init", &log("lerobot-v3"), "--joint", "elbow", "--study", "study.toml"], 0);
+    let numbers =
+        [("inertia", 0.0102), ("moment", 0.06), ("coulomb", 0.04), ("viscous", 0.05), ("kp", 12.0), ("kd", 0.2)];
+    fill_in(&dir.path().join("study.toml"), &numbers);
+    let said = expect_code(dir.path(), &["gap", "study.toml", "--json", "gap.json"], 0);
+    assert!(json(&dir.path().join("gap.json"))["verdict"].is_string());
+    assert!(said.contains("part") || said.contains("hole"), "two episodes are two parts:\n{said}");
+}
+
+#[test]
+fn init_refuses_to_write_over_a_study_and_names_what_it_cannot_find() {
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("study.toml"), "mine").unwrap();
+    expect_code(dir.path(), &["init", &log("echo.csv"), "--study", "study.toml"], 2);
+    assert_eq!(fs::read_to_string(dir.path().join("study.toml")).unwrap(), "mine");
+    expect_code(dir.path(), &["init", &log("echo.csv"), "--study", "study.toml", "--force"], 0);
+    let output = run_in(dir.path(), &["init", &log("echo.csv"), "--joint", "knee", "--study", "x.toml"]);
+    assert!(stderr(&output).contains("no joint `knee`; the log has shoulder, elbow"), "{}", stderr(&output));
+    assert!(!dir.path().join("x.toml").exists());
+}
+
+#[test]
+fn check_tells_the_health_of_every_joint_of_any_log() {
+    let dir = tempfile::tempdir().unwrap();
+    let said = expect_code(dir.path(), &["check", &log("bag"), "--json", "check.json"], 0);
+    for part in ["== shoulder ==", "== elbow ==", "rosbag2", "taken at its receipt"] {
+        assert!(said.contains(part), "`{part}` is missing in\n{said}");
+    }
+    let found: Value = json(&dir.path().join("check.json"));
+    assert_eq!(found["joints"]["elbow"]["health"][0]["samples"], 60);
+    let period_s = found["joints"]["elbow"]["health"][0]["period_s"].as_f64().unwrap();
+    assert!((period_s - 0.02).abs() < 1e-9, "{period_s}");
+}
+
+#[test]
+fn what_convert_writes_is_what_was_read() {
+    let dir = tempfile::tempdir().unwrap();
+    for (from, to) in [("arm-json.mcap", "a.csv"), ("arm.npz", "b.mcap"), ("bag", "c.csv")] {
+        expect_code(dir.path(), &["convert", &log(from), to], 0);
+        let read = |path: &Path| aibo_fit::log::read_source(path, &Default::default()).unwrap();
+        let (first, second) = (read(Path::new(&log(from))), read(&dir.path().join(to)));
+        for name in ["shoulder.q", "elbow.q", "elbow.q_ref"] {
+            let (before, after) = (first.ours(name).unwrap(), second.ours(name).unwrap());
+            assert_eq!(before.values, after.values, "{from} {name}");
+            let shift =
+                |source: &aibo_fit::log::Source, c: &aibo_fit::log::Channel| source.t_s(c)[1] - source.clocks[0][0];
+            assert!((shift(&first, before) - shift(&second, after)).abs() < 1e-8, "{from} {name}");
+        }
+    }
+    expect_code(dir.path(), &["convert", &log("bag"), "bag.txt"], 2);
+}
+
+#[test]
+fn a_sage_folder_and_a_robot_are_enough_for_a_verdict() {
+    let (Some(take), Some(robot)) =
+        (shared("real/so101/raw/single_joint_elbow"), shared("robots/so101/so101_new_calib.xml"))
+    else {
+        return;
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let [take, robot] = [take, robot].map(|path| path.display().to_string());
+    let said = expect_code(dir.path(), &["gap", &take, "--robot", &robot, "--out", "out", "--json", "gap.json"], 0);
+    assert!(json(&dir.path().join("gap.json"))["verdict"].is_string(), "{said}");
+    assert!(said.contains("by their order") && said.contains("Rotation is shoulder_pan"), "{said}");
+}
