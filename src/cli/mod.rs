@@ -8,6 +8,7 @@ mod demands;
 mod drop;
 mod dynamics;
 mod error;
+mod export;
 mod full_drop;
 mod gap;
 mod progress;
@@ -41,6 +42,7 @@ enum Command {
     Check(check::CheckArgs),
     Drop(Box<drop::DropArgs>),
     Dynamics(dynamics::DynamicsArgs),
+    Export(export::ExportArgs),
     Gap(gap::GapArgs),
     SensorTest(sensor_test::SensorTestArgs),
     Simulate(simulate::SimulateArgs),
@@ -64,6 +66,7 @@ pub fn run() -> ExitCode {
         Command::Check(args) => check::run(&args),
         Command::Drop(args) => drop::run(&args),
         Command::Dynamics(args) => dynamics::run(&args),
+        Command::Export(args) => export::run(&args),
         Command::Gap(args) => gap::run(&args),
         Command::SensorTest(args) => sensor_test::run(&args),
         Command::Simulate(args) => simulate::run(&args),

@@ -27,6 +27,7 @@ mod grow;
 mod held_out;
 mod hold_fit;
 mod hold_scan;
+pub mod inverse;
 mod law_found;
 mod law_shape;
 mod laws;
@@ -59,6 +60,7 @@ mod trial;
 mod twins;
 mod variables;
 mod waterfall;
+pub mod whole;
 mod within;
 
 pub use crate::identify::BeliefFound;

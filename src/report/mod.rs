@@ -15,6 +15,7 @@ mod fit_json;
 mod full;
 mod gap;
 mod html;
+mod measure;
 mod model;
 mod notes;
 mod plot;
