@@ -6,7 +6,7 @@ use super::init::drafted;
 use super::progress::Progress;
 use super::provenance::provenance;
 use super::still::never_moved;
-use crate::gap::clamped::ClampedCase;
+use crate::gap::clamped::{ClampedCase, ClampedSetup};
 use crate::gap::{GapError, check};
 use crate::identify::Case;
 use crate::log::{
@@ -142,8 +142,10 @@ fn study(path: &Path) -> Result<Checked, CliError> {
 }
 
 fn robot_study(path: &Path) -> Result<Checked, CliError> {
-    let ClampedCase { robot: name, joints, notes, inputs, .. } =
-        ClampedCase::of_study(path).map_err(|error| CliError::ClampedCase(Box::new(error)))?;
+    let wrong = |error| CliError::ClampedCase(Box::new(error));
+    let setup = ClampedSetup::read(path).map_err(wrong)?;
+    let ClampedCase { robot: name, joints, notes, .. } = ClampedCase::of(&setup).map_err(wrong)?;
+    let inputs = setup.inputs();
     let cases = joints.into_iter().map(|joint| joint.case).collect();
     Ok(Checked::Joints { name, cases, inputs, notes, is_study: true })
 }

@@ -5,8 +5,9 @@ use super::common::{print, study_name, warn, write_outputs};
 use super::gap::{GapArgs, add_report, options};
 use super::progress::Progress;
 use super::provenance::provenance;
-use crate::gap::clamped::{ClampedCase, diagnose_clamped};
-use crate::log::{Outputs, mcap_bytes};
+use crate::gap::clamped::ClampedSetup;
+use crate::gap::inverse::{TorqueError, diagnose_motion, diagnose_torques};
+use crate::log::{Outputs, Predict, mcap_bytes};
 use crate::report::{
     ClampedGapReport, clamped_gap_figures, clamped_gap_html, clamped_gap_json, clamped_gap_text, trace_topics,
 };
@@ -17,13 +18,29 @@ pub(super) fn run(args: &GapArgs, study: &Path) -> Result<u8, CliError> {
     let options = options(args)?;
     let progress = Progress::new(args.common.quiet);
     progress.say("reading");
-    let case = ClampedCase::of_study(study).map_err(|error| CliError::ClampedCase(Box::new(error)))?;
+    let wrong = |error| CliError::ClampedCase(Box::new(error));
+    let failed = |error| match error {
+        TorqueError::Case(error) => wrong(error),
+        TorqueError::Gap(error) => error.into(),
+    };
+    let setup = ClampedSetup::read(study).map_err(wrong)?;
     if !args.common.quiet {
-        case.warnings.iter().for_each(|warning| warn(warning));
+        setup.description.warnings.iter().for_each(|warning| warn(warning));
     }
-    let diagnosis = args.common.on_threads(|| diagnose_clamped(&case, &options, &progress))??;
+    let inputs = setup.inputs();
+    let provenance = provenance(inputs.clone())?;
+    let report = match setup.study.predict {
+        Predict::Motion => {
+            let (case, diagnosis) =
+                args.common.on_threads(|| diagnose_motion(&setup, &options, &progress))?.map_err(failed)?;
+            ClampedGapReport::new(&setup, &case, diagnosis, &options, &provenance)
+        }
+        Predict::Torque => {
+            let diagnosis = args.common.on_threads(|| diagnose_torques(&setup, &options, &progress))?;
+            ClampedGapReport::of_torques(&setup, diagnosis.map_err(failed)?, &options, &provenance)
+        }
+    };
     progress.say("drawing");
-    let report = ClampedGapReport::new(&case, diagnosis, &options, &provenance(case.inputs.clone())?);
     let folder = args.common.folder(&study_name(study));
     let mut outputs = Outputs::default();
     for figure in clamped_gap_figures(&report)? {
@@ -36,11 +53,16 @@ pub(super) fn run(args: &GapArgs, study: &Path) -> Result<u8, CliError> {
         let traces = report.joints.iter().map(|(_, joint)| (&*joint.diagnosis.joint, &joint.diagnosis.traces[..]));
         outputs.add_apart(path, mcap_bytes(&trace_topics(&traces.collect::<Vec<_>>())));
     }
+    if let Some(Ok(whole)) = &report.whole {
+        for (k, (_, csv)) in whole.predicted.iter().enumerate() {
+            outputs.add(folder.join(format!("predicted-{k:02}.csv")), csv.clone());
+        }
+    }
     let page = folder.join("report.html");
     outputs.add_page(&page, clamped_gap_html(&report)?);
     let document = clamped_gap_json(&report).map_err(|error| CliError::Encode(error.to_string()))?;
     args.common.add_json(&mut outputs, &document)?;
-    write_outputs(outputs, &case.inputs)?;
+    write_outputs(outputs, &inputs)?;
     drop(progress);
     if !args.common.quiet {
         print(&clamped_gap_text(&report));

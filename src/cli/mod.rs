@@ -9,6 +9,7 @@ mod demands;
 mod drop;
 mod dynamics;
 mod error;
+mod export;
 mod full_drop;
 mod gap;
 mod init;
@@ -44,6 +45,7 @@ enum Command {
     Convert(convert::ConvertArgs),
     Drop(Box<drop::DropArgs>),
     Dynamics(dynamics::DynamicsArgs),
+    Export(export::ExportArgs),
     Gap(gap::GapArgs),
     Init(init::InitArgs),
     SensorTest(sensor_test::SensorTestArgs),
@@ -69,6 +71,7 @@ pub fn run() -> ExitCode {
         Command::Convert(args) => convert::run(&args),
         Command::Drop(args) => drop::run(&args),
         Command::Dynamics(args) => dynamics::run(&args),
+        Command::Export(args) => export::run(&args),
         Command::Gap(args) => gap::run(&args),
         Command::Init(args) => init::run(&args),
         Command::SensorTest(args) => sensor_test::run(&args),

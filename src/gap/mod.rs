@@ -28,6 +28,7 @@ mod grow;
 mod held_out;
 mod hold_fit;
 mod hold_scan;
+pub mod inverse;
 mod law_candidates;
 mod law_found;
 mod law_shape;
@@ -63,6 +64,7 @@ mod trial;
 mod twins;
 mod variables;
 mod waterfall;
+pub mod whole;
 mod within;
 
 pub use crate::identify::BeliefFound;

@@ -45,7 +45,9 @@ pub(crate) use study::{check_schema, read_sidecar};
 pub(crate) use toml_text::{toml_key, toml_string};
 
 pub use arrays::ArrayLog;
-pub use clamped_study::{ClampedStudy, ClampedStudyLog, JointBeliefs, read_clamped_study, read_clamped_study_logs};
+pub use clamped_study::{
+    ClampedStudy, ClampedStudyLog, JointBeliefs, Predict, read_clamped_study, read_clamped_study_logs,
+};
 pub use csv::{read_joint_log, read_joint_log_as, read_log};
 pub use error::{CellFault, FileKind, LogError, UnitFault};
 pub use health::{Health, health};

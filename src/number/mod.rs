@@ -55,6 +55,11 @@ pub(crate) fn mrad(rad: f64) -> String {
     format!("{} mrad", significant(1e3 * rad, 3))
 }
 
+/// A torque in newton metres.
+pub(crate) fn newton_metres(nm: f64) -> String {
+    format!("{} N m", significant(nm, 3))
+}
+
 /// A share as a whole percentage; from 99 to 100 % with a decimal, because the rest is what matters there.
 pub(crate) fn percent(share: f64) -> String {
     if !share.is_finite() {

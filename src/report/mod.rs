@@ -17,6 +17,7 @@ mod full;
 mod gap;
 mod html;
 mod mcap;
+mod measure;
 mod model;
 mod notes;
 mod plot;

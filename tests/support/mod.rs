@@ -1,6 +1,7 @@
 //! What the tests of the program share: running it in a folder of its own, and looking at what it left.
 #![allow(dead_code, reason = "every test file uses a part")]
 
+pub mod arm;
 pub mod real;
 pub mod swing;
 

@@ -1,16 +1,13 @@
 //! A study of a robot with a clamped base, made ready: one bench case for each joint.
 
 use super::along::Along;
-use crate::identify::{Case, CaseError};
+use super::setup::{ClampedCaseError, ClampedSetup};
+use crate::identify::Case;
 use crate::log::{
-    ArrayLog, ClampedStudy, DriveMode, JointBeliefs, JointSpec, LogError, MotorSpec, Nominal, RobotLog, Spread,
-    Uncertain, read_clamped_study, read_clamped_study_logs,
+    ArrayLog, ClampedStudy, DriveMode, JointBeliefs, JointSpec, MotorSpec, Nominal, RobotLog, Spread, Uncertain,
 };
-use crate::robot::description::{Actuator, ActuatorKind, Description, DescriptionError, Mover};
-use crate::robot::tree::{Tree, TreeBase, TreeError};
-use nalgebra::Vector3;
+use crate::robot::description::Mover;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 
 /// A robot and its logs.
 #[derive(Debug)]
@@ -21,12 +18,8 @@ pub struct ClampedCase {
     pub joints: Vec<ClampedJoint>,
     /// Joints that may share a cause, by the group's name.
     pub groups: BTreeMap<String, Vec<String>>,
-    /// What looks like a mistake in the description.
-    pub warnings: Vec<String>,
     /// What the reader has to know of how the case was made.
     pub notes: Vec<String>,
-    /// Files that were read.
-    pub inputs: Vec<PathBuf>,
 }
 
 /// One joint of a robot as a case of the bench.
@@ -38,87 +31,15 @@ pub struct ClampedJoint {
     pub case: Case,
 }
 
-/// Why a study makes no case.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ClampedCaseError {
-    /// Study or log cannot be read or is wrong.
-    #[error(transparent)]
-    Log(#[from] LogError),
-    /// The description cannot be read or is wrong.
-    #[error(transparent)]
-    Description(Box<DescriptionError>),
-    /// The description makes no tree.
-    #[error("{}: {source}", file.display())]
-    Tree {
-        /// The description.
-        file: PathBuf,
-        /// What is wrong with it.
-        source: TreeError,
-    },
-    /// Study or log names a joint or link that the description does not have.
-    #[error("{}: {place}: the robot has no {what} `{name}`; it has {known}", file.display())]
-    Unknown {
-        /// Study or log.
-        file: PathBuf,
-        /// Table, key or column.
-        place: String,
-        /// `joint` or `link`.
-        what: &'static str,
-        /// As written.
-        name: String,
-        /// Names that there are.
-        known: String,
-    },
-    /// A joint's arrays do not make a case.
-    #[error("joint {joint}: {source}")]
-    Joint {
-        /// Which one.
-        joint: String,
-        /// Why.
-        source: Box<CaseError>,
-    },
-    /// Nobody says how setpoints become torques.
-    #[error("{}: joint {joint} is driven by position, and neither [joints.{joint}] nor [joints.default] states kp, nor has the description a position actuator", file.display())]
-    NoGain {
-        /// The study.
-        file: PathBuf,
-        /// Which joint.
-        joint: String,
-    },
-    /// A number of the joint's load is not finite, or its inertia not above zero.
-    #[error("joint {joint}: the description gives it no inertia above zero along the logs")]
-    NoInertia {
-        /// Which joint.
-        joint: String,
-    },
-}
-
 impl ClampedCase {
-    /// A study with its robot and logs.
+    /// The case of a robot and its logs.
     ///
     /// # Errors
-    /// [`ClampedCaseError`] where a file cannot be read or is wrong, or names do not fit.
-    pub fn of_study(path: &Path) -> Result<Self, ClampedCaseError> {
-        let study = read_clamped_study(path)?;
-        let description =
-            Description::read(&study.model_path).map_err(|error| ClampedCaseError::Description(Box::new(error)))?;
-        let of_tree = |source| ClampedCaseError::Tree { file: study.model_path.clone(), source };
-        let mut tree = Tree::new(&description, TreeBase::Fixed).map_err(of_tree)?;
-        if let Some([x, y, z]) = study.gravity_m_s2 {
-            tree = tree.with_gravity(Vector3::new(x, y, z));
-        }
-        check_names(&study, &description)?;
-        let logs = read_clamped_study_logs(&study)?;
-        for log in &logs {
-            for joint in &log.joints {
-                let column = || format!("column `{}.q`", joint.name);
-                known_joint(&log.file, &column, &joint.name, &description)?;
-            }
-        }
-        let along = Along::new(&description, &tree);
-        let links = along.links(&logs);
-        let servos = tree.servos(&description);
+    /// [`ClampedCaseError`] where a joint's logs make no case.
+    pub fn of(setup: &ClampedSetup) -> Result<Self, ClampedCaseError> {
+        let ClampedSetup { study, description, tree, logs } = setup;
+        let along = Along::new(description, tree);
+        let links = along.links(logs);
         let mut joints = Vec::new();
         let mut unseen = Vec::new();
         for (at, link) in tree.joints().iter().zip(links) {
@@ -128,9 +49,8 @@ impl ClampedCase {
                 continue;
             }
             let (bare, carriages) = link.ok_or_else(|| ClampedCaseError::NoInertia { joint: mover.name.clone() })?;
-            let said = study.of_joint(&mover.name).over(of_description(mover, &description, &servos));
-            let maker = Maker { study: &study, mover, said, gravity_m_s2: along.gravity_m_s2() };
-            let mut case = maker.case(bare, &logs)?;
+            let maker = Maker { study, mover, said: setup.beliefs(*at), gravity_m_s2: along.gravity_m_s2() };
+            let mut case = maker.case(bare, logs)?;
             let with_it = logs.iter().zip(carriages).filter(|(log, _)| log.joint(&mover.name).is_some());
             for (item, (_, carriage)) in case.items.iter_mut().zip(with_it) {
                 for e in &mut item.experiments {
@@ -147,17 +67,7 @@ impl ClampedCase {
             notes.push(format!("{}: {}.", log.file.display(), log.notes.join("; ")));
         }
         notes.extend(description.left_out.iter().cloned());
-        let mut inputs: Vec<PathBuf> = study.logs.iter().map(|log| log.path.clone()).collect();
-        inputs.push(study.file.clone());
-        inputs.extend(description.files.iter().cloned());
-        Ok(Self {
-            robot: description.name.clone(),
-            joints,
-            groups: study.groups,
-            warnings: description.warnings,
-            notes,
-            inputs,
-        })
+        Ok(Self { robot: description.name.clone(), joints, groups: setup.groups(), notes })
     }
 }
 
@@ -240,62 +150,4 @@ impl Maker<'_> {
             ..all.clone()
         }
     }
-}
-
-/// What the description says of a joint's motor: that of its position actuator.
-fn of_description(mover: &Mover, description: &Description, servos: &[Actuator]) -> JointBeliefs {
-    let is_its = |servo: &&Actuator| {
-        servo.kind == ActuatorKind::Position && description.joints[servo.joint.0].name == mover.name
-    };
-    let servo = servos.iter().find(is_its);
-    // A setpoint is one of the joint's: the actuator's length is `gear` times the joint's angle.
-    let square = servo.map_or(1.0, |servo| servo.gear * servo.gear);
-    let limit_of = |range: Option<[f64; 2]>| range.map(|[low, high]| high.min(-low)).filter(|most| *most > 0.0);
-    let of_servo = servo.and_then(|servo| Some(limit_of(servo.force_range_nm)? * servo.gear.abs()));
-    JointBeliefs {
-        kp_nm_rad: servo.map(|servo| square * servo.gain).filter(|kp| *kp >= 0.0),
-        kd_nm_s_rad: servo.map(|servo| -square * servo.bias[2]).filter(|kd| *kd >= 0.0),
-        torque_limit_nm: of_servo.or(limit_of(mover.actuator_range_nm)).or(mover.effort_nm.filter(|most| *most > 0.0)),
-        ..JointBeliefs::default()
-    }
-}
-
-fn check_names(study: &ClampedStudy, description: &Description) -> Result<(), ClampedCaseError> {
-    for name in study.by_joint.keys() {
-        known_joint(&study.file, &|| format!("[joints.{name}]"), name, description)?;
-    }
-    for (group, joints) in &study.groups {
-        for name in joints {
-            known_joint(&study.file, &|| format!("[groups] {group}"), name, description)?;
-        }
-    }
-    if let Some(tip) = study.tip.as_ref().filter(|tip| description.link(tip).is_none()) {
-        let named = description.links.iter().filter(|link| link.is_named);
-        return Err(ClampedCaseError::Unknown {
-            file: study.file.clone(),
-            place: "[robot] tip".to_owned(),
-            what: "link",
-            name: tip.clone(),
-            known: named.map(|link| link.name.as_str()).collect::<Vec<_>>().join(", "),
-        });
-    }
-    Ok(())
-}
-
-fn known_joint(
-    file: &Path,
-    place: &dyn Fn() -> String,
-    name: &str,
-    description: &Description,
-) -> Result<(), ClampedCaseError> {
-    if description.joint(name).is_some() {
-        return Ok(());
-    }
-    Err(ClampedCaseError::Unknown {
-        file: file.to_path_buf(),
-        place: place(),
-        what: "joint",
-        name: name.to_owned(),
-        known: description.joints.iter().map(|joint| joint.name.as_str()).collect::<Vec<_>>().join(", "),
-    })
 }

@@ -1,13 +1,16 @@
 //! Every joint of a robot diagnosed, and what they have in common.
 
+use super::body::BodyCause;
 use super::case::{ClampedCase, ClampedJoint};
+use super::pooled::{PooledNumber, one_size, pooled};
 use crate::gap::sentence::words;
-use crate::gap::{CauseShare, Diagnosis, GapError, GapOptions, Verdict, diagnose};
+use crate::gap::{CauseShare, Diagnosis, GapError, GapOptions, Number, Verdict, diagnose};
 use crate::joint::EffectId;
-use crate::number::mrad;
+use crate::number::{mrad, newton_metres, quantity};
 use crate::progress::{Progress, Step};
 use rayon::prelude::*;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// What was found on a robot.
@@ -19,8 +22,13 @@ pub struct ClampedDiagnosis {
     pub answer: ClampedAnswer,
     /// Over all joints that move.
     pub gap: ClampedGap,
+    /// What is other than described about bodies, found over all joints that carry them.
+    #[serde(skip)]
+    pub bodies: Vec<BodyCause>,
     /// Causes with all joints that have them, the one that closes most first.
     pub causes: Vec<SharedCause>,
+    /// Numbers that groups of joints have elsewhere alike.
+    pub pooled: Vec<PooledNumber>,
     /// In the description's order.
     pub joints: Vec<JointAnswer>,
     /// What the reader has to know beside it.
@@ -32,10 +40,10 @@ pub struct ClampedDiagnosis {
 pub struct ClampedAnswer {
     /// The gravest of the joints' verdicts: unexplained, effect, calibration, none.
     pub verdict: Verdict,
-    /// The cause that closes most.
-    pub effect: Option<EffectId>,
-    /// The one that closes most beside it.
-    pub second: Option<EffectId>,
+    /// The id of the cause that closes most; one of a body comes first.
+    pub effect: Option<&'static str>,
+    /// Of the one that closes most beside it.
+    pub second: Option<&'static str>,
     /// Lowest measured rate at which answers like those of the joints were right.
     pub probability: f64,
     /// What a colleague would say.
@@ -45,13 +53,15 @@ pub struct ClampedAnswer {
 /// How far the gap closes: roots of the mean squares over all joints, each as much as the others, on held-out logs.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ClampedGap {
-    /// As given \[rad\].
+    /// `rad`, or `N m` where torques are predicted.
+    pub unit: &'static str,
+    /// As given.
     pub before: f64,
-    /// With numbers refitted within their beliefs \[rad\].
+    /// With numbers refitted within their beliefs.
     pub calibrated: f64,
-    /// With the causes that were found \[rad\].
+    /// With the causes that were found.
     pub after: f64,
-    /// What the sensors leave \[rad\].
+    /// What the sensors leave.
     pub floor: f64,
     /// Share of the gap above the floor that is closed; `None` where there is none.
     pub closed: Option<f64>,
@@ -68,6 +78,8 @@ pub struct SharedCause {
     pub joints: Vec<String>,
     /// The group of the study that they make up, or `all`.
     pub group: Option<String>,
+    /// Its size on all of them as one number, where they agree.
+    pub size: Option<Number>,
     /// Share of the robot's recalibrated squares that it closes where it is added.
     pub share: f64,
 }
@@ -105,21 +117,37 @@ pub fn diagnose_clamped(
     if joints.iter().all(|joint| joint.diagnosis.is_none()) {
         return Err(GapError::NeverMoved);
     }
-    let gap = gap(&joints);
-    let causes = shared(case, &joints);
-    let found = || joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
-    let verdict = found().map(|d| d.answer.verdict).max_by_key(|verdict| gravity(*verdict)).unwrap_or(Verdict::None);
-    let answer = ClampedAnswer {
-        verdict,
-        effect: causes.first().map(|cause| cause.effect),
-        second: causes.get(1).map(|cause| cause.effect),
-        probability: found().map(|d| d.answer.probability).fold(1.0, f64::min),
-        sentence: sentence(&case.robot, &joints, &gap, &causes),
-    };
     let mut notes = case.notes.clone();
     notes.push(
         "Each joint is simulated along the measured motion of the others: it answers for its own fault.".to_owned(),
     );
+    Ok(concluded(&case.robot, &case.groups, joints, Vec::new(), notes))
+}
+
+/// What the joints' answers come to.
+pub(in crate::gap) fn concluded(
+    robot: &str,
+    groups: &BTreeMap<String, Vec<String>>,
+    joints: Vec<JointAnswer>,
+    bodies: Vec<BodyCause>,
+    mut notes: Vec<String>,
+) -> ClampedDiagnosis {
+    let gap = gap(&joints);
+    let causes = shared(groups, &joints);
+    let found = || joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
+    let verdict = found().map(|d| d.answer.verdict).max_by_key(|verdict| gravity(*verdict)).unwrap_or(Verdict::None);
+    let verdict =
+        if bodies.is_empty() || gravity(verdict) > gravity(Verdict::Effect) { verdict } else { Verdict::Effect };
+    let of_bodies = bodies.iter().map(|body| body.kind.id());
+    let mut ids = of_bodies.chain(causes.iter().map(|cause| cause.effect.id()));
+    let pooled = pooled(groups, &joints);
+    let answer = ClampedAnswer {
+        verdict,
+        effect: ids.next(),
+        second: ids.next(),
+        probability: found().map(|d| d.answer.probability).fold(1.0, f64::min),
+        sentence: sentence(robot, &joints, &gap, &bodies, &causes, &pooled),
+    };
     let chosen: Vec<&str> = joints
         .iter()
         .filter(|joint| joint.diagnosis.as_ref().is_some_and(|d| !d.gap.outer))
@@ -132,7 +160,22 @@ pub fn diagnose_clamped(
             chosen.join(", ")
         ));
     }
-    Ok(ClampedDiagnosis { robot: case.robot.clone(), answer, gap, causes, joints, notes })
+    ClampedDiagnosis { robot: robot.to_owned(), answer, gap, bodies, causes, pooled, joints, notes }
+}
+
+/// The same joints as given and recalibrated before a body was changed: what recalibration closes is not the body's.
+pub(in crate::gap) fn before_of(first: &[JointAnswer], then: &mut [JointAnswer]) {
+    for (first, then) in first.iter().zip(then) {
+        let (Some(first), Some(then)) = (&first.diagnosis, &mut then.diagnosis) else { continue };
+        let gap = &mut then.gap;
+        (gap.before, gap.calibrated) = (first.gap.before, first.gap.calibrated);
+        gap.closed = (gap.before > gap.floor).then(|| 1.0 - (gap.after - gap.floor) / (gap.before - gap.floor));
+        for row in &mut gap.per_log {
+            if let Some(own) = first.gap.per_log.iter().find(|own| own.file == row.file) {
+                (row.before, row.calibrated) = (own.before, own.calibrated);
+            }
+        }
+    }
 }
 
 /// Tells another how many joints are done.
@@ -169,6 +212,7 @@ fn gap(joints: &[JointAnswer]) -> ClampedGap {
     };
     let (before, after, floor) = (root(|d| d.gap.before), root(|d| d.gap.after), root(|d| d.gap.floor));
     ClampedGap {
+        unit: found.first().map_or("rad", |d| d.gap.unit),
         before,
         calibrated: root(|d| d.gap.calibrated),
         after,
@@ -178,14 +222,14 @@ fn gap(joints: &[JointAnswer]) -> ClampedGap {
     }
 }
 
-/// Squares that each cause of a joint closes where it is added \[rad^2\].
+/// Squares that each cause of a joint closes where it is added.
 fn steps(diagnosis: &Diagnosis) -> impl Iterator<Item = (&CauseShare, f64)> {
     let before = std::iter::once(diagnosis.gap.calibrated).chain(diagnosis.causes.iter().map(|cause| cause.after));
     diagnosis.causes.iter().zip(before).map(|(cause, before)| (cause, before.powi(2) - cause.after.powi(2)))
 }
 
 /// Causes with all joints that have them, the one that closes most first.
-fn shared(case: &ClampedCase, joints: &[JointAnswer]) -> Vec<SharedCause> {
+fn shared(groups: &BTreeMap<String, Vec<String>>, joints: &[JointAnswer]) -> Vec<SharedCause> {
     let found: Vec<(&str, &Diagnosis)> =
         joints.iter().filter_map(|joint| Some((joint.joint.as_str(), joint.diagnosis.as_ref()?))).collect();
     let all: f64 = found.iter().map(|(_, d)| d.gap.calibrated.powi(2)).sum();
@@ -200,32 +244,53 @@ fn shared(case: &ClampedCase, joints: &[JointAnswer]) -> Vec<SharedCause> {
                 }
                 None => {
                     let joints = vec![(*joint).to_owned()];
-                    causes.push(SharedCause { effect: cause.effect, joints, group: None, share });
+                    causes.push(SharedCause { effect: cause.effect, joints, group: None, size: None, share });
                 }
             }
         }
     }
     let same = |a: &[String], b: &[String]| a.len() == b.len() && a.iter().all(|name| b.contains(name));
     for cause in &mut causes {
-        let group = case.groups.iter().find(|(_, joints)| same(joints, &cause.joints)).map(|(name, _)| name.clone());
+        let group = groups.iter().find(|(_, joints)| same(joints, &cause.joints)).map(|(name, _)| name.clone());
         let is_all = cause.joints.len() == found.len() && found.len() > 1;
-        cause.group = group.or(is_all.then(|| "all".to_owned()));
+        cause.group = is_all.then(|| "all".to_owned()).or(group);
+        let own = |(_, d): &(&str, &Diagnosis)| {
+            d.causes.iter().find(|own| own.effect == cause.effect)?.parameters.first().cloned()
+        };
+        let sizes: Vec<Number> = found.iter().filter_map(own).collect();
+        cause.size = one_size(&sizes.iter().collect::<Vec<_>>());
     }
     causes.sort_by(|a, b| b.share.total_cmp(&a.share));
     causes
 }
 
-fn sentence(robot: &str, joints: &[JointAnswer], gap: &ClampedGap, causes: &[SharedCause]) -> String {
+fn sentence(
+    robot: &str,
+    joints: &[JointAnswer],
+    gap: &ClampedGap,
+    bodies: &[BodyCause],
+    causes: &[SharedCause],
+    pooled: &[PooledNumber],
+) -> String {
     let found = || joints.iter().filter_map(|joint| Some((&joint.joint, joint.diagnosis.as_ref()?)));
-    let [given, calibrated, after] = [gap.before, gap.calibrated, gap.after].map(mrad);
+    let size = if gap.unit == "rad" { mrad } else { newton_metres };
+    let [given, calibrated, after] = [gap.before, gap.calibrated, gap.after].map(size);
+    let what = if gap.unit == "rad" { "error" } else { "torque error" };
     let mut text = format!(
-        "{robot}: over {} joints the error is {given} as given, {calibrated} with recalibrated numbers and {after} with \
+        "{robot}: over {} joints the {what} is {given} as given, {calibrated} with recalibrated numbers and {after} with \
          the causes that were found.",
         found().count()
     );
+    for body in bodies {
+        text += &format!(" {}.", capital(&body.words()));
+    }
     for cause in causes.iter().filter(|cause| cause.share > 0.0).take(SAID) {
         let on = cause.group.clone().unwrap_or_else(|| cause.joints.join(", "));
-        text += &format!(" {} on {on}.", capital(words(cause.effect)));
+        let size = cause.size.as_ref().map(|n| format!(" ({} = {})", n.name, quantity(n.value, n.interval, &n.unit)));
+        text += &format!(" {} on {on}{}.", capital(words(cause.effect)), size.unwrap_or_default());
+    }
+    for number in pooled.iter().take(SAID) {
+        text += &format!(" {}.", capital(&number.words()));
     }
     let unexplained: Vec<&str> =
         found().filter(|(_, d)| d.answer.verdict == Verdict::Unexplained).map(|(joint, _)| joint.as_str()).collect();

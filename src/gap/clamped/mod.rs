@@ -5,10 +5,17 @@
 //! its own fault and not for its neighbour's.
 
 mod along;
+mod body;
 mod case;
 mod diagnose;
+mod pooled;
+mod setup;
 #[cfg(test)]
 mod tests;
 
-pub use case::{ClampedCase, ClampedCaseError, ClampedJoint};
+pub use body::{BodyCause, BodyKind};
+pub use case::{ClampedCase, ClampedJoint};
 pub use diagnose::{ClampedAnswer, ClampedDiagnosis, ClampedGap, JointAnswer, SharedCause, diagnose_clamped};
+pub(super) use diagnose::{before_of, concluded};
+pub use pooled::PooledNumber;
+pub use setup::{ClampedCaseError, ClampedSetup};

@@ -47,8 +47,20 @@ pub struct ClampedStudy {
     pub uncertain: Uncertain,
     /// What the logs call their columns, and in which units they have them.
     pub columns: Columns,
+    /// What is predicted of all logs.
+    pub predict: Predict,
     /// At least one.
     pub logs: Vec<ClampedStudyLog>,
+}
+
+/// What of a log is predicted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Predict {
+    /// The motion, from setpoints or torques.
+    #[default]
+    Motion,
+    /// The torques along the measured motion, for arms whose open loop diverges.
+    Torque,
 }
 
 /// What a study says of a joint beyond the robot's description; `None`: nothing.

@@ -6,7 +6,7 @@ use std::path::Path;
 use toml::Spanned;
 
 use super::raw::{RawBeliefs, RawClampedLog, RawClampedStudy};
-use super::{ClampedStudy, ClampedStudyLog, JointBeliefs};
+use super::{ClampedStudy, ClampedStudyLog, JointBeliefs, Predict};
 use crate::log::beliefs::{ANY_NAME, uncertain};
 use crate::log::document::{Document, NOT_NEGATIVE, PERIOD, POSITIVE, Range64, range};
 use crate::log::error::LogError;
@@ -60,6 +60,7 @@ pub fn read_clamped_study(path: &Path) -> Result<ClampedStudy, LogError> {
     if !logs.iter().any(|log| log.role == Role::Fit) {
         return Err(document.missing("[[log]] role", "at least one log with role = \"fit\""));
     }
+    let predict = predict(&document, &raw.log, &logs)?;
     Ok(ClampedStudy {
         file: path.to_path_buf(),
         model_path: folder.join(model.get_ref()),
@@ -75,6 +76,7 @@ pub fn read_clamped_study(path: &Path) -> Result<ClampedStudy, LogError> {
         sensor: sensor(&document, &raw.sensor)?,
         uncertain: uncertain(&document, &raw.uncertain, ANY_NAME)?,
         columns: columns(&document, &raw.columns)?,
+        predict,
         logs,
     })
 }
@@ -128,8 +130,6 @@ fn log(
 ) -> Result<ClampedStudyLog, LogError> {
     let key = |name: &str| format!("[[log]] {} {name}", i + 1);
     let (file, path) = named_log(document, i, &raw.file, seen)?;
-    // Torques along a motion are another question than the motion that torques make.
-    document.word(&key("predict"), &raw.predict, &[("motion", ())])?;
     Ok(ClampedStudyLog {
         file,
         path,
@@ -137,4 +137,24 @@ fn log(
         drive: document.word(&key("drive"), &raw.drive, &DRIVES)?.unwrap_or(DriveMode::Position),
         session: raw.session.as_ref().map(|session| session.get_ref().clone()),
     })
+}
+
+/// What is predicted, the same of all logs: torques along a motion are another question than the motion that torques make.
+fn predict(document: &Document<'_>, raw: &[RawClampedLog], logs: &[ClampedStudyLog]) -> Result<Predict, LogError> {
+    const WORDS: [(&str, Predict); 2] = [("motion", Predict::Motion), ("torque", Predict::Torque)];
+    let mut of_first = None;
+    for (i, (raw, log)) in raw.iter().zip(logs).enumerate() {
+        let key = format!("[[log]] {} predict", i + 1);
+        let own = document.word(&key, &raw.predict, &WORDS)?.unwrap_or_default();
+        let span = || raw.predict.as_ref().map_or(0..0, Spanned::span);
+        if own == Predict::Torque && log.drive != DriveMode::Torque {
+            let expected = "drive = \"torque\" beside it, and the torque in `<joint>.tau`";
+            return Err(document.wrong(&key, span(), "\"torque\"", expected));
+        }
+        if *of_first.get_or_insert(own) != own {
+            let found = "another prediction than that of the logs before it";
+            return Err(document.wrong(&key, span(), found, "the same in all logs of a study"));
+        }
+    }
+    Ok(of_first.unwrap_or_default())
 }

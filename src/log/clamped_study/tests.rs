@@ -3,13 +3,16 @@ use crate::log::LogError;
 
 fn read(text: &str) -> Result<ClampedStudy, LogError> {
     let dir = tempfile::tempdir().unwrap();
-    std::fs::write(dir.path().join("a.csv"), "t,x.q\n0,0\n1,0\n").unwrap();
+    for file in ["a.csv", "b.csv"] {
+        std::fs::write(dir.path().join(file), "t,x.q\n0,0\n1,0\n").unwrap();
+    }
     let path = dir.path().join("study.toml");
     std::fs::write(&path, text).unwrap();
     read_clamped_study(&path)
 }
 
 const ROBOT: &str = "schema = 1\n[robot]\nmodel = \"arm.urdf\"\nscenario = \"fixed\"\n";
+const TORQUE: &str = "drive = \"torque\"\npredict = \"torque\"\n";
 const LOG: &str = "[[log]]\nfile = \"a.csv\"\nrole = \"fit\"\n";
 
 #[test]
@@ -32,6 +35,8 @@ fn each_fault_is_one_error_that_names_the_key() {
         (format!("{ROBOT}[joints.a]\nmodel = \"voltage\"\n{LOG}"), "[joints.a] kt"),
         (format!("{ROBOT}[control]\nderivative = \"error\"\n{LOG}"), "[control] derivative"),
         (format!("{ROBOT}{LOG}predict = \"torque\"\n"), "[[log]] 1 predict"),
+        (format!("{ROBOT}{LOG}predict = \"speed\"\n"), "[[log]] 1 predict"),
+        (format!("{ROBOT}{LOG}{TORQUE}[[log]]\nfile = \"b.csv\"\nrole = \"fit\"\n"), "[[log]] 2 predict"),
         (ROBOT.to_owned(), "[[log]]"),
         (format!("[robot]\nscenario = \"fixed\"\n{LOG}"), "schema"),
         (format!("schema = 1\n[robot]\nscenario = \"fixed\"\n{LOG}"), "[robot] model"),
@@ -39,4 +44,11 @@ fn each_fault_is_one_error_that_names_the_key() {
         let message = read(&text).unwrap_err().to_string();
         assert!(message.contains(expected), "`{expected}` is not in\n{message}");
     }
+}
+
+#[test]
+fn torques_along_a_motion_are_asked_for_of_all_logs() {
+    let study = read(&format!("{ROBOT}{LOG}{TORQUE}[[log]]\nfile = \"b.csv\"\nrole = \"validate\"\n{TORQUE}")).unwrap();
+    assert_eq!(study.predict, Predict::Torque);
+    assert_eq!(read(&format!("{ROBOT}{LOG}")).unwrap().predict, Predict::Motion);
 }

@@ -3,10 +3,12 @@
 use minijinja::{Value, context};
 
 use super::{ClampedGapReport, summary};
+use crate::gap::whole::WholeJoint;
 use crate::report::gap::plot::how_far::errors;
 use crate::report::gap::{gap_view, with_code};
 use crate::report::html::{figure_views, render};
-use crate::report::number::{share, significant};
+use crate::report::measure::{ANGLE, Measure};
+use crate::report::number::share;
 use crate::report::{Figure, GapReport, ReportError};
 
 /// Draws the joints at a glance.
@@ -15,15 +17,17 @@ use crate::report::{Figure, GapReport, ReportError};
 /// [`ReportError::Font`] and [`ReportError::Draw`], neither of which depends on the data.
 pub fn clamped_gap_figures(report: &ClampedGapReport) -> Result<Vec<Figure>, ReportError> {
     let rows = report.rows();
+    let measure = Measure::of(report.diagnosis.gap.unit);
     let title = format!("{}: error of each joint", report.diagnosis.robot);
     Ok(vec![Figure {
         file_name: "joints.svg".to_owned(),
         title: title.clone(),
-        caption:
-            "RMS of the angle error over the held-out logs: as given, with numbers refitted within their beliefs, \
-                  with the causes that were found, and what the sensor leaves."
-                .to_owned(),
-        svg: errors(&title, &rows.iter().collect::<Vec<_>>(), Some("with causes".to_owned()))?,
+        caption: format!(
+            "RMS of the {} over the held-out logs: as given, with numbers refitted within their beliefs, with the causes \
+             that were found, and what the sensor leaves.",
+            measure.what
+        ),
+        svg: errors(&title, &rows.iter().collect::<Vec<_>>(), measure, Some("with causes".to_owned()))?,
     }])
 }
 
@@ -32,18 +36,23 @@ pub fn clamped_gap_figures(report: &ClampedGapReport) -> Result<Vec<Figure>, Rep
 /// # Errors
 /// [`ReportError`] from the figures or the template; none depends on the data.
 pub fn clamped_gap_html(report: &ClampedGapReport) -> Result<String, ReportError> {
-    let ClampedGapReport { diagnosis, joints, provenance } = report;
+    let ClampedGapReport { diagnosis, joints, provenance, .. } = report;
     let (gap, answer) = (&diagnosis.gap, &diagnosis.answer);
+    let measure = Measure::of(gap.unit);
     let still = diagnosis.joints.iter().filter(|joint| joint.diagnosis.is_none());
     let values = context! {
         robot => diagnosis.robot.as_str(),
         sentence => with_code(&answer.sentence),
         verdict => answer.verdict.name(),
-        gap => gap_view([gap.before, gap.calibrated, gap.after, gap.after, gap.floor]),
+        measure => measure.unit,
+        what => measure.what,
+        gap => gap_view(measure, [gap.before, gap.calibrated, gap.after, gap.after, gap.floor]),
         closed => gap.closed.map_or_else(|| "–".to_owned(), share),
         figures => figure_views(clamped_gap_figures(report)?),
         joints => joints.iter().map(|(folder, joint)| joint_view(folder, joint)).collect::<Vec<_>>(),
         still => still.map(|joint| joint.joint.clone()).collect::<Vec<_>>(),
+        whole => report.whole_words(),
+        whole_joints => whole_joints(report),
         undetermined => report.undetermined(),
         notes => diagnosis.notes.iter().map(|note| with_code(note)).collect::<Vec<_>>(),
         version => provenance.version.as_str(),
@@ -55,17 +64,26 @@ pub fn clamped_gap_html(report: &ClampedGapReport) -> Result<String, ReportError
 
 fn joint_view(folder: &str, joint: &GapReport) -> Value {
     let diagnosis = &joint.diagnosis;
-    let milli = |rad: f64| significant(1e3 * rad, 3);
+    let measure = Measure::of(diagnosis.gap.unit);
     context! {
         joint => diagnosis.joint.as_str(),
         page => format!("{folder}/report.html"),
         verdict => diagnosis.answer.verdict.name(),
         what => summary(diagnosis),
-        before => milli(diagnosis.gap.before),
-        calibrated => milli(diagnosis.gap.calibrated),
-        after => milli(diagnosis.gap.after),
-        floor => milli(diagnosis.gap.floor),
+        before => measure.number(diagnosis.gap.before),
+        calibrated => measure.number(diagnosis.gap.calibrated),
+        after => measure.number(diagnosis.gap.after),
+        floor => measure.number(diagnosis.gap.floor),
         probability => share(diagnosis.answer.probability),
         sentence => with_code(&diagnosis.answer.sentence),
     }
+}
+
+/// Every joint in one simulation of the whole robot.
+fn whole_joints(report: &ClampedGapReport) -> Vec<Value> {
+    let Some(Ok(whole)) = &report.whole else { return Vec::new() };
+    let view = |joint: &WholeJoint| {
+        context! { joint => joint.joint.as_str(), before => ANGLE.number(joint.before), after => ANGLE.number(joint.after) }
+    };
+    whole.joints.iter().map(view).collect()
 }

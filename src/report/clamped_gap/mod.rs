@@ -11,9 +11,12 @@ pub use json::clamped_gap_json;
 pub use text::clamped_gap_text;
 
 use super::{GapReport, Provenance};
-use crate::gap::clamped::{ClampedCase, ClampedDiagnosis};
+use crate::gap::clamped::{ClampedCase, ClampedDiagnosis, ClampedSetup};
+use crate::gap::inverse::{TorqueDiagnosis, TorqueTraces};
+use crate::gap::whole::{FoundRobot, Whole, found_robot, simulated};
 use crate::gap::{BeliefFound, Diagnosis, GapOptions, LogGap};
 use crate::report::number::significant;
+use std::path::PathBuf;
 
 /// A robot's diagnosis with what was asked and where it comes from.
 #[derive(Clone, Debug)]
@@ -22,13 +25,25 @@ pub struct ClampedGapReport {
     pub diagnosis: ClampedDiagnosis,
     /// The reports of those joints that move, with the joint's folder.
     pub joints: Vec<(String, GapReport)>,
+    /// The description that was read, and what was found as numbers of it.
+    pub model: PathBuf,
+    /// See `model`.
+    pub found: FoundRobot,
+    /// The whole robot simulated at once; an error says why not. `None` where torques are predicted.
+    pub whole: Option<Result<Whole, String>>,
     /// Where the report comes from.
     pub provenance: Provenance,
 }
 
 impl ClampedGapReport {
     /// The report of a case's diagnosis.
-    pub fn new(case: &ClampedCase, diagnosis: ClampedDiagnosis, options: &GapOptions, provenance: &Provenance) -> Self {
+    pub fn new(
+        setup: &ClampedSetup,
+        case: &ClampedCase,
+        diagnosis: ClampedDiagnosis,
+        options: &GapOptions,
+        provenance: &Provenance,
+    ) -> Self {
         let found = diagnosis.joints.iter().filter_map(|joint| Some((&joint.joint, joint.diagnosis.clone()?)));
         let report = |(name, diagnosis): (&String, Diagnosis)| {
             let own = case.joints.iter().find(|joint| joint.name == *name)?;
@@ -36,7 +51,29 @@ impl ClampedGapReport {
             Some((folder_of(name), report))
         };
         let joints = found.filter_map(report).collect();
-        Self { diagnosis, joints, provenance: provenance.clone() }
+        let whole = Some(simulated(setup, &diagnosis));
+        let found = found_robot(setup, Some(&diagnosis)).unwrap_or_default();
+        let model = setup.study.model_path.clone();
+        Self { diagnosis, joints, model, found, whole, provenance: provenance.clone() }
+    }
+
+    /// The report of a diagnosis by torques.
+    pub fn of_torques(
+        setup: &ClampedSetup,
+        diagnosis: TorqueDiagnosis,
+        options: &GapOptions,
+        provenance: &Provenance,
+    ) -> Self {
+        let TorqueDiagnosis { found, traces } = diagnosis;
+        let diagnosed = found.joints.iter().filter_map(|joint| Some((&joint.joint, joint.diagnosis.clone()?)));
+        let report = |((name, diagnosis), torques): ((&String, Diagnosis), Vec<TorqueTraces>)| {
+            let (options, provenance) = (options.clone(), provenance.clone());
+            (folder_of(name), GapReport { diagnosis, options, health: Vec::new(), provenance, torques })
+        };
+        let joints = diagnosed.zip(traces).map(report).collect();
+        let numbers = found_robot(setup, Some(&found)).unwrap_or_default();
+        let model = setup.study.model_path.clone();
+        Self { diagnosis: found, joints, model, found: numbers, whole: None, provenance: provenance.clone() }
     }
 
     /// What the logs leave open, joint by joint.
@@ -45,6 +82,20 @@ impl ClampedGapReport {
             diagnosis.undetermined.iter().map(|sentence| format!("{}: {sentence}", diagnosis.joint)).collect()
         };
         self.joints.iter().flat_map(|(_, report)| of(&report.diagnosis)).collect()
+    }
+
+    /// What one simulation of the whole robot says.
+    fn whole_words(&self) -> Option<String> {
+        Some(match self.whole.as_ref()? {
+            Ok(whole) => {
+                let [before, after] = [whole.before, whole.after].map(crate::report::number::mrad);
+                format!(
+                    "The whole robot simulated at once under the study's setpoints is {before} off as given and {after} with \
+                     everything that was found."
+                )
+            }
+            Err(why) => format!("The whole robot was not simulated at once: {why}."),
+        })
     }
 
     /// How far each joint's gap closes, and all of them together.

@@ -4,7 +4,8 @@ use comfy_table::Cell;
 
 use super::{ClampedGapReport, summary};
 use crate::gap::Diagnosis;
-use crate::report::gap::text::{WIDTH, mrad, paragraph, undetermined};
+use crate::report::gap::text::{WIDTH, paragraph, undetermined};
+use crate::report::measure::Measure;
 use crate::report::number::share;
 use crate::report::text::{finish, number, one_line, table, wrap};
 
@@ -15,6 +16,7 @@ pub fn clamped_gap_text(report: &ClampedGapReport) -> String {
     let mut blocks = vec![paragraph(&diagnosis.answer.sentence), joints(report)];
     blocks.extend(report.joints.iter().map(|(_, joint)| sentence(&joint.diagnosis)));
     blocks.extend(undetermined(&report.undetermined()));
+    blocks.extend(report.whole_words().map(|words| paragraph(&words)));
     let still: Vec<&str> =
         diagnosis.joints.iter().filter(|joint| joint.diagnosis.is_none()).map(|joint| joint.joint.as_str()).collect();
     if !still.is_empty() {
@@ -25,7 +27,9 @@ pub fn clamped_gap_text(report: &ClampedGapReport) -> String {
 }
 
 fn joints(report: &ClampedGapReport) -> String {
-    let numbers = ["as given\n[mrad]", "calibrated\n[mrad]", "after\n[mrad]", "floor\n[mrad]", "sure"];
+    let measure = Measure::of(report.diagnosis.gap.unit);
+    let names = ["as given", "calibrated", "after", "floor"].map(|name| measure.over(name));
+    let numbers: Vec<&str> = names.iter().map(|name| &**name).chain(["sure"]).collect();
     let mut table = table(WIDTH, &["joint", "verdict", "what"], &numbers);
     let rows = report.rows();
     let answers = report.joints.iter().map(|(_, joint)| Some(&joint.diagnosis)).chain([None]);
@@ -34,7 +38,7 @@ fn joints(report: &ClampedGapReport) -> String {
         let sure = diagnosis.map_or_else(String::new, |d| share(d.answer.probability));
         let name = Cell::new(one_line(&row.file));
         let mut cells = vec![name, Cell::new(verdict), Cell::new(diagnosis.map_or_else(String::new, summary))];
-        cells.extend([row.before, row.calibrated, row.after, row.floor].map(mrad));
+        cells.extend([row.before, row.calibrated, row.after, row.floor].map(|error| number(measure.number(error))));
         cells.push(number(sure));
         table.add_row(cells);
     }

@@ -10,7 +10,8 @@ use crate::gap::{Candidate, Detectable, Diagnosis, LogGap};
 use crate::joint::Stage;
 use crate::report::ReportError;
 use crate::report::html::{figure_views, health_view, open_and_folded, parameter_view, render};
-use crate::report::number::{mrad, share, significant};
+use crate::report::measure::Measure;
+use crate::report::number::{share, significant};
 use crate::report::rows::typeset_unit;
 
 /// Puts a diagnosis into one HTML page: verdict, data health, what is undetermined, the steps to the floor, where, which, how far, logs, parameters, what could have
@@ -22,8 +23,9 @@ use crate::report::rows::typeset_unit;
 /// [`ReportError::Draw`] or [`ReportError::Font`] from the figures, [`ReportError::Page`] from the template; none depends
 /// on the data.
 pub fn render_gap_html(report: &GapReport) -> Result<String, ReportError> {
-    let GapReport { diagnosis, options, health, provenance } = report;
+    let GapReport { diagnosis, options, health, provenance, .. } = report;
     let Diagnosis { answer, gap, .. } = diagnosis;
+    let measure = Measure::of(gap.unit);
     let GapFigures { steps, place, which, twins, how_far, logs, parameters, next } = GapFigures::of(report)?;
     let (logs, folded) = open_and_folded(logs);
     let rows = joint_rows(diagnosis).into_iter().chain(effect_rows(diagnosis));
@@ -35,7 +37,9 @@ pub fn render_gap_html(report: &GapReport) -> Result<String, ReportError> {
         source => with_code(answer.probability_source.trim_end_matches('.')),
         answer => words::answer(diagnosis),
         has_second => answer.second.is_some(),
-        gap => gap_view([gap.before, gap.calibrated, gap.after_first, gap.after, gap.floor]),
+        measure => measure.unit,
+        what => measure.what,
+        gap => gap_view(measure, [gap.before, gap.calibrated, gap.after_first, gap.after, gap.floor]),
         closed => words::closed(gap.closed, gap.closed_interval),
         held_out => with_code(&gap.held_out),
         steps => figure_views(steps),
@@ -53,7 +57,7 @@ pub fn render_gap_html(report: &GapReport) -> Result<String, ReportError> {
         twins => figure_views(twins),
         twins_command => diagnosis.confusion.as_ref().map(|table| table.command.as_str()),
         how_far => figure_views(how_far),
-        per_log => gap.per_log.iter().map(log_view).collect::<Vec<_>>(),
+        per_log => gap.per_log.iter().map(|log| log_view(measure, log)).collect::<Vec<_>>(),
         logs,
         folded,
         effects => !diagnosis.effect_parameters.is_empty(),
@@ -104,31 +108,33 @@ fn chain_view(diagnosis: &Diagnosis) -> Vec<Value> {
     Stage::ALL.into_iter().map(view).collect()
 }
 
-/// As given, recalibrated, with the first effect, with all, and the noise \[rad\].
-pub(in crate::report) fn gap_view([before, calibrated, after_first, after, floor]: [f64; 5]) -> Value {
+/// As given, recalibrated, with the first effect, with all, and the noise.
+pub(in crate::report) fn gap_view(
+    measure: Measure,
+    [before, calibrated, after_first, after, floor]: [f64; 5],
+) -> Value {
     context! {
-        before => mrad(before),
-        calibrated => mrad(calibrated),
-        after_first => mrad(after_first),
-        after => mrad(after),
-        floor => mrad(floor),
+        before => measure.quantity(before),
+        calibrated => measure.quantity(calibrated),
+        after_first => measure.quantity(after_first),
+        after => measure.quantity(after),
+        floor => measure.quantity(floor),
     }
 }
 
-fn log_view(log: &LogGap) -> Value {
-    let milli = |rad: f64| significant(1e3 * rad, 3);
+fn log_view(measure: Measure, log: &LogGap) -> Value {
     context! {
         file => log.file.as_str(),
-        before => milli(log.before),
-        calibrated => milli(log.calibrated),
-        after => milli(log.after),
-        floor => milli(log.floor),
+        before => measure.number(log.before),
+        calibrated => measure.number(log.calibrated),
+        after => measure.number(log.after),
+        floor => measure.number(log.floor),
     }
 }
 
 fn candidate_view(diagnosis: &Diagnosis, candidate: &Candidate) -> Value {
     let dash = || "–".to_owned();
-    let shown = |value: f64| if candidate.refitted { significant(1e3 * value, 3) } else { dash() };
+    let shown = |value: f64| if candidate.refitted { Measure::of(diagnosis.gap.unit).number(value) } else { dash() };
     context! {
         effect => candidate.effect.id(),
         stage => candidate.effect.stage().name(),

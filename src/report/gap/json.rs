@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 
 /// The diagnosis for programs. A number that is not finite becomes null.
 pub fn gap_json(report: &GapReport) -> impl Serialize + '_ {
-    let GapReport { diagnosis, options, health, provenance } = report;
+    let GapReport { diagnosis, options, health, provenance, .. } = report;
     let answer = &diagnosis.answer;
     Document {
         schema: SCHEMA,
@@ -184,7 +184,7 @@ struct Closing<'a> {
     waterfall: Vec<Rung>,
 }
 
-/// RMS after a step \[rad\].
+/// RMS after a step, in the gap's unit.
 #[derive(Serialize)]
 struct Rung {
     step: &'static str,
@@ -193,7 +193,7 @@ struct Rung {
 
 impl<'a> Closing<'a> {
     fn of(diagnosis: &'a Diagnosis) -> Self {
-        let rung = |step: Step<'_>| Rung { step: step.name, rms: step.rms_rad };
+        let rung = |step: Step<'_>| Rung { step: step.name, rms: step.rms };
         Self { gap: &diagnosis.gap, waterfall: steps(diagnosis).into_iter().map(rung).collect() }
     }
 }

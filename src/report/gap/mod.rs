@@ -26,6 +26,7 @@ pub use text::gap_text;
 use super::FitFile;
 use super::assemble::health_rows;
 use super::{LogHealthRow, Provenance};
+use crate::gap::inverse::TorqueTraces;
 use crate::gap::{Diagnosis, GapOptions};
 use crate::identify::Case;
 
@@ -43,11 +44,13 @@ pub struct GapReport {
     pub health: Vec<LogHealthRow>,
     /// Where the report comes from.
     pub provenance: Provenance,
+    /// Curves of the logs where torques are predicted.
+    pub torques: Vec<TorqueTraces>,
 }
 
 impl GapReport {
     /// The report of a case's diagnosis.
     pub fn new(case: &Case, diagnosis: Diagnosis, options: GapOptions, provenance: Provenance) -> Self {
-        Self { diagnosis, options, health: health_rows(case), provenance }
+        Self { diagnosis, options, health: health_rows(case), provenance, torques: Vec::new() }
     }
 }

@@ -317,6 +317,7 @@ fn report(sizes: [f64; 4], sentence: &str) -> GapReport {
             demands: Directives::default(),
             differs: Vec::new(),
         },
+        torques: Vec::new(),
     }
 }
 

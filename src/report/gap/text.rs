@@ -7,6 +7,7 @@ use super::waterfall::{Step, closes_alone, explanation, heading, moved, steps};
 use super::words;
 use super::{GapReport, NEXT_FILE};
 use crate::gap::{Candidate, Detectable, Diagnosis, Gap, MapCell, Phase};
+use crate::report::measure::Measure;
 use crate::report::number::{UNKNOWN, share, significant};
 use crate::report::rows::shorten;
 use crate::report::text::{finish, number, one_line, parameter_table, table, wrap};
@@ -50,15 +51,15 @@ pub(in crate::report) fn opening(sentence: &str, probability: f64, source: &str)
 
 /// The steps from as given to the floor, each with a bar.
 fn waterfall(diagnosis: &Diagnosis) -> String {
-    let steps = steps(diagnosis);
-    let longest = steps.iter().map(|step| step.rms_rad).filter(|rms| rms.is_finite()).fold(0.0, f64::max);
-    let mut table = table(WIDTH, &["step", ""], &["RMS\n[mrad]", "closes", "alone", "last"]);
+    let (steps, measure) = (steps(diagnosis), Measure::of(diagnosis.gap.unit));
+    let longest = steps.iter().map(|step| step.rms).filter(|rms| rms.is_finite()).fold(0.0, f64::max);
+    let mut table = table(WIDTH, &["step", ""], &[&*measure.over("RMS"), "closes", "alone", "last"]);
     let part = |share: Option<f64>| number(share.map_or_else(String::new, words::part));
     for step in &steps {
         table.add_row([
             Cell::new(step.label()),
             Cell::new(bar(step, longest)),
-            mrad(step.rms_rad),
+            number(measure.number(step.rms)),
             part(step.closes),
             part(step.alone()),
             part(step.last()),
@@ -68,8 +69,8 @@ fn waterfall(diagnosis: &Diagnosis) -> String {
 }
 
 /// A bar of characters, as long as the RMS after the step; empty where there is no number.
-fn bar(step: &Step<'_>, longest_rad: f64) -> String {
-    let length = (step.rms_rad / longest_rad * BAR as f64).round();
+fn bar(step: &Step<'_>, longest: f64) -> String {
+    let length = (step.rms / longest * BAR as f64).round();
     if length.is_finite() { "#".repeat((length as usize).clamp(1, BAR)) } else { String::new() }
 }
 
@@ -99,13 +100,14 @@ pub(in crate::report) fn undetermined(sentences: &[String]) -> Option<String> {
 }
 
 /// The table of how far a gap closes.
-pub(in crate::report) fn rms_table(of: &str) -> Table {
-    table(WIDTH, &[of], &["before\n[mrad]", "calibrated\n[mrad]", "after\n[mrad]", "floor\n[mrad]"])
+pub(in crate::report) fn rms_table(of: &str, measure: Measure) -> Table {
+    let names = ["before", "calibrated", "after", "floor"].map(|name| measure.over(name));
+    table(WIDTH, &[of], &names.each_ref().map(|name| &**name))
 }
 
-/// A row of it: as given, recalibrated, with the answer, the sensor's noise \[rad\].
-pub(in crate::report) fn rms_row(name: Cell, rms_rad: [f64; 4]) -> Vec<Cell> {
-    std::iter::once(name).chain(rms_rad.map(mrad)).collect()
+/// A row of it: as given, recalibrated, with the answer, the sensor's noise.
+pub(in crate::report) fn rms_row(name: Cell, measure: Measure, rms: [f64; 4]) -> Vec<Cell> {
+    std::iter::once(name).chain(rms.map(|rms| number(measure.number(rms)))).collect()
 }
 
 /// A paragraph of the page's width.
@@ -153,10 +155,11 @@ fn marked(cell: &MapCell, shown: &str) -> String {
 /// Every candidate that was refitted, between what was given and the sensor's noise; the others by name.
 fn ranking(diagnosis: &Diagnosis) -> String {
     let gap = &diagnosis.gap;
+    let measure = Measure::of(gap.unit);
     let words = ["which", "parameters with 95 % intervals"];
-    let mut table = table(WIDTH, &words, &["RMS\n[mrad]", "closes\nalone", "behind\n[sd]", "probability"]);
+    let mut table = table(WIDTH, &words, &[&*measure.over("RMS"), "closes\nalone", "behind\n[sd]", "probability"]);
     let plain = |table: &mut Table, name: &str, rms: f64| {
-        table.add_row([Cell::new(name), Cell::new(""), mrad(rms)]);
+        table.add_row([Cell::new(name), Cell::new(""), number(measure.number(rms))]);
     };
     plain(&mut table, "(as given)", gap.before);
     plain(&mut table, "(recalibrated)", gap.calibrated);
@@ -169,7 +172,7 @@ fn ranking(diagnosis: &Diagnosis) -> String {
         table.add_row([
             Cell::new(format!("{}{mark}", candidate.effect)),
             Cell::new(candidate.parameters.iter().map(words::parameter).collect::<Vec<_>>().join("\n")),
-            mrad(candidate.after),
+            number(measure.number(candidate.after)),
             number(closes_alone(gap, candidate.after).map_or_else(|| "-".to_owned(), share)),
             number(significant(candidate.behind_sd, 2)),
             number(share(candidate.probability)),
@@ -189,11 +192,12 @@ fn ranking(diagnosis: &Diagnosis) -> String {
 }
 
 fn how_far(gap: &Gap) -> String {
-    let mut table = rms_table("RMS of the held-out logs");
+    let measure = Measure::of(gap.unit);
+    let mut table = rms_table("RMS of the held-out logs", measure);
     for log in &gap.per_log {
-        table.add_row(rms_row(file(&log.file), [log.before, log.calibrated, log.after, log.floor]));
+        table.add_row(rms_row(file(&log.file), measure, [log.before, log.calibrated, log.after, log.floor]));
     }
-    table.add_row(rms_row(Cell::new("all"), [gap.before, gap.calibrated, gap.after, gap.floor]));
+    table.add_row(rms_row(Cell::new("all"), measure, [gap.before, gap.calibrated, gap.after, gap.floor]));
     let closed = format!(
         "Closed in all, recalibration included: {}. Held out: {}.",
         words::closed(gap.closed, gap.closed_interval),

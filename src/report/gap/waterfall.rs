@@ -3,6 +3,7 @@
 
 use crate::gap::{BeliefFound, CauseShare, Diagnosis, Gap, LawFound, Verdict};
 use crate::report::beliefs;
+use crate::report::measure::Measure;
 use crate::report::number::quantity;
 
 /// A gap that exceeds the floor by less than this factor is hardly one: shares of it would be numbers without meaning.
@@ -35,8 +36,8 @@ pub(super) struct Step<'a> {
     pub kind: Kind,
     /// `as given`, `recalibrated`, the id of a cause, `floor`.
     pub name: &'static str,
-    /// RMS over the held-out logs after it \[rad\].
-    pub rms_rad: f64,
+    /// RMS over the held-out logs after it, in the gap's unit.
+    pub rms: f64,
     /// Share of the whole gap above the floor that this step closes; `None` where it closes none by its nature.
     pub closes: Option<f64>,
     /// The cause that it adds.
@@ -74,7 +75,7 @@ impl Step<'_> {
 /// The steps from as given down to the floor. What recalibration closes is its own step and in no other.
 pub(super) fn steps(diagnosis: &Diagnosis) -> Vec<Step<'_>> {
     let gap = &diagnosis.gap;
-    let step = |kind, name, rms_rad, cause| Step { kind, name, rms_rad, closes: None, cause, law: None };
+    let step = |kind, name, rms, cause| Step { kind, name, rms, closes: None, cause, law: None };
     let mut steps = vec![
         step(Kind::Given, "as given", gap.before, None),
         step(Kind::Recalibrated, "recalibrated", gap.calibrated, None),
@@ -85,7 +86,7 @@ pub(super) fn steps(diagnosis: &Diagnosis) -> Vec<Step<'_>> {
     let whole = gap.before - gap.floor;
     if gap.before > HARDLY * gap.floor {
         for k in 1..steps.len() {
-            let share = (steps[k - 1].rms_rad - steps[k].rms_rad) / whole;
+            let share = (steps[k - 1].rms - steps[k].rms) / whole;
             steps[k].closes = Some(share).filter(|share| share.is_finite());
         }
     }
@@ -93,9 +94,9 @@ pub(super) fn steps(diagnosis: &Diagnosis) -> Vec<Step<'_>> {
     steps
 }
 
-/// Share of what recalibration leaves that is closed down to an RMS \[rad\]; `None` where it leaves hardly anything.
-pub(super) fn closes_alone(gap: &Gap, rms_rad: f64) -> Option<f64> {
-    let share = (gap.calibrated - rms_rad) / (gap.calibrated - gap.floor);
+/// Share of what recalibration leaves that is closed down to an RMS; `None` where it leaves hardly anything.
+pub(super) fn closes_alone(gap: &Gap, rms: f64) -> Option<f64> {
+    let share = (gap.calibrated - rms) / (gap.calibrated - gap.floor);
     Some(share).filter(|share| gap.calibrated > HARDLY * gap.floor && share.is_finite())
 }
 
@@ -109,10 +110,11 @@ pub(super) fn heading(diagnosis: &Diagnosis) -> &'static str {
 
 /// What the columns of the steps mean, and what is to be kept in mind with these causes.
 pub(super) fn explanation(diagnosis: &Diagnosis) -> String {
-    let mut text =
-        "RMS of the angle error over the held-out logs. Closes: share of the whole gap above the floor; what \
-                    recalibrating the numbers closes is not the work of any effect."
-            .to_owned();
+    let mut text = format!(
+        "RMS of the {} over the held-out logs. Closes: share of the whole gap above the floor; what recalibrating the \
+         numbers closes is not the work of any effect.",
+        Measure::of(diagnosis.gap.unit).what
+    );
     if !diagnosis.causes.is_empty() {
         text += " Alone and last: share of what recalibration leaves that the cause closes by itself, and with all \
                  others in place.";

@@ -9,6 +9,7 @@ use crate::gap::robot::{Displacement, JointGap, RobotCandidate, RobotDetectable,
 use crate::report::ReportError;
 use crate::report::gap::{gap_view, with_code, words as joint_words};
 use crate::report::html::{figure_views, open_and_folded, render};
+use crate::report::measure::ANGLE;
 use crate::report::number::{share, significant};
 use crate::report::rows::typeset_unit;
 
@@ -35,7 +36,7 @@ pub fn robot_gap_html(report: &RobotGapReport) -> Result<String, ReportError> {
         source => with_code(answer.probability_source.trim_end_matches('.')),
         answer => words::answer(answer),
         has_second => answer.second.is_some(),
-        gap => gap_view([gap.before, gap.calibrated, gap.after_first, gap.after, gap.floor]),
+        gap => gap_view(ANGLE, [gap.before, gap.calibrated, gap.after_first, gap.after, gap.floor]),
         closed => joint_words::closed(gap.closed, gap.closed_interval),
         held_out => with_code(&gap.held_out),
         location => with_code(&words::location(&diagnosis.location)),

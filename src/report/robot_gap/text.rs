@@ -7,6 +7,7 @@ use super::words;
 use crate::gap::robot::{GaitCell, GaitPhase, RobotCandidate, RobotDiagnosis, RobotGap};
 use crate::report::gap::text::{WIDTH, file, mrad, opening, paragraph, rms_row, rms_table};
 use crate::report::gap::words as joint_words;
+use crate::report::measure::ANGLE;
 use crate::report::number::{UNKNOWN, share, significant};
 use crate::report::text::{finish, number, one_line, table, wrap};
 
@@ -90,16 +91,16 @@ fn ranking(diagnosis: &RobotDiagnosis) -> String {
 
 /// Joint by joint, log by log where there are several, and in all.
 fn how_far(gap: &RobotGap) -> String {
-    let mut table = rms_table("RMS, held-out samples");
+    let mut table = rms_table("RMS, held-out samples", ANGLE);
     for joint in &gap.per_joint {
         let name = Cell::new(one_line(&joint.joint));
-        table.add_row(rms_row(name, [joint.before, joint.calibrated, joint.after, gap.floor]));
+        table.add_row(rms_row(name, ANGLE, [joint.before, joint.calibrated, joint.after, gap.floor]));
     }
     // A log without held-out samples has no error there.
     for log in gap.per_log.iter().filter(|log| gap.per_log.len() > 1 && log.before > 0.0) {
-        table.add_row(rms_row(file(&log.file), [log.before, log.calibrated, log.after, log.floor]));
+        table.add_row(rms_row(file(&log.file), ANGLE, [log.before, log.calibrated, log.after, log.floor]));
     }
-    table.add_row(rms_row(Cell::new("all"), [gap.before, gap.calibrated, gap.after, gap.floor]));
+    table.add_row(rms_row(Cell::new("all"), ANGLE, [gap.before, gap.calibrated, gap.after, gap.floor]));
     let closed =
         format!("Gap closed: {}. Held out: {}.", joint_words::closed(gap.closed, gap.closed_interval), gap.held_out);
     format!("{}\n{}", finish(&mut table), paragraph(&closed))

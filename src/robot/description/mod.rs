@@ -9,20 +9,28 @@
 //! element; what only a simulation would miss stands in [`Description::left_out`], likely mistakes in
 //! [`Description::warnings`].
 
+mod change;
 mod error;
 mod format;
+mod found;
 mod inertia;
 mod mjcf;
 mod of_tables;
 mod parts;
 mod sanity;
+mod to_mjcf;
+mod to_urdf;
 mod urdf;
 mod xml;
 
+pub use change::BodyChange;
 pub use error::{At, DescriptionError};
 pub use format::Format;
+pub use found::{FoundKey, FoundNumber, NoSuchPart};
 pub use inertia::RigidInertia;
 pub use parts::{Actuator, ActuatorKind, Coupling, FreeJoint, JointKind, Link, LinkId, Mover, MoverId};
+pub use to_mjcf::to_mjcf;
+pub use to_urdf::to_urdf;
 
 use nalgebra::Vector3;
 use std::path::{Path, PathBuf};

@@ -9,7 +9,8 @@ use crate::gap::Diagnosis;
 use crate::report::ReportError;
 use crate::report::gap::waterfall::closes_alone;
 use crate::report::gap::words;
-use crate::report::number::{self, significant};
+use crate::report::measure::Measure;
+use crate::report::number;
 use crate::report::plot::axis::{Axis, drawable};
 use crate::report::plot::canvas::{
     AFTER, Area, BAND, BEFORE, CALIBRATED, Drawn, LegendEntry, Look, RIGHT, SHADE, Sign, WIDTH, filled, legend,
@@ -108,13 +109,14 @@ fn draw_bar(root: &Area<'_>, rows: &Ruled<'_>, row: usize, bar: &Bar) -> Drawn {
 /// Draws the RMS over the held-out logs as given, recalibrated, with each candidate, and the sensor's noise.
 pub(super) fn ranking(diagnosis: &Diagnosis) -> Result<String, ReportError> {
     let (gap, answer) = (&diagnosis.gap, &diagnosis.answer);
-    let bar = |name: &str, rms_rad: f64, colour| Bar {
+    let measure = Measure::of(gap.unit);
+    let bar = |name: &str, rms: f64, colour| Bar {
         name: name.to_owned(),
-        value: 1e3 * rms_rad,
+        value: measure.scale * rms,
         down_from: None,
         colour,
         bold: false,
-        words: vec![significant(1e3 * rms_rad, 3), String::new(), String::new()],
+        words: vec![measure.number(rms), String::new(), String::new()],
     };
     let mut bars = vec![bar("as given", gap.before, BEFORE), bar("recalibrated", gap.calibrated, CALIBRATED)];
     if let (Some(_), Some(both)) = (answer.second, words::answer(diagnosis)) {
@@ -143,10 +145,10 @@ pub(super) fn ranking(diagnosis: &Diagnosis) -> Result<String, ReportError> {
     draw(&Bars {
         title: &format!("{}: error on held-out logs with each effect", diagnosis.joint),
         legend,
-        label: "RMS of the angle error, held-out logs [mrad]",
-        columns: &["RMS [mrad]", "closes alone", "probability"],
+        label: &format!("RMS of the {}, held-out logs [{}]", measure.what, measure.unit),
+        columns: &[&*format!("RMS [{}]", measure.unit), "closes alone", "probability"],
         bars,
-        mark: Some(1e3 * gap.floor).filter(|floor| drawable(*floor)),
+        mark: Some(measure.scale * gap.floor).filter(|floor| drawable(*floor)),
     })
 }
 

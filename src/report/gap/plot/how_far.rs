@@ -7,6 +7,7 @@ use super::ruled::{ROW, RULER, Ruled};
 use crate::gap::{Diagnosis, LogGap};
 use crate::report::ReportError;
 use crate::report::gap::words;
+use crate::report::measure::Measure;
 use crate::report::plot::axis::{Axis, drawable};
 use crate::report::plot::canvas::{
     AFTER, BAND, BEFORE, CALIBRATED, RIGHT, SHADE, Sign, WIDTH, diamond, filled, legend, legend_end, px, sketch, stroke,
@@ -24,13 +25,18 @@ pub(super) fn how_far(diagnosis: &Diagnosis) -> Result<String, ReportError> {
     };
     let logs: Vec<&LogGap> = gap.per_log.iter().chain([&all]).collect();
     let title = format!("{}: error of each held-out log", diagnosis.joint);
-    errors(&title, &logs, words::answer(diagnosis))
+    errors(&title, &logs, Measure::of(gap.unit), words::answer(diagnosis))
 }
 
 /// Draws errors of logs or joints, each under the name `file`; the last row is set off. `answer` is what was added for
 /// the errors after; without it these are left out.
-pub(in crate::report) fn errors(title: &str, logs: &[&LogGap], answer: Option<String>) -> Result<String, ReportError> {
-    let axis = Axis::logarithmic(logs.iter().flat_map(|log| values(log)).map(|(rms_rad, _)| 1e3 * rms_rad));
+pub(in crate::report) fn errors(
+    title: &str,
+    logs: &[&LogGap],
+    measure: Measure,
+    answer: Option<String>,
+) -> Result<String, ReportError> {
+    let axis = Axis::logarithmic(logs.iter().flat_map(|log| values(log)).map(|(rms, _)| measure.scale * rms));
     let files: Vec<&str> = logs.iter().map(|log| log.file.as_str()).collect();
     let files = words::names_without_folder(&files);
     let mut names = vec![
@@ -43,15 +49,15 @@ pub(in crate::report) fn errors(title: &str, logs: &[&LogGap], answer: Option<St
 
     sketch(title, height, |root| {
         let top = legend(root, &names)?;
-        let label = "RMS of the angle error [mrad], logarithmic";
-        let rows = Ruled { axis: &axis, label, right: WIDTH - RIGHT, top: top + 4.0, rows: logs.len() };
+        let label = format!("RMS of the {} [{}], logarithmic", measure.what, measure.unit);
+        let rows = Ruled { axis: &axis, label: &label, right: WIDTH - RIGHT, top: top + 4.0, rows: logs.len() };
         rows.draw(root)?;
         for (row, log) in logs.iter().enumerate() {
             let is_last = row + 1 == logs.len();
             rows.name(root, row, &files[row], is_last)?;
-            let places = values(log).map(|(rms_rad, colour)| {
-                let shown = drawable(rms_rad) && rms_rad > 0.0 && (colour != AFTER || answer.is_some());
-                (shown.then(|| rows.x((1e3 * rms_rad).log10())), colour)
+            let places = values(log).map(|(rms, colour)| {
+                let shown = drawable(rms) && rms > 0.0 && (colour != AFTER || answer.is_some());
+                (shown.then(|| rows.x((measure.scale * rms).log10())), colour)
             });
             let shown = || places.iter().filter_map(|(x, _)| *x);
             let (low, high) = shown().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
@@ -74,7 +80,7 @@ pub(in crate::report) fn errors(title: &str, logs: &[&LogGap], answer: Option<St
     })
 }
 
-/// RMS \[rad\] and colour: before, calibrated, after, floor.
+/// RMS and colour: before, calibrated, after, floor.
 fn values(log: &LogGap) -> [(f64, RGBColor); 4] {
     [(log.before, BEFORE), (log.calibrated, CALIBRATED), (log.after, AFTER), (log.floor, BAND)]
 }

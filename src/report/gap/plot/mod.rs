@@ -1,5 +1,6 @@
 //! Figures of a diagnosis as SVG.
 
+mod along;
 pub(in crate::report) mod bars;
 mod cells;
 pub(in crate::report) mod how_far;
@@ -17,6 +18,7 @@ pub use law::law_figure;
 use super::rows::{effect_rows, joint_rows};
 use super::{GapReport, NEXT_FILE};
 use crate::gap::Verdict;
+use crate::gap::inverse::TorqueTraces;
 use crate::report::plot::intervals::interval_bars;
 use crate::report::plot::plain;
 use crate::report::{Figure, ReportError};
@@ -90,7 +92,7 @@ impl GapFigures {
             which,
             twins,
             how_far,
-            logs: logs(report)?,
+            logs: if report.torques.is_empty() { logs(report)? } else { torques(report)? },
             parameters: parameters(report)?,
             next,
         })
@@ -118,7 +120,7 @@ fn place(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
                        against the motion.";
         figures.push(figure("profile", "Missing torque", caption, torque::profile(diagnosis, variable)?));
     }
-    if diagnosis.answer.verdict == Verdict::Unexplained {
+    if diagnosis.answer.verdict == Verdict::Unexplained && !diagnosis.traces.is_empty() {
         let caption = "The torque that the recalibrated model lacks at every sample, for you to look at: what depends \
                        on speed alone is a line on the left, what depends on angle alone a line on the right, a loop \
                        has memory.";
@@ -139,6 +141,17 @@ fn logs(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
         Ok(figure(&name, &title, caption, log::log(diagnosis, log, 0.5 * resolution_rad)?))
     };
     diagnosis.traces.iter().enumerate().map(draw).collect()
+}
+
+fn torques(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
+    let caption =
+        "Above: the drive's torque, and what models ask for along the measured motion. Below: what is left over.";
+    let draw = |(i, log): (usize, &TorqueTraces)| {
+        let name = format!("log-{:02}-{}", i + 1, plain(&log.file));
+        let title = format!("Log {} ({})", log.file, log.role);
+        Ok(figure(&name, &title, caption, along::torques(&report.diagnosis, log)?))
+    };
+    report.torques.iter().enumerate().map(draw).collect()
 }
 
 fn parameters(report: &GapReport) -> Result<Vec<Figure>, ReportError> {

@@ -13,6 +13,7 @@ use crate::gap::LogGap;
 use crate::gap::robot::JointTrace;
 use crate::report::gap::plot::figure;
 use crate::report::gap::plot::how_far::errors;
+use crate::report::measure::ANGLE;
 use crate::report::plot::plain;
 use crate::report::{Figure, ReportError};
 
@@ -80,7 +81,7 @@ fn per_joint(report: &RobotGapReport) -> Result<String, ReportError> {
         gap.per_joint.iter().map(|of| row(&of.joint, of.before, of.calibrated, of.after)).collect();
     rows.push(row("all of them", gap.before, gap.calibrated, gap.after));
     let title = format!("{}: error of each joint", report.diagnosis.robot);
-    errors(&title, &rows.iter().collect::<Vec<_>>(), words::answer(&report.diagnosis.answer))
+    errors(&title, &rows.iter().collect::<Vec<_>>(), ANGLE, words::answer(&report.diagnosis.answer))
 }
 
 /// Curves of the joints that matter, in the logs that matter.

@@ -168,6 +168,11 @@ fn cut(text: &str) -> String {
     }
 }
 
+/// A text as an attribute has it.
+pub(super) fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,0 +1,162 @@
+//! `aibo-fit export`: a robot's description with what was found in it.
+
+use super::CliError;
+use super::common::{CommonArgs, print, study_name, warn, write_outputs};
+use crate::log::{LogError, Outputs};
+use crate::robot::description::{Description, FoundKey, FoundNumber, to_mjcf, to_urdf};
+use clap::{Args, ValueEnum};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// Write a robot's description with what a diagnosis or a fit found
+///
+/// Numbers that logs put elsewhere (friction, armature, servo gains and limits, springs, masses, payloads) are written
+/// where the format has them, each marked by a comment with its 95 % interval and what it was; what the format cannot say
+/// is listed. Looks and contacts are not written.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Reads what `gap --json` wrote of a robot's study (its description is known from there), or a joint's \
+fit.json with --model; a joint of that name has to be in the description.\nUnits are SI; exit code 3 where numbers and \
+description do not fit.\n\nExample: aibo-fit export gap.json --to mjcf --out exported"
+)]
+pub(super) struct ExportArgs {
+    /// What gap --json wrote, or a joint's fit.json
+    #[arg(value_name = "FIT|DIAGNOSIS")]
+    file: PathBuf,
+    /// The format to write
+    #[arg(long, value_enum)]
+    to: Format,
+    /// The description to put it into [default: the diagnosis's own]
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
+    #[command(flatten)]
+    common: CommonArgs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// MuJoCo's XML
+    Mjcf,
+    /// ROS's XML
+    Urdf,
+    /// The changed numbers alone
+    Json,
+}
+
+/// What is put into a description.
+struct Found {
+    model: Option<PathBuf>,
+    numbers: Vec<FoundNumber>,
+    cannot_say: Vec<String>,
+}
+
+/// Runs the command.
+pub(super) fn run(args: &ExportArgs) -> Result<u8, CliError> {
+    let found = read(&args.file)?;
+    let model =
+        args.model.clone().or(found.model).ok_or_else(|| {
+            CliError::Usage(format!("{} says of no description; add --model FILE", args.file.display()))
+        })?;
+    let described = Description::read(&model)?;
+    if !args.common.quiet {
+        described.warnings.iter().for_each(|warning| warn(warning));
+    }
+    let wrong = |what: String| CliError::FitFile { file: args.file.clone(), what };
+    let changed = described.with_found(&found.numbers).map_err(|error| wrong(error.to_string()))?;
+    let mut cannot_say = found.cannot_say;
+    cannot_say.extend(described.left_out.iter().cloned());
+    cannot_say.extend(
+        found
+            .numbers
+            .iter()
+            .filter(|number| !says(args.to, number.key))
+            .map(|number| format!("{}: {}", number.name, number.words())),
+    );
+    let (name, text) = match args.to {
+        Format::Mjcf => ("robot.xml", to_mjcf(&changed, &found.numbers)),
+        Format::Urdf => {
+            let said: Vec<FoundNumber> =
+                found.numbers.iter().filter(|number| says(args.to, number.key)).cloned().collect();
+            let text = to_urdf(&changed, &said).map_err(|what| wrong(format!("URDF cannot say this robot: {what}")))?;
+            ("robot.urdf", text)
+        }
+        Format::Json => {
+            let document = json!({ "schema": 1, "model": model, "found": found.numbers, "cannot_say": cannot_say });
+            let text = serde_json::to_string_pretty(&document).map_err(|error| CliError::Encode(error.to_string()))?;
+            ("robot.json", text + "\n")
+        }
+    };
+    let path = args.common.folder(&study_name(&args.file)).join(name);
+    let mut outputs = Outputs::default();
+    outputs.add(path.clone(), text);
+    let document = json!({
+        "schema": 1, "file": path, "model": model, "found": found.numbers, "cannot_say": cannot_say,
+    });
+    args.common.add_json(&mut outputs, &document)?;
+    let mut inputs = vec![args.file.clone()];
+    inputs.extend(described.files.iter().cloned());
+    write_outputs(outputs, &inputs)?;
+    if !args.common.quiet {
+        for number in found.numbers.iter().filter(|number| says(args.to, number.key)) {
+            print(&format!("{}: {}\n", number.name, number.words()));
+        }
+        if !cannot_say.is_empty() {
+            print("\nNot in this format:\n");
+            cannot_say.iter().for_each(|what| print(&format!("- {what}\n")));
+        }
+        print(&format!("\nwritten: {}\n", path.display()));
+    }
+    Ok(0)
+}
+
+/// Whether a format has a word for a number.
+fn says(format: Format, key: FoundKey) -> bool {
+    use FoundKey::{Armature, Kd, Kp, Springref, Stiffness};
+    format != Format::Urdf || !matches!(key, Armature | Kd | Kp | Springref | Stiffness)
+}
+
+fn read(file: &Path) -> Result<Found, CliError> {
+    let text = std::fs::read_to_string(file).map_err(|source| LogError::Read { file: file.to_path_buf(), source })?;
+    let wrong = |what: String| CliError::FitFile { file: file.to_path_buf(), what };
+    let document: Value = serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
+    if document["schema"] != 1 {
+        return Err(wrong("`schema` is not 1".to_owned()));
+    }
+    if let Some(numbers) = document.get("found") {
+        let numbers = serde_json::from_value(numbers.clone()).map_err(|error| wrong(format!("`found`: {error}")))?;
+        let said = document["cannot_say"].as_array().into_iter().flatten();
+        return Ok(Found {
+            model: document["model"].as_str().map(PathBuf::from),
+            numbers,
+            cannot_say: said.filter_map(|what| what.as_str().map(str::to_owned)).collect(),
+        });
+    }
+    let name = document["name"].as_str().ok_or_else(|| {
+        wrong("found neither `found` (what gap --json writes of a robot) nor `name` and `joint` (a fit)".to_owned())
+    })?;
+    let number = |of: &str, key: FoundKey| {
+        let quantity = &document["joint"][of];
+        let interval =
+            quantity["interval"].as_array().and_then(|ends| Some([ends.first()?.as_f64()?, ends.get(1)?.as_f64()?]));
+        Some(FoundNumber {
+            name: name.to_owned(),
+            key,
+            was: None,
+            value: quantity["value"].as_f64()?,
+            interval,
+            unit: quantity["unit"].as_str()?.to_owned(),
+            place_m: None,
+        })
+    };
+    let numbers: Vec<FoundNumber> = [number("coulomb", FoundKey::Frictionloss), number("viscous", FoundKey::Damping)]
+        .into_iter()
+        .flatten()
+        .collect();
+    if numbers.is_empty() {
+        return Err(wrong("`joint` has neither coulomb nor viscous with a value".to_owned()));
+    }
+    let effects = document["effects"].as_array().into_iter().flatten();
+    let ids = effects.filter_map(|effect| effect["id"].as_str()).map(|id| format!("{name}: {id}"));
+    let links = ["inertia", "moment"].map(|of| format!("{name}: {of} as found (masses of the links are as described)"));
+    Ok(Found { model: None, numbers, cannot_say: ids.chain(links).collect() })
+}

@@ -1,0 +1,144 @@
+//! Numbers and sizes that several joints have in common, as one number with one interval.
+//!
+//! Near its answer every joint's logs say of a number what its interval says; together they say the weighed mean, and whether
+//! one number for all is no worse than one for each.
+
+use super::diagnose::JointAnswer;
+use crate::gap::{Diagnosis, Number};
+use crate::number::quantity;
+use crate::robot::description::{Description, LinkId, MoverId};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Standard deviations in half a 95 % interval.
+const HALF_95: f64 = 1.96;
+/// Joints of one make are never alike to more than this share.
+const SCATTER: f64 = 0.05;
+/// A ratio that stands out of one by so many standard deviations is said.
+const STANDS_OUT: f64 = 3.0;
+/// Masses that differ by less than this share are those of joints of one kind.
+const ALIKE: f64 = 0.02;
+
+/// One number of several joints, told as a multiple of what each of them is believed to have.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PooledNumber {
+    /// `coulomb` for instance.
+    pub number: &'static str,
+    /// `all`, a group of the study, or joints that are alike.
+    pub group: String,
+    /// Those that have it.
+    pub joints: Vec<String>,
+    /// Found per believed.
+    pub ratio: f64,
+    /// 95 % interval of it.
+    pub interval: [f64; 2],
+}
+
+impl PooledNumber {
+    /// `coulomb of all is 1.82 [1.75, 1.89] times what is believed`
+    pub fn words(&self) -> String {
+        let ratio = quantity(self.ratio, Some(self.interval), "");
+        format!("{} of {} is {} times what is believed", self.number, self.group, ratio.trim_end())
+    }
+}
+
+/// A weighed mean with its standard deviation; `None` where the values do not agree on one number.
+fn agreed(values: &[(f64, f64)]) -> Option<(f64, f64)> {
+    let weight: f64 = values.iter().map(|(_, sd)| sd.powi(-2)).sum();
+    let mean = values.iter().map(|(value, sd)| value / (sd * sd)).sum::<f64>() / weight;
+    let apart: f64 = values.iter().map(|(value, sd)| ((value - mean) / sd).powi(2)).sum();
+    let freedoms = values.len() as f64 - 1.0;
+    let agrees = values.len() > 1 && mean.is_finite() && apart < freedoms + 2.0 * (2.0 * freedoms).sqrt();
+    agrees.then_some((mean, weight.powf(-0.5)))
+}
+
+/// Numbers that whole groups of joints have elsewhere alike, the largest groups first.
+pub(super) fn pooled(groups: &BTreeMap<String, Vec<String>>, joints: &[JointAnswer]) -> Vec<PooledNumber> {
+    let found: Vec<&Diagnosis> = joints.iter().filter_map(|joint| joint.diagnosis.as_ref()).collect();
+    let all: Vec<String> = found.iter().map(|d| d.joint.clone()).collect();
+    let mut tried: Vec<(String, Vec<String>)> = vec![("all".to_owned(), all)];
+    tried.extend(groups.iter().map(|(name, joints)| (name.clone(), joints.clone())));
+    tried.sort_by_key(|(_, joints)| std::cmp::Reverse(joints.len()));
+    let mut pooled: Vec<PooledNumber> = Vec::new();
+    for number in ["coulomb", "viscous", "gain", "moment", "inertia", "armature"] {
+        for (group, joints) in &tried {
+            let is_said =
+                |known: &PooledNumber| known.number == number && joints.iter().all(|j| known.joints.contains(j));
+            if joints.len() < 2 || pooled.iter().any(is_said) {
+                continue;
+            }
+            let ratio = |name: &String| {
+                let own = found.iter().find(|d| d.joint == *name)?.parameters.iter().find(|p| p.name == number)?;
+                let (nominal, [low, high]) = (own.nominal.filter(|nominal| *nominal > 0.0)?, own.interval?);
+                let ratio = own.value / nominal;
+                Some((ratio, (0.5 * (high - low) / HALF_95 / nominal).hypot(SCATTER * ratio)))
+            };
+            let Some(ratios) = joints.iter().map(ratio).collect::<Option<Vec<_>>>() else { continue };
+            let Some((ratio, sd)) = agreed(&ratios) else { continue };
+            let same_way = ratios.iter().all(|(own, _)| (own - 1.0) * (ratio - 1.0) > 0.0);
+            if same_way && (ratio - 1.0).abs() > STANDS_OUT * sd {
+                let interval = [ratio - HALF_95 * sd, ratio + HALF_95 * sd];
+                pooled.push(PooledNumber { number, group: group.clone(), joints: joints.clone(), ratio, interval });
+            }
+        }
+    }
+    pooled
+}
+
+/// The sizes of one cause on several joints as one, where they agree.
+pub(super) fn one_size(sizes: &[&Number]) -> Option<Number> {
+    let own = |number: &&Number| {
+        let [low, high] = number.interval?;
+        Some((number.value, (0.5 * (high - low) / HALF_95).hypot(SCATTER * number.value)))
+    };
+    let values = sizes.iter().map(own).collect::<Option<Vec<_>>>()?;
+    let (value, sd) = agreed(&values)?;
+    let interval = Some([value - HALF_95 * sd, value + HALF_95 * sd]);
+    let first = sizes.first()?;
+    Some(Number { name: first.name.clone(), value, unit: first.unit.clone(), interval, interval_naive: interval })
+}
+
+/// Joints that the tree's symmetry makes alike: as far from the base, moving as much, and carrying as much.
+pub(super) fn alike(description: &Description) -> BTreeMap<String, Vec<String>> {
+    let carried = |joint: MoverId| -> f64 {
+        let carries = |k: &usize| description.carriers(LinkId(*k)).contains(&joint);
+        (0..description.links.len()).filter(carries).map(|k| description.links[k].inertia.mass_kg).sum()
+    };
+    let near = |a: f64, b: f64| (a - b).abs() <= ALIKE * a.abs().max(b.abs());
+    let mut kinds: Vec<(usize, f64, f64, Vec<String>)> = Vec::new();
+    for (k, joint) in description.joints.iter().enumerate() {
+        let depth = description.carriers(joint.link).iter().position(|own| own.0 == k).unwrap_or(0);
+        let (own, all) = (description.links[joint.link.0].inertia.mass_kg, carried(MoverId(k)));
+        let kind = kinds.iter_mut().find(|kind| kind.0 == depth && near(kind.1, own) && near(kind.2, all));
+        match kind {
+            Some(kind) if all > 0.0 => kind.3.push(joint.name.clone()),
+            _ => kinds.push((depth, own, all, vec![joint.name.clone()])),
+        }
+    }
+    let several = kinds.into_iter().map(|kind| kind.3).filter(|joints| joints.len() > 1);
+    several.map(|joints| (joints.join(", "), joints)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::RobotTables;
+    use std::path::Path;
+
+    #[test]
+    fn values_that_agree_are_one_and_others_are_not() {
+        let (mean, sd) = agreed(&[(1.8, 0.1), (1.9, 0.1), (1.85, 0.05)]).unwrap();
+        assert!((mean - 1.85).abs() < 1e-9 && sd < 0.05);
+        assert!(agreed(&[(1.0, 0.05), (1.5, 0.05)]).is_none());
+        assert!(agreed(&[(1.0, 0.05)]).is_none());
+    }
+
+    #[test]
+    fn legs_of_one_make_are_found_from_the_tree() {
+        let tables = RobotTables::from_toml(Path::new("e.toml"), include_str!("../../../data/ers7.toml")).unwrap();
+        let groups = alike(&Description::of_tables(&tables, Path::new("e.toml")));
+        let knees: Vec<&Vec<String>> = groups.values().filter(|joints| joints.iter().any(|j| j == "lf3")).collect();
+        assert_eq!(knees.len(), 1, "{groups:?}");
+        assert!(["lf3", "rf3"].iter().all(|name| knees[0].iter().any(|own| own == name)), "{groups:?}");
+    }
+}

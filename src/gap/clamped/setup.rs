@@ -1,0 +1,202 @@
+//! A study of a robot with a clamped base with everything that it names: description, tree, logs.
+
+use super::pooled::alike;
+use crate::identify::CaseError;
+use crate::log::{ClampedStudy, JointBeliefs, LogError, RobotLog, read_clamped_study, read_clamped_study_logs};
+use crate::robot::description::{
+    Actuator, ActuatorKind, BodyChange, Description, DescriptionError, LinkId, Mover, MoverId,
+};
+use crate::robot::tree::{Tree, TreeBase, TreeError};
+use nalgebra::Vector3;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// A study with its robot and logs, as they were read.
+#[derive(Clone, Debug)]
+pub struct ClampedSetup {
+    /// What is believed, and what to predict.
+    pub study: ClampedStudy,
+    /// The robot.
+    pub description: Description,
+    /// Its tree under the study's gravity, the base fixed.
+    pub tree: Tree,
+    /// In the study's order.
+    pub logs: Vec<RobotLog>,
+}
+
+impl ClampedSetup {
+    /// Reads a study with its robot and logs.
+    ///
+    /// # Errors
+    /// [`ClampedCaseError`] where a file cannot be read or is wrong, or names do not fit.
+    pub fn read(path: &Path) -> Result<Self, ClampedCaseError> {
+        let study = read_clamped_study(path)?;
+        let description =
+            Description::read(&study.model_path).map_err(|error| ClampedCaseError::Description(Box::new(error)))?;
+        let of_tree = |source| ClampedCaseError::Tree { file: study.model_path.clone(), source };
+        let mut tree = Tree::new(&description, TreeBase::Fixed).map_err(of_tree)?;
+        if let Some([x, y, z]) = study.gravity_m_s2 {
+            tree = tree.with_gravity(Vector3::new(x, y, z));
+        }
+        check_names(&study, &description)?;
+        let logs = read_clamped_study_logs(&study)?;
+        for log in &logs {
+            for joint in &log.joints {
+                let column = || format!("column `{}.q`", joint.name);
+                known_joint(&log.file, &column, &joint.name, &description)?;
+            }
+        }
+        Ok(Self { study, description, tree, logs })
+    }
+
+    /// Joints that may share a cause: the study's groups, and joints that the tree makes alike.
+    pub fn groups(&self) -> BTreeMap<String, Vec<String>> {
+        let mut groups = alike(&self.description);
+        groups.extend(self.study.groups.clone());
+        groups
+    }
+
+    /// What study and description say of a joint, the study first.
+    pub fn beliefs(&self, joint: MoverId) -> JointBeliefs {
+        let mover = &self.description.joints[joint.0];
+        let servos = self.tree.servos(&self.description);
+        self.study.of_joint(&mover.name).over(of_description(mover, &self.description, &servos))
+    }
+
+    /// The same with a body changed.
+    ///
+    /// # Errors
+    /// [`ClampedCaseError::Tree`], which does not depend on the change.
+    pub fn with_change(&self, link: LinkId, change: &BodyChange) -> Result<Self, ClampedCaseError> {
+        let description = self.description.with_change(link, change);
+        let of_tree = |source| ClampedCaseError::Tree { file: self.study.model_path.clone(), source };
+        let tree = Tree::new(&description, TreeBase::Fixed).map_err(of_tree)?.with_gravity(self.tree.gravity_m_s2());
+        Ok(Self { description, tree, ..self.clone() })
+    }
+
+    /// Files that were read.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        let logs = self.study.logs.iter().map(|log| log.path.clone());
+        logs.chain([self.study.file.clone()]).chain(self.description.files.iter().cloned()).collect()
+    }
+}
+
+/// Why a study makes no case.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ClampedCaseError {
+    /// Study or log cannot be read or is wrong.
+    #[error(transparent)]
+    Log(#[from] LogError),
+    /// The description cannot be read or is wrong.
+    #[error(transparent)]
+    Description(Box<DescriptionError>),
+    /// The description makes no tree.
+    #[error("{}: {source}", file.display())]
+    Tree {
+        /// The description.
+        file: PathBuf,
+        /// What is wrong with it.
+        source: TreeError,
+    },
+    /// Study or log names a joint or link that the description does not have.
+    #[error("{}: {place}: the robot has no {what} `{name}`; it has {known}", file.display())]
+    Unknown {
+        /// Study or log.
+        file: PathBuf,
+        /// Table, key or column.
+        place: String,
+        /// `joint` or `link`.
+        what: &'static str,
+        /// As written.
+        name: String,
+        /// Names that there are.
+        known: String,
+    },
+    /// A joint's arrays do not make a case.
+    #[error("joint {joint}: {source}")]
+    Joint {
+        /// Which one.
+        joint: String,
+        /// Why.
+        source: Box<CaseError>,
+    },
+    /// Nobody says how setpoints become torques.
+    #[error("{}: joint {joint} is driven by position, and neither [joints.{joint}] nor [joints.default] states kp, nor has the description a position actuator", file.display())]
+    NoGain {
+        /// The study.
+        file: PathBuf,
+        /// Which joint.
+        joint: String,
+    },
+    /// Torques are to be predicted, and no log has any of this robot.
+    #[error("{}: predict = \"torque\" compares with `<joint>.tau`, and no log has such a column", file.display())]
+    NoTorque {
+        /// The study.
+        file: PathBuf,
+    },
+    /// A number of the joint's load is not finite, or its inertia not above zero.
+    #[error("joint {joint}: the description gives it no inertia above zero along the logs")]
+    NoInertia {
+        /// Which joint.
+        joint: String,
+    },
+}
+
+/// What the description says of a joint's motor: that of its position actuator.
+fn of_description(mover: &Mover, description: &Description, servos: &[Actuator]) -> JointBeliefs {
+    let is_its = |servo: &&Actuator| {
+        servo.kind == ActuatorKind::Position && description.joints[servo.joint.0].name == mover.name
+    };
+    let servo = servos.iter().find(is_its);
+    // A setpoint is one of the joint's: the actuator's length is `gear` times the joint's angle.
+    let square = servo.map_or(1.0, |servo| servo.gear * servo.gear);
+    let limit_of = |range: Option<[f64; 2]>| range.map(|[low, high]| high.min(-low)).filter(|most| *most > 0.0);
+    let of_servo = servo.and_then(|servo| Some(limit_of(servo.force_range_nm)? * servo.gear.abs()));
+    JointBeliefs {
+        kp_nm_rad: servo.map(|servo| square * servo.gain).filter(|kp| *kp >= 0.0),
+        kd_nm_s_rad: servo.map(|servo| -square * servo.bias[2]).filter(|kd| *kd >= 0.0),
+        torque_limit_nm: of_servo.or(limit_of(mover.actuator_range_nm)).or(mover.effort_nm.filter(|most| *most > 0.0)),
+        ..JointBeliefs::default()
+    }
+}
+
+fn check_names(study: &ClampedStudy, description: &Description) -> Result<(), ClampedCaseError> {
+    for name in study.by_joint.keys() {
+        known_joint(&study.file, &|| format!("[joints.{name}]"), name, description)?;
+    }
+    for (group, joints) in &study.groups {
+        for name in joints {
+            known_joint(&study.file, &|| format!("[groups] {group}"), name, description)?;
+        }
+    }
+    if let Some(tip) = study.tip.as_ref().filter(|tip| description.link(tip).is_none()) {
+        let named = description.links.iter().filter(|link| link.is_named);
+        return Err(ClampedCaseError::Unknown {
+            file: study.file.clone(),
+            place: "[robot] tip".to_owned(),
+            what: "link",
+            name: tip.clone(),
+            known: named.map(|link| link.name.as_str()).collect::<Vec<_>>().join(", "),
+        });
+    }
+    Ok(())
+}
+
+fn known_joint(
+    file: &Path,
+    place: &dyn Fn() -> String,
+    name: &str,
+    description: &Description,
+) -> Result<(), ClampedCaseError> {
+    if description.joint(name).is_some() {
+        return Ok(());
+    }
+    Err(ClampedCaseError::Unknown {
+        file: file.to_path_buf(),
+        place: place(),
+        what: "joint",
+        name: name.to_owned(),
+        known: description.joints.iter().map(|joint| joint.name.as_str()).collect::<Vec<_>>().join(", "),
+    })
+}

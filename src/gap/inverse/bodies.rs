@@ -1,0 +1,384 @@
+//! What is other than described about a robot's bodies: a payload, a mass, a centre of mass.
+//!
+//! Each is linear in the torques of every joint that carries the body, so it is one column for all of them, fitted to the
+//! logs of all at once beside each joint's own numbers. It is named where it explains what would otherwise be a coincidence
+//! of several numbers, or causes joint by joint.
+
+use super::case::TorqueCase;
+use super::parameters::{Estimated, HALF_95};
+use super::search::{Choice, Found};
+use super::signals::Motion;
+use super::system::{Block, Solved, System, Unknown};
+use crate::gap::Number;
+use crate::gap::clamped::{BodyCause, BodyKind, ClampedCaseError, ClampedSetup};
+use crate::robot::description::{BodyChange, Description, LinkId};
+use crate::robot::tree::{Tree, TreeBase};
+use nalgebra::Vector3;
+
+/// What a body cause has to save beyond its price: criteria are squares of standard deviations.
+const MARGIN: f64 = 16.0;
+/// What an unknown costs, and a cause of a single joint.
+const PRICE: f64 = 4.0;
+const PRICE_OF_CAUSE: f64 = 8.0;
+/// Standard deviations before a log is seen: of a mass as a share of what the robot moves, of a body's share, of a centre
+/// \[m\]; of a payload's place as a share of its distance from its joint, and at least \[m\].
+const MASS_SHARE: f64 = 0.5;
+const BODY_SHARE: f64 = 0.5;
+const CENTRE_M: f64 = 0.05;
+const PLACE_SHARE: f64 = 0.3;
+const LEAST_PLACE_M: f64 = 0.02;
+/// Standard deviations within which a body is as believed; of a centre as a share of its distance.
+const BELIEVED: f64 = 3.0;
+const CENTRE_SHARE: f64 = 0.02;
+/// A direction of which the logs leave more than this share open is not told.
+const OPEN: f64 = 0.7;
+/// Steps of Gauss and Newton.
+const STEPS: usize = 4;
+/// Of differences, in units of what is believed.
+const NUDGE: f64 = 1e-3;
+
+/// A body that may be other than described.
+#[derive(Clone, Debug)]
+struct Hypothesis {
+    kind: BodyKind,
+    link: LinkId,
+    /// From where a payload's place is counted, in the link's frame.
+    origin_m: Vector3<f64>,
+    /// Standard deviations of the unknowns.
+    sd: Vec<f64>,
+}
+
+impl Hypothesis {
+    /// What unknowns mean.
+    fn change(&self, x: &[f64]) -> BodyChange {
+        let vector = |x: &[f64]| Vector3::new(x[0], x[1], x[2]);
+        match self.kind {
+            BodyKind::Payload => BodyChange::Payload { mass_kg: x[0], place_m: self.origin_m + vector(&x[1..]) },
+            BodyKind::BodyMass => BodyChange::Mass { factor: 1.0 + x[0] },
+            BodyKind::BodyCom => BodyChange::Centre { shift_m: vector(x) },
+        }
+    }
+
+    /// Bounds of the unknowns.
+    fn bounds(&self, unknown: usize) -> [f64; 2] {
+        match (self.kind, unknown) {
+            (BodyKind::Payload, 0) => [0.0, f64::INFINITY],
+            (BodyKind::BodyMass, _) => [-0.95, f64::INFINITY],
+            _ => [f64::NEG_INFINITY, f64::INFINITY],
+        }
+    }
+}
+
+/// A hypothesis where it fits best.
+struct Fitted {
+    hypothesis: Hypothesis,
+    x: Vec<f64>,
+    criterion: f64,
+    numbers: Vec<Estimated>,
+}
+
+/// The body cause that explains most, if any explains enough; `None` else. `founds` are the joints' own answers, in the
+/// case's order; bodies that are `taken` were changed already.
+pub(super) fn find(
+    setup: &ClampedSetup,
+    case: &TorqueCase,
+    founds: &[Found],
+    taken: &[LinkId],
+) -> Result<Option<BodyCause>, ClampedCaseError> {
+    let bench = Bench::new(setup, case, founds)?;
+    let nothing = Choice::default();
+    let bare = bench.criterion(&|_| nothing.clone());
+    let own = bench.criterion(&|joint| Choice { curve: None, ..founds[joint].choice() });
+    let causes: usize = founds.iter().map(|found| found.causes.len()).sum();
+    let own = own + PRICE_OF_CAUSE * causes as f64;
+    let mut tried: Vec<Fitted> = Vec::new();
+    for hypothesis in hypotheses(setup).into_iter().filter(|hypothesis| !taken.contains(&hypothesis.link)) {
+        tried.push(bench.fitted(hypothesis)?);
+    }
+    let priced = |fitted: &Fitted| fitted.criterion + PRICE * fitted.x.len() as f64;
+    tried.sort_by(|a, b| priced(a).total_cmp(&priced(b)));
+    let Some(best) = tried.first() else { return Ok(None) };
+    if bare.min(own) - priced(best) < MARGIN {
+        return Ok(None);
+    }
+    let as_good: Vec<String> = tried
+        .iter()
+        .filter(|other| priced(other) - priced(best) < 2.0 * PRICE)
+        .map(|other| format!("{} on {}", other.hypothesis.kind.id(), bench.name(other.hypothesis.link)))
+        .collect();
+    if bench.is_believed(best) {
+        return Ok(None);
+    }
+    let saved = bare.min(own) - priced(best);
+    Ok(Some(bench.cause(best, as_good, saved)))
+}
+
+/// What every hypothesis is tried on.
+struct Bench<'a> {
+    setup: &'a ClampedSetup,
+    case: &'a TorqueCase,
+    founds: &'a [Found],
+    motions: Vec<Motion>,
+    /// Standard deviation of a sample of each joint, recalibrated \[N m\].
+    sd_nm: Vec<f64>,
+    /// Places of the case's joints among the tree's.
+    places: Vec<usize>,
+    /// Where friction holds a joint, by joint, log and sample: nothing is told there.
+    masks: Vec<Vec<Vec<bool>>>,
+}
+
+/// Columns by unknown, log and joint.
+type Shared = Vec<Vec<Vec<Vec<f64>>>>;
+
+impl<'a> Bench<'a> {
+    fn new(setup: &'a ClampedSetup, case: &'a TorqueCase, founds: &'a [Found]) -> Result<Self, ClampedCaseError> {
+        let tree = bare_tree(setup, &setup.description)?;
+        let names: Vec<&str> = tree.joint_names().collect();
+        let place = |name: &str| names.iter().position(|own| *own == name);
+        let sd = |found: &Found| {
+            let solved = found.fit(&Choice::default());
+            let fitted = found.system.blocks.iter().filter(|block| block.is_fit);
+            let (squares, samples) = fitted
+                .fold((0.0, 0), |(sum, n), block| (sum + block.unit * block.squares(&solved.x), n + block.samples));
+            (squares / samples.max(1) as f64).sqrt().max(f64::MIN_POSITIVE)
+        };
+        Ok(Self {
+            setup,
+            case,
+            founds,
+            motions: case.motions(setup, &tree),
+            sd_nm: founds.iter().map(sd).collect(),
+            masks: founds.iter().map(|found| found.design.is_held.clone()).collect(),
+            places: case.joints.iter().filter_map(|joint| place(&joint.name)).collect(),
+        })
+    }
+
+    fn name(&self, link: LinkId) -> String {
+        self.setup.description.links[link.0].name.clone()
+    }
+
+    /// All joints as one problem, each with a choice of its own columns, and shared ones behind them.
+    fn system(&self, choice: &dyn Fn(usize) -> Choice, shared: &Shared, unknowns: &[Unknown]) -> System {
+        let own: Vec<Vec<usize>> =
+            self.founds.iter().enumerate().map(|(joint, found)| choice(joint).columns(&found.design)).collect();
+        let count: usize = own.iter().map(Vec::len).sum();
+        let (mut all, mut blocks, mut offset) = (Vec::new(), Vec::<Block>::new(), 0);
+        for (joint, found) in self.founds.iter().enumerate() {
+            let others = |i: usize, log: usize| {
+                let unknown = i.checked_sub(count)?;
+                shared.get(unknown)?[log].get(joint).map(Vec::as_slice).filter(|column| !column.is_empty())
+            };
+            let place = (&*own[joint], offset, count + unknowns.len());
+            blocks.extend(found.design.blocks(&self.case.logs, place, &others, self.sd_nm[joint]));
+            all.extend(own[joint].iter().map(|k| found.design.loosened(*k)));
+            offset += own[joint].len();
+        }
+        all.extend(unknowns);
+        System { unknowns: all, blocks }
+    }
+
+    /// Whether a body is within three standard deviations of what the study believes of it.
+    fn is_believed(&self, fitted: &Fitted) -> bool {
+        let Hypothesis { kind, link, .. } = fitted.hypothesis;
+        let inertia = &self.setup.description.links[link.0].inertia;
+        let carrier = self.setup.description.carriers(link).last().map(|joint| joint.0);
+        let name = carrier.map_or("", |joint| &self.setup.description.joints[joint].name);
+        let sd = BELIEVED * self.setup.study.uncertain.mass.of(name);
+        match kind {
+            BodyKind::Payload => fitted.x[0] < sd * inertia.mass_kg,
+            BodyKind::BodyMass => fitted.x[0].abs() < sd,
+            BodyKind::BodyCom => {
+                Vector3::from_row_slice(&fitted.x).norm() < BELIEVED * CENTRE_SHARE * inertia.centre_m().norm()
+            }
+        }
+    }
+
+    fn criterion(&self, choice: &dyn Fn(usize) -> Choice) -> f64 {
+        let system = self.system(choice, &Vec::new(), &[]);
+        let all: Vec<usize> = (0..system.unknowns.len()).collect();
+        system.criterion(&system.fit(&all, |block| block.is_fit))
+    }
+
+    /// Torques of the joints along the logs with a changed description.
+    fn torques(&self, description: &Description) -> Result<Vec<Vec<Vec<f64>>>, ClampedCaseError> {
+        let tree = bare_tree(self.setup, description)?;
+        let of_log = |(log, motion): (usize, &Motion)| {
+            let needed = motion.needed(&tree);
+            let joint = |(joint, place): (usize, &usize)| {
+                let mask = self.masks[joint].get(log).map_or(&[][..], Vec::as_slice);
+                let raw = needed[*place].iter().enumerate();
+                let torque: Vec<f64> =
+                    raw.map(|(k, torque)| if mask.get(k) == Some(&true) { 0.0 } else { *torque }).collect();
+                motion.grid.passed(&torque)
+            };
+            self.places.iter().enumerate().map(joint).collect()
+        };
+        Ok(self.motions.iter().enumerate().map(of_log).collect())
+    }
+
+    fn fitted(&self, hypothesis: Hypothesis) -> Result<Fitted, ClampedCaseError> {
+        let described = self.torques(&self.setup.description)?;
+        let mut x = vec![0.0; hypothesis.sd.len()];
+        let mut best: Option<(f64, Vec<f64>, Vec<Estimated>)> = None;
+        for _ in 0..STEPS {
+            let torques =
+                |x: &[f64]| self.torques(&self.setup.description.with_change(hypothesis.link, &hypothesis.change(x)));
+            let here = torques(&x)?;
+            let mut shared: Shared = Vec::new();
+            for k in 0..x.len() {
+                let mut there = x.clone();
+                let step = NUDGE * hypothesis.sd[k];
+                there[k] += step;
+                shared.push(differences(&torques(&there)?, &here, step));
+            }
+            // What the change adds beyond its columns is taken as known.
+            let beyond: Vec<Vec<Vec<f64>>> = here
+                .iter()
+                .zip(&described)
+                .enumerate()
+                .map(|(log, (here, described))| {
+                    let joint = |joint: usize| {
+                        let added = here[joint].iter().zip(&described[joint]).map(|(a, b)| a - b);
+                        let told =
+                            |s: usize| x.iter().zip(&shared).map(|(x, column)| x * column[log][joint][s]).sum::<f64>();
+                        added.enumerate().map(|(s, added)| added - told(s)).collect()
+                    };
+                    (0..here.len()).map(joint).collect()
+                })
+                .collect();
+            shared.push(beyond);
+            let mut unknowns: Vec<Unknown> = hypothesis
+                .sd
+                .iter()
+                .enumerate()
+                .map(|(k, sd)| Unknown { sd: *sd, bounds: hypothesis.bounds(k) })
+                .collect();
+            // Its factor is one, and nobody may say otherwise.
+            unknowns.push(Unknown { sd: 1.0, bounds: [1.0, 1.0] });
+            let system = self.system(&|_| Choice::default(), &shared, &unknowns);
+            let all: Vec<usize> = (0..system.unknowns.len()).collect();
+            let first = all.len() - unknowns.len();
+            let solved = system.fit(&all, |block| block.is_fit);
+            // Less the one of the factor that is held.
+            let criterion = system.criterion(&solved) - 1.0;
+            x = (0..x.len()).map(|k| solved.x[first + k]).collect();
+            let refits: Vec<Solved> = system.refits(&all);
+            let numbers = (0..x.len()).map(|k| Estimated::new(first + k, &solved, &refits)).collect();
+            best = Some((criterion, x.clone(), numbers));
+            if x.len() == 1 {
+                break;
+            }
+        }
+        let (criterion, x, numbers) = best.expect("there is at least one step");
+        Ok(Fitted { hypothesis, x, criterion, numbers })
+    }
+
+    fn cause(&self, fitted: &Fitted, as_good: Vec<String>, saved: f64) -> BodyCause {
+        let Hypothesis { kind, link, sd, .. } = &fitted.hypothesis;
+        let described = &self.setup.description.links[link.0];
+        let number = |name: &str, unit: &str, k: usize, offset: f64, scale: f64| {
+            let estimated = fitted.numbers[k];
+            let around =
+                |sd: f64| [-1.0, 1.0].map(|side| offset + scale * estimated.value + side * HALF_95 * scale * sd);
+            let is_told = estimated.sd < OPEN * sd[k];
+            Number {
+                name: name.to_owned(),
+                value: offset + scale * estimated.value,
+                unit: unit.to_owned(),
+                interval: is_told.then(|| around(estimated.sd)),
+                interval_naive: is_told.then(|| around(estimated.naive_sd)),
+            }
+        };
+        let origin = &fitted.hypothesis.origin_m;
+        let centre = described.inertia.centre_m();
+        let mass_kg = described.inertia.mass_kg;
+        let parameters = match kind {
+            BodyKind::Payload => vec![
+                number("mass", "kg", 0, 0.0, 1.0),
+                number("x", "m", 1, origin.x, 1.0),
+                number("y", "m", 2, origin.y, 1.0),
+                number("z", "m", 3, origin.z, 1.0),
+            ],
+            BodyKind::BodyMass => vec![number("mass", "kg", 0, mass_kg, mass_kg)],
+            BodyKind::BodyCom => vec![
+                number("x", "m", 0, centre.x, 1.0),
+                number("y", "m", 1, centre.y, 1.0),
+                number("z", "m", 2, centre.z, 1.0),
+            ],
+        };
+        let carriers = self.setup.description.carriers(*link);
+        let joints = carriers.iter().map(|joint| self.setup.description.joints[joint.0].name.clone());
+        let diagnosed = |name: &String| self.case.joints.iter().any(|joint| joint.name == *name);
+        BodyCause {
+            kind: *kind,
+            body: described.name.clone(),
+            link: *link,
+            change: fitted.hypothesis.change(&fitted.x),
+            joints: joints.filter(diagnosed).collect(),
+            parameters,
+            saved,
+            equivalent: as_good,
+        }
+    }
+}
+
+/// Differences by log and joint, per step.
+fn differences(there: &[Vec<Vec<f64>>], here: &[Vec<Vec<f64>>], step: f64) -> Vec<Vec<Vec<f64>>> {
+    let column = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| (a - b) / step).collect();
+    there.iter().zip(here).map(|(there, here)| there.iter().zip(here).map(column).collect()).collect()
+}
+
+fn bare_tree(setup: &ClampedSetup, description: &Description) -> Result<Tree, ClampedCaseError> {
+    let bare = super::signals::without_armature(description);
+    let of_tree = |source| ClampedCaseError::Tree { file: setup.study.model_path.clone(), source };
+    Ok(Tree::new(&bare, TreeBase::Fixed).map_err(of_tree)?.with_gravity(setup.tree.gravity_m_s2()))
+}
+
+/// Bodies that may be other than described: the heaviest link of each that moves, and the tip.
+fn hypotheses(setup: &ClampedSetup) -> Vec<Hypothesis> {
+    let robot = &setup.description;
+    let moved_kg: f64 = (0..robot.links.len())
+        .filter(|k| !robot.carriers(LinkId(*k)).is_empty())
+        .map(|k| robot.links[k].inertia.mass_kg)
+        .sum();
+    // Links that no joint parts are one body.
+    let mut heaviest: Vec<(Vec<usize>, LinkId)> = Vec::new();
+    for k in 0..robot.links.len() {
+        let carriers: Vec<usize> = robot.carriers(LinkId(k)).iter().map(|joint| joint.0).collect();
+        if carriers.is_empty() || robot.links[k].inertia.mass_kg <= 0.0 {
+            continue;
+        }
+        match heaviest.iter_mut().find(|(known, _)| *known == carriers) {
+            Some((_, link)) if robot.links[link.0].inertia.mass_kg < robot.links[k].inertia.mass_kg => {
+                *link = LinkId(k)
+            }
+            Some(_) => {}
+            None => heaviest.push((carriers, LinkId(k))),
+        }
+    }
+    let named = setup.study.tip.as_ref().and_then(|tip| robot.link(tip));
+    let tip = named.or_else(|| robot.tip());
+    let mut all = Vec::new();
+    for link in heaviest.iter().map(|(_, link)| *link).chain(tip) {
+        let centre = robot.links[link.0].inertia.centre_m();
+        let place_m = (PLACE_SHARE * centre.norm()).max(LEAST_PLACE_M);
+        let is_tip = Some(link) == tip;
+        if is_tip || heaviest.iter().any(|(_, own)| *own == link) {
+            let sd = [MASS_SHARE * moved_kg, place_m, place_m, place_m].to_vec();
+            all.push(Hypothesis { kind: BodyKind::Payload, link, origin_m: centre, sd });
+        }
+        if robot.links[link.0].inertia.mass_kg > 0.0 {
+            let bodies = [(BodyKind::BodyMass, vec![BODY_SHARE]), (BodyKind::BodyCom, vec![CENTRE_M; 3])];
+            all.extend(bodies.map(|(kind, sd)| Hypothesis { kind, link, origin_m: centre, sd }));
+        }
+    }
+    // The tip may be the heaviest of its body already.
+    let mut seen: Vec<(BodyKind, LinkId)> = Vec::new();
+    all.retain(|hypothesis| {
+        let own = (hypothesis.kind, hypothesis.link);
+        let is_new = !seen.contains(&own);
+        seen.push(own);
+        is_new
+    });
+    all
+}

@@ -1,0 +1,150 @@
+//! What was found, as numbers of the description, and what no description can say.
+
+use super::masses::{masses, own_inertias};
+use crate::gap::clamped::{BodyCause, BodyKind, ClampedDiagnosis, ClampedSetup};
+use crate::gap::{CauseShare, Diagnosis};
+use crate::joint::EffectId;
+use crate::number::quantity;
+use crate::robot::description::{Description, FoundKey, FoundNumber, MoverId, NoSuchPart};
+
+/// Numbers that are so near to what they were have not changed.
+const SAME: f64 = 1e-9;
+
+/// A robot with what was found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FoundRobot {
+    /// Numbers of the description that are others, those that the study has beyond it included.
+    pub numbers: Vec<FoundNumber>,
+    /// What descriptions have no word for.
+    pub cannot_say: Vec<String>,
+}
+
+/// What study and diagnosis make of a robot; without a diagnosis what the study alone does.
+///
+/// # Errors
+/// [`NoSuchPart`] where the diagnosis is of another robot.
+pub fn found_robot(setup: &ClampedSetup, diagnosis: Option<&ClampedDiagnosis>) -> Result<FoundRobot, NoSuchPart> {
+    let mut found = FoundRobot::default();
+    let bodies = diagnosis.map_or(&[][..], |diagnosis| &diagnosis.bodies);
+    found.numbers.extend(bodies.iter().map(|body| of_body(body, &setup.description)));
+    let with_bodies = setup.description.with_found(&found.numbers)?;
+    let joints: Vec<&Diagnosis> =
+        diagnosis.iter().flat_map(|d| &d.joints).filter_map(|joint| joint.diagnosis.as_ref()).collect();
+    let (masses, missed) = masses(setup, &with_bodies, &joints);
+    for mass in masses {
+        let link = &with_bodies.links[mass.link.0];
+        let (was, value) = (link.inertia.mass_kg, mass.factor * link.inertia.mass_kg);
+        found.numbers.push(FoundNumber {
+            name: link.name.clone(),
+            key: FoundKey::Mass,
+            was: Some(was),
+            value,
+            interval: mass.half.map(|half| [value - half * was, value + half * was]),
+            unit: "kg".to_owned(),
+            place_m: None,
+        });
+    }
+    found.cannot_say.extend(missed.into_iter().map(|joint| {
+        format!("{joint}: its moment as found is none that masses of the bodies as they are shaped can give")
+    }));
+    let inertias = own_inertias(setup, &setup.description.with_found(&found.numbers)?);
+    for at in (0..setup.description.joints.len()).map(MoverId) {
+        let name = &setup.description.joints[at.0].name;
+        let own = joints.iter().find(|diagnosis| diagnosis.joint == *name);
+        let links_kg_m2 = inertias.iter().find(|(joint, _)| joint == name).map(|(_, inertia)| *inertia);
+        of_joint(setup, at, own.copied(), links_kg_m2, &mut found);
+    }
+    Ok(found)
+}
+
+fn of_body(body: &BodyCause, description: &Description) -> FoundNumber {
+    let number = |name: &str| body.parameters.iter().find(|number| number.name == name);
+    let place_m = ["x", "y", "z"].map(|axis| number(axis).map_or(0.0, |number| number.value));
+    let inertia = &description.links[body.link.0].inertia;
+    let mass = number("mass");
+    FoundNumber {
+        name: body.body.clone(),
+        key: match body.kind {
+            BodyKind::Payload => FoundKey::Payload,
+            BodyKind::BodyMass => FoundKey::Mass,
+            BodyKind::BodyCom => FoundKey::Centre,
+        },
+        was: (body.kind != BodyKind::Payload).then_some(inertia.mass_kg),
+        value: mass.map_or(inertia.mass_kg, |mass| mass.value),
+        interval: mass.and_then(|mass| mass.interval),
+        unit: "kg".to_owned(),
+        place_m: (body.kind != BodyKind::BodyMass).then_some(place_m),
+    }
+}
+
+fn of_joint(
+    setup: &ClampedSetup,
+    at: MoverId,
+    own: Option<&Diagnosis>,
+    links_kg_m2: Option<f64>,
+    found: &mut FoundRobot,
+) {
+    let mover = &setup.description.joints[at.0];
+    let said = setup.beliefs(at);
+    let estimate = |name: &str| own?.parameters.iter().find(|p| p.name == name);
+    let mut push = |key: FoundKey, was: Option<f64>, value: f64, interval: Option<[f64; 2]>, unit: &str| {
+        if (value - was.unwrap_or(0.0)).abs() > SAME * value.abs().max(1e-9) {
+            let (name, unit) = (mover.name.clone(), unit.to_owned());
+            found.numbers.push(FoundNumber { name, key, was, value, interval, unit, place_m: None });
+        }
+    };
+    let coulomb = estimate("coulomb");
+    let coulomb_nm = coulomb.map_or(said.coulomb_nm.unwrap_or(mover.friction_nm), |e| e.value);
+    push(FoundKey::Frictionloss, Some(mover.friction_nm), coulomb_nm, coulomb.and_then(|e| e.interval), "N m");
+    let viscous = estimate("viscous");
+    let viscous_nm = viscous.map_or(said.viscous_nm_s_rad.unwrap_or(mover.damping[0]), |e| e.value);
+    push(FoundKey::Damping, Some(mover.damping[0]), viscous_nm, viscous.and_then(|e| e.interval), "N m s/rad");
+    let armature = estimate("armature");
+    let stated = said.armature_kg_m2.unwrap_or(mover.armature_kg_m2);
+    let inertia = estimate("inertia").zip(links_kg_m2);
+    let more = inertia.map_or(0.0, |(found, links)| found.value - links);
+    let value = (armature.map_or(stated, |e| e.value) + more).max(0.0);
+    let interval =
+        inertia.and_then(|(e, links)| e.interval.map(|range| range.map(|end| (end - links + stated).max(0.0))));
+    push(FoundKey::Armature, Some(mover.armature_kg_m2), value, interval, "kg m^2");
+    let gain = estimate("gain");
+    let times = gain.map_or(1.0, |e| e.value);
+    let around = |value: f64| gain.and_then(|e| e.interval).map(|range| range.map(|end| end * value));
+    let described = {
+        let servos = setup.tree.servos(&setup.description);
+        servos.into_iter().find(|servo| servo.joint == at && servo.gear == 1.0)
+    };
+    if let Some(kp) = said.kp_nm_rad {
+        push(FoundKey::Kp, described.as_ref().map(|servo| servo.gain), times * kp, around(kp), "N m/rad");
+        let kd = said.kd_nm_s_rad.unwrap_or(0.0);
+        push(FoundKey::Kd, described.as_ref().map(|servo| -servo.bias[2]), times * kd, around(kd), "N m s/rad");
+        let of = |cause: &CauseShare| cause.effect == EffectId::TorqueLimit;
+        let limit =
+            own.and_then(|d| d.causes.iter().find(|cause| of(cause))).and_then(|cause| cause.parameters.first());
+        let was = described.as_ref().and_then(|servo| servo.force_range_nm.map(|[_, high]| high));
+        if let Some(value) = limit.map(|n| n.value).or(said.torque_limit_nm) {
+            push(FoundKey::TorqueLimit, was, value, limit.and_then(|n| n.interval), "N m");
+        }
+    }
+    let Some(own) = own else { return };
+    for cause in &own.causes {
+        let numbers: Vec<String> = cause
+            .parameters
+            .iter()
+            .map(|n| format!("{} = {}", n.name, quantity(n.value, n.interval, &n.unit)))
+            .collect();
+        match (cause.effect, &cause.parameters[..]) {
+            (EffectId::TorqueLimit, _) => {}
+            (EffectId::JointSpring, [k, rest]) if mover.stiffness[0] == 0.0 => {
+                push(FoundKey::Stiffness, Some(0.0), k.value, k.interval, "N m/rad");
+                push(FoundKey::Springref, None, rest.value, rest.interval, "rad");
+            }
+            _ => {
+                found.cannot_say.push(format!("{}: {} ({})", mover.name, cause.effect, numbers.join(", ")));
+            }
+        }
+    }
+    if let Some(law) = &own.law {
+        found.cannot_say.push(format!("{}: a law ({})", mover.name, law.table.looks_like));
+    }
+}
