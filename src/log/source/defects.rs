@@ -85,7 +85,7 @@ pub(in crate::log) fn tell_mend(mend: &Columns) -> String {
     }
     let lines = mend.toml();
     format!(
-        "\nin a study these lines would read the file as it is (units are guesses, check them):\n{}",
+        "\nin a study, or in the sidecar NAME.toml of the log with `schema = 1`, these lines would read the file as it is (units are guesses, check them):\n{}",
         lines.trim_end()
     )
 }

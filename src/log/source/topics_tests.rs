@@ -1,0 +1,63 @@
+use super::*;
+
+fn point(after_ns: i64, position: &[f64]) -> Point {
+    Point { after_ns, position: position.to_vec(), ..Point::default() }
+}
+
+fn message(stamp_ns: Option<i64>, points: Vec<Point>) -> Message<'static> {
+    Message { stamp_ns, names: Vec::new(), points }
+}
+
+fn source(topics: Topics) -> Source {
+    topics.into_source(Path::new("a.db3"), Format::Rosbag2).unwrap()
+}
+
+const S: i64 = 1_000_000_000;
+
+#[test]
+fn a_later_trajectory_takes_the_place_of_what_was_still_to_come() {
+    let mut topics = Topics::default();
+    for k in 0..4 {
+        let read = message(Some(k * S), vec![point(0, &[k as f64])]);
+        topics.take("/joint_states", Kind::JointState, &["a"], k * S, read).unwrap();
+    }
+    let first = message(Some(S), vec![point(0, &[0.1]), point(S, &[0.2]), point(2 * S, &[0.3])]);
+    topics.take("/goal", Kind::JointTrajectory, &["a"], S, first).unwrap();
+    let second = message(Some(2 * S), vec![point(0, &[0.5]), point(S / 2, &[0.6])]);
+    topics.take("/goal", Kind::JointTrajectory, &["a"], 2 * S, second).unwrap();
+    let source = source(topics);
+    let asked = source.ours("a.q_ref").unwrap();
+    assert_eq!((source.t_s(asked), &asked.values[..]), (&[1.0, 2.0, 2.5][..], &[0.1, 0.5, 0.6][..]));
+    assert!(source.notes.iter().any(|note| note.contains("2 trajectories")), "{:?}", source.notes);
+}
+
+#[test]
+fn headers_without_stamps_are_taken_at_their_receipt_and_repeats_once() {
+    let mut topics = Topics::default();
+    for k in [0, 2, 1, 2, 3] {
+        let read = message(None, vec![point(0, &[k as f64])]);
+        topics.take("/joint_states", Kind::JointState, &["a"], 5 * S + k * S, read).unwrap();
+    }
+    let source = source(topics);
+    assert_eq!(source.ours("a.q").unwrap().values, [0.0, 1.0, 2.0, 3.0]);
+    assert_eq!(source.clocks[0], [0.0, 1.0, 2.0, 3.0]);
+    for part in ["taken at its receipt", "1 messages repeat a stamp"] {
+        assert!(source.notes.iter().any(|note| note.contains(part)), "{:?}", source.notes);
+    }
+}
+
+#[test]
+fn publishers_that_share_a_topic_are_told_apart_by_their_names() {
+    let mut topics = Topics::default();
+    for k in 0..3 {
+        for (name, late) in [("a", 0), ("b", S / 2)] {
+            let read = message(Some(k * S + late + 1), vec![point(0, &[1.0])]);
+            topics.take("/joint_states", Kind::JointState, &[name], 0, read).unwrap();
+        }
+    }
+    let source = source(topics);
+    assert_eq!(source.joints(), [Some("a"), Some("b")]);
+    assert_eq!(source.clocks[1], [0.5, 1.5, 2.5]);
+    let none = Topics::default().into_source(Path::new("a.db3"), Format::Rosbag2).unwrap_err().to_string();
+    assert!(none.contains("a.db3: a rosbag2 file (SQLite): no message of a kind"), "{none}");
+}
