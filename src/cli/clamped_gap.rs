@@ -19,7 +19,7 @@ pub(super) fn run(args: &GapArgs) -> Result<u8, CliError> {
     let failed = |error| match error {
         TorqueError::Case(error) => wrong(error),
         TorqueError::Gap(error) => error.into(),
-        };
+    };
     let setup = ClampedSetup::read(&args.study).map_err(wrong)?;
     if !args.common.quiet {
         setup.description.warnings.iter().for_each(|warning| warn(warning));

@@ -14,9 +14,11 @@ use std::path::{Path, PathBuf};
 /// where the format has them, each marked by a comment with its 95 % interval and what it was; what the format cannot say
 /// is listed. Looks and contacts are not written.
 #[derive(Args, Debug)]
-#[command(after_help = "Reads what `gap --json` wrote of a robot's study (its description is known from there), or a joint's \
+#[command(
+    after_help = "Reads what `gap --json` wrote of a robot's study (its description is known from there), or a joint's \
 fit.json with --model; a joint of that name has to be in the description.\nUnits are SI; exit code 3 where numbers and \
-description do not fit.\n\nExample: aibo-fit export gap.json --to mjcf --out exported")]
+description do not fit.\n\nExample: aibo-fit export gap.json --to mjcf --out exported"
+)]
 pub(super) struct ExportArgs {
     /// What gap --json wrote, or a joint's fit.json
     #[arg(value_name = "FIT|DIAGNOSIS")]
@@ -51,9 +53,10 @@ struct Found {
 /// Runs the command.
 pub(super) fn run(args: &ExportArgs) -> Result<u8, CliError> {
     let found = read(&args.file)?;
-    let model = args.model.clone().or(found.model).ok_or_else(|| {
-        CliError::Usage(format!("{} says of no description; add --model FILE", args.file.display()))
-    })?;
+    let model =
+        args.model.clone().or(found.model).ok_or_else(|| {
+            CliError::Usage(format!("{} says of no description; add --model FILE", args.file.display()))
+        })?;
     let described = Description::read(&model)?;
     if !args.common.quiet {
         described.warnings.iter().for_each(|warning| warn(warning));
@@ -62,9 +65,13 @@ pub(super) fn run(args: &ExportArgs) -> Result<u8, CliError> {
     let changed = described.with_found(&found.numbers).map_err(|error| wrong(error.to_string()))?;
     let mut cannot_say = found.cannot_say;
     cannot_say.extend(described.left_out.iter().cloned());
-    cannot_say.extend(found.numbers.iter().filter(|number| !says(args.to, number.key)).map(|number| {
-        format!("{}: {}", number.name, number.words())
-    }));
+    cannot_say.extend(
+        found
+            .numbers
+            .iter()
+            .filter(|number| !says(args.to, number.key))
+            .map(|number| format!("{}: {}", number.name, number.words())),
+    );
     let (name, text) = match args.to {
         Format::Mjcf => ("robot.xml", to_mjcf(&changed, &found.numbers)),
         Format::Urdf => {
@@ -129,7 +136,8 @@ fn read(file: &Path) -> Result<Found, CliError> {
     })?;
     let number = |of: &str, key: FoundKey| {
         let quantity = &document["joint"][of];
-        let interval = quantity["interval"].as_array().and_then(|ends| Some([ends.first()?.as_f64()?, ends.get(1)?.as_f64()?]));
+        let interval =
+            quantity["interval"].as_array().and_then(|ends| Some([ends.first()?.as_f64()?, ends.get(1)?.as_f64()?]));
         Some(FoundNumber {
             name: name.to_owned(),
             key,
@@ -140,8 +148,10 @@ fn read(file: &Path) -> Result<Found, CliError> {
             place_m: None,
         })
     };
-    let numbers: Vec<FoundNumber> =
-        [number("coulomb", FoundKey::Frictionloss), number("viscous", FoundKey::Damping)].into_iter().flatten().collect();
+    let numbers: Vec<FoundNumber> = [number("coulomb", FoundKey::Frictionloss), number("viscous", FoundKey::Damping)]
+        .into_iter()
+        .flatten()
+        .collect();
     if numbers.is_empty() {
         return Err(wrong("`joint` has neither coulomb nor viscous with a value".to_owned()));
     }

@@ -58,7 +58,8 @@ impl BodyCause {
     /// `a payload on hand (mass = 0.21 [0.20, 0.22] kg)`
     pub fn words(&self) -> String {
         let told = self.parameters.iter().filter(|number| number.interval.is_some());
-        let numbers: Vec<String> = told.map(|n| format!("{} = {}", n.name, quantity(n.value, n.interval, &n.unit))).collect();
+        let numbers: Vec<String> =
+            told.map(|n| format!("{} = {}", n.name, quantity(n.value, n.interval, &n.unit))).collect();
         let what = match self.kind {
             BodyKind::Payload => "a payload on",
             BodyKind::BodyMass => "another mass of",

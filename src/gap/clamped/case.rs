@@ -64,12 +64,7 @@ impl ClampedCase {
             notes.push(format!("No log has {}: taken to stand as drawn.", unseen.join(", ")));
         }
         notes.extend(description.left_out.iter().cloned());
-        Ok(Self {
-            robot: description.name.clone(),
-            joints,
-            groups: setup.groups(),
-            notes,
-        })
+        Ok(Self { robot: description.name.clone(), joints, groups: setup.groups(), notes })
     }
 }
 

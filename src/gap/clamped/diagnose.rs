@@ -1,8 +1,8 @@
 //! Every joint of a robot diagnosed, and what they have in common.
 
 use super::body::BodyCause;
-use super::pooled::{PooledNumber, one_size, pooled};
 use super::case::{ClampedCase, ClampedJoint};
+use super::pooled::{PooledNumber, one_size, pooled};
 use crate::gap::sentence::words;
 use crate::gap::{CauseShare, Diagnosis, GapError, GapOptions, Number, Verdict, diagnose};
 use crate::joint::EffectId;
@@ -121,22 +121,25 @@ pub fn diagnose_clamped(
     notes.push(
         "Each joint is simulated along the measured motion of the others: it answers for its own fault.".to_owned(),
     );
-    Ok(concluded(&case.robot, &case.groups, joints, Vec::new(), notes))
+    Ok(concluded(&case.robot, &case.groups, joints, Vec::new(), None, notes))
 }
 
-/// What the joints' answers come to.
+/// What the joints' answers come to; `first` are those before a body was changed, where one was.
 pub(in crate::gap) fn concluded(
     robot: &str,
     groups: &BTreeMap<String, Vec<String>>,
     joints: Vec<JointAnswer>,
     bodies: Vec<BodyCause>,
+    first: Option<&[JointAnswer]>,
     mut notes: Vec<String>,
 ) -> ClampedDiagnosis {
-    let gap = gap(&joints);
+    // What recalibration closes is not the body's.
+    let gap = ClampedGap { calibrated: self::gap(first.unwrap_or(&joints)).calibrated, ..self::gap(&joints) };
     let causes = shared(groups, &joints);
     let found = || joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
     let verdict = found().map(|d| d.answer.verdict).max_by_key(|verdict| gravity(*verdict)).unwrap_or(Verdict::None);
-    let verdict = if bodies.is_empty() || gravity(verdict) > gravity(Verdict::Effect) { verdict } else { Verdict::Effect };
+    let verdict =
+        if bodies.is_empty() || gravity(verdict) > gravity(Verdict::Effect) { verdict } else { Verdict::Effect };
     let of_bodies = bodies.iter().map(|body| body.kind.id());
     let mut ids = of_bodies.chain(causes.iter().map(|cause| cause.effect.id()));
     let pooled = pooled(groups, &joints);
@@ -162,16 +165,16 @@ pub(in crate::gap) fn concluded(
     ClampedDiagnosis { robot: robot.to_owned(), answer, gap, bodies, causes, pooled, joints, notes }
 }
 
-/// The same joints as given and recalibrated before a body was changed: what recalibration closes is not the body's.
+/// The same joints as given before a body was changed; recalibrated they are told with it in place.
 pub(in crate::gap) fn before_of(first: &[JointAnswer], then: &mut [JointAnswer]) {
     for (first, then) in first.iter().zip(then) {
         let (Some(first), Some(then)) = (&first.diagnosis, &mut then.diagnosis) else { continue };
         let gap = &mut then.gap;
-        (gap.before, gap.calibrated) = (first.gap.before, first.gap.calibrated);
+        gap.before = first.gap.before;
         gap.closed = (gap.before > gap.floor).then(|| 1.0 - (gap.after - gap.floor) / (gap.before - gap.floor));
         for row in &mut gap.per_log {
             if let Some(own) = first.gap.per_log.iter().find(|own| own.file == row.file) {
-                (row.before, row.calibrated) = (own.before, own.calibrated);
+                row.before = own.before;
             }
         }
     }
@@ -253,7 +256,9 @@ fn shared(groups: &BTreeMap<String, Vec<String>>, joints: &[JointAnswer]) -> Vec
         let group = groups.iter().find(|(_, joints)| same(joints, &cause.joints)).map(|(name, _)| name.clone());
         let is_all = cause.joints.len() == found.len() && found.len() > 1;
         cause.group = is_all.then(|| "all".to_owned()).or(group);
-        let own = |(_, d): &(&str, &Diagnosis)| d.causes.iter().find(|own| own.effect == cause.effect)?.parameters.first().cloned();
+        let own = |(_, d): &(&str, &Diagnosis)| {
+            d.causes.iter().find(|own| own.effect == cause.effect)?.parameters.first().cloned()
+        };
         let sizes: Vec<Number> = found.iter().filter_map(own).collect();
         cause.size = one_size(&sizes.iter().collect::<Vec<_>>());
     }
@@ -261,7 +266,14 @@ fn shared(groups: &BTreeMap<String, Vec<String>>, joints: &[JointAnswer]) -> Vec
     causes
 }
 
-fn sentence(robot: &str, joints: &[JointAnswer], gap: &ClampedGap, bodies: &[BodyCause], causes: &[SharedCause], pooled: &[PooledNumber]) -> String {
+fn sentence(
+    robot: &str,
+    joints: &[JointAnswer],
+    gap: &ClampedGap,
+    bodies: &[BodyCause],
+    causes: &[SharedCause],
+    pooled: &[PooledNumber],
+) -> String {
     let found = || joints.iter().filter_map(|joint| Some((&joint.joint, joint.diagnosis.as_ref()?)));
     let size = if gap.unit == "rad" { mrad } else { newton_metres };
     let [given, calibrated, after] = [gap.before, gap.calibrated, gap.after].map(size);

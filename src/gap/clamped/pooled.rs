@@ -62,7 +62,8 @@ pub(super) fn pooled(groups: &BTreeMap<String, Vec<String>>, joints: &[JointAnsw
     let mut pooled: Vec<PooledNumber> = Vec::new();
     for number in ["coulomb", "viscous", "gain", "moment", "inertia", "armature"] {
         for (group, joints) in &tried {
-            let is_said = |known: &PooledNumber| known.number == number && joints.iter().all(|j| known.joints.contains(j));
+            let is_said =
+                |known: &PooledNumber| known.number == number && joints.iter().all(|j| known.joints.contains(j));
             if joints.len() < 2 || pooled.iter().any(is_said) {
                 continue;
             }

@@ -1,12 +1,12 @@
 //! A study of a robot with a clamped base with everything that it names: description, tree, logs.
 
+use super::pooled::alike;
 use crate::identify::CaseError;
 use crate::log::{ClampedStudy, JointBeliefs, LogError, RobotLog, read_clamped_study, read_clamped_study_logs};
 use crate::robot::description::{
     Actuator, ActuatorKind, BodyChange, Description, DescriptionError, LinkId, Mover, MoverId,
 };
 use crate::robot::tree::{Tree, TreeBase, TreeError};
-use super::pooled::alike;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

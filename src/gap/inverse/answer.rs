@@ -232,14 +232,14 @@ fn refuted(found: &Found) -> Vec<String> {
 
 fn per_log(logs: &[LogData], floor: f64, of: &[Vec<(usize, f64)>; 3]) -> Vec<LogGap> {
     let [before, calibrated, after] = of;
-    let row = |((a, b), c): ((&(usize, f64), &(usize, f64)), &(usize, f64))| LogGap {
-        file: logs[a.0].file.clone(),
-        before: a.1,
-        calibrated: b.1,
-        after: c.1,
+    let row = |k: usize| LogGap {
+        file: logs[before[k].0].file.clone(),
+        before: before[k].1,
+        calibrated: calibrated[k].1,
+        after: after[k].1,
         floor,
     };
-    before.iter().zip(calibrated).zip(after).map(row).collect()
+    (0..before.len()).map(row).collect()
 }
 
 /// The shape of each family that predicts best, alone beside the numbers, the best first.
@@ -352,19 +352,23 @@ fn sentence(
     most: Option<&BeliefFound>,
 ) -> String {
     let [before, calibrated, after] = [gap.before, gap.calibrated, gap.after].map(newton_metres);
-    let size = |number: &Number| format!(" ({} = {})", number.name, quantity(number.value, number.interval, &number.unit));
+    let size =
+        |number: &Number| format!(" ({} = {})", number.name, quantity(number.value, number.interval, &number.unit));
     let each: Vec<String> = causes
         .iter()
         .map(|cause| format!("{}{}", words(cause.effect), cause.parameters.first().map_or_else(String::new, size)))
         .collect();
-    let number = most.map_or_else(|| "numbers".to_owned(), |number| {
-        format!(
-            "{}: {} for {}",
-            number.name,
-            quantity(number.found, None, &number.unit),
-            quantity(number.believed, None, &number.unit)
-        )
-    });
+    let number = most.map_or_else(
+        || "numbers".to_owned(),
+        |number| {
+            format!(
+                "{}: {} for {}",
+                number.name,
+                quantity(number.found, None, &number.unit),
+                quantity(number.believed, None, &number.unit)
+            )
+        },
+    );
     let unnamed = law.map_or_else(String::new, |law| {
         format!(
             " Without a name there is a torque that depends on the {} ({}).",
@@ -379,16 +383,23 @@ fn sentence(
     match verdict {
         Verdict::Effect => {
             let whole = calibrated_squares(gap);
-            let closed = if whole > 0.0 { share(((whole - gap.after.powi(2)) / whole).clamp(0.0, 1.0)) } else { share(0.0) };
+            let closed =
+                if whole > 0.0 { share(((whole - gap.after.powi(2)) / whole).clamp(0.0, 1.0)) } else { share(0.0) };
             format!(
                 "{joint}: {}; it closes {closed} of the squares that recalibrated numbers leave.{unnamed} {stays}",
                 each.join(", together with ")
             )
         }
-        Verdict::Calibration => format!("{joint}: the structure is right and the numbers are off, most of all the {number}. {stays}"),
+        Verdict::Calibration => {
+            format!("{joint}: the structure is right and the numbers are off, most of all the {number}. {stays}")
+        }
         Verdict::None => format!("{joint}: nothing is missing that these logs would show. {stays}"),
         Verdict::Unexplained => {
-            let known = if each.is_empty() { String::new() } else { format!(" What is known so far is {}.", each.join(", together with ")) };
+            let known = if each.is_empty() {
+                String::new()
+            } else {
+                format!(" What is known so far is {}.", each.join(", together with "))
+            };
             format!("{joint}: the effects I know do not explain this gap.{unnamed}{known} {stays}")
         }
     }

@@ -138,9 +138,8 @@ impl<'a> Bench<'a> {
         let sd = |found: &Found| {
             let solved = found.fit(&Choice::default());
             let fitted = found.system.blocks.iter().filter(|block| block.is_fit);
-            let (squares, samples) = fitted.fold((0.0, 0), |(sum, n), block| {
-                (sum + block.unit * block.squares(&solved.x), n + block.samples)
-            });
+            let (squares, samples) = fitted
+                .fold((0.0, 0), |(sum, n), block| (sum + block.unit * block.squares(&solved.x), n + block.samples));
             (squares / samples.max(1) as f64).sqrt().max(f64::MIN_POSITIVE)
         };
         Ok(Self {
@@ -188,7 +187,9 @@ impl<'a> Bench<'a> {
         match kind {
             BodyKind::Payload => fitted.x[0] < sd * inertia.mass_kg,
             BodyKind::BodyMass => fitted.x[0].abs() < sd,
-            BodyKind::BodyCom => Vector3::from_row_slice(&fitted.x).norm() < BELIEVED * CENTRE_SHARE * inertia.centre_m().norm(),
+            BodyKind::BodyCom => {
+                Vector3::from_row_slice(&fitted.x).norm() < BELIEVED * CENTRE_SHARE * inertia.centre_m().norm()
+            }
         }
     }
 
@@ -220,9 +221,8 @@ impl<'a> Bench<'a> {
         let mut x = vec![0.0; hypothesis.sd.len()];
         let mut best: Option<(f64, Vec<f64>, Vec<Estimated>)> = None;
         for _ in 0..STEPS {
-            let torques = |x: &[f64]| {
-                self.torques(&self.setup.description.with_change(hypothesis.link, &hypothesis.change(x)))
-            };
+            let torques =
+                |x: &[f64]| self.torques(&self.setup.description.with_change(hypothesis.link, &hypothesis.change(x)));
             let here = torques(&x)?;
             let mut shared: Shared = Vec::new();
             for k in 0..x.len() {
@@ -239,7 +239,8 @@ impl<'a> Bench<'a> {
                 .map(|(log, (here, described))| {
                     let joint = |joint: usize| {
                         let added = here[joint].iter().zip(&described[joint]).map(|(a, b)| a - b);
-                        let told = |s: usize| x.iter().zip(&shared).map(|(x, column)| x * column[log][joint][s]).sum::<f64>();
+                        let told =
+                            |s: usize| x.iter().zip(&shared).map(|(x, column)| x * column[log][joint][s]).sum::<f64>();
                         added.enumerate().map(|(s, added)| added - told(s)).collect()
                     };
                     (0..here.len()).map(joint).collect()
@@ -277,7 +278,8 @@ impl<'a> Bench<'a> {
         let described = &self.setup.description.links[link.0];
         let number = |name: &str, unit: &str, k: usize, offset: f64, scale: f64| {
             let estimated = fitted.numbers[k];
-            let around = |sd: f64| [-1.0, 1.0].map(|side| offset + scale * estimated.value + side * HALF_95 * scale * sd);
+            let around =
+                |sd: f64| [-1.0, 1.0].map(|side| offset + scale * estimated.value + side * HALF_95 * scale * sd);
             let is_told = estimated.sd < OPEN * sd[k];
             Number {
                 name: name.to_owned(),
@@ -347,7 +349,9 @@ fn hypotheses(setup: &ClampedSetup) -> Vec<Hypothesis> {
             continue;
         }
         match heaviest.iter_mut().find(|(known, _)| *known == carriers) {
-            Some((_, link)) if robot.links[link.0].inertia.mass_kg < robot.links[k].inertia.mass_kg => *link = LinkId(k),
+            Some((_, link)) if robot.links[link.0].inertia.mass_kg < robot.links[k].inertia.mass_kg => {
+                *link = LinkId(k)
+            }
             Some(_) => {}
             None => heaviest.push((carriers, LinkId(k))),
         }

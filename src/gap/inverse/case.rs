@@ -1,7 +1,7 @@
 //! A study of a robot with a clamped base whose torques are predicted along its measured motion.
 
 use super::design::{JointData, LogData};
-use super::numbers::{believed, Values};
+use super::numbers::{Values, believed};
 use super::signals::{Motion, Signals, TorqueOf, cutoff_hz, logged, without_armature};
 use crate::gap::clamped::{ClampedCaseError, ClampedSetup};
 use crate::log::{Derivative, DriveMode, MotorModel, RobotLog, Role};

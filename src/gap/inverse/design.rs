@@ -241,9 +241,8 @@ impl Design {
                     let own = i.checked_sub(offset).and_then(|i| own.get(i)).map(|i| &*compared.columns[*i]);
                     own.or_else(|| others(i, at)).map_or(0.0, |column| column[from + k])
                 });
-                let target = DVector::from_fn(to - from, |k, _| {
-                    compared.measured_nm[from + k] - compared.believed_nm[from + k]
-                });
+                let target =
+                    DVector::from_fn(to - from, |k, _| compared.measured_nm[from + k] - compared.believed_nm[from + k]);
                 let sd = sd_nm * log.tied.sqrt();
                 blocks.push(Block::new([at, part], log.is_fit, &columns, &target, sd));
             }
@@ -287,7 +286,8 @@ fn number<'a>(which: Which, believed: &'a Believed) -> Term<'a> {
         Which::Armature => Box::new(|s, _, _, k| s.acceleration_rad_s2[k]),
         Which::Coulomb => Box::new(|_, a, _, k| a.used[k]),
         Which::Viscous => Box::new(|s, _, _, k| s.rate_rad_s[k]),
-        Which::Gain => Box::new(|_, a, _, k| -a.all_nm[k]),
+        // Before the low pass, as the others: what all numbers times one factor leave has to be nothing.
+        Which::Gain => Box::new(|_, a, _, k| -a.raw_nm[k]),
     }
 }
 
@@ -317,8 +317,8 @@ fn effects<'a>(reach: &Reach, now: &'a Values) -> Vec<Parts<'a>> {
         one(
             EffectId::FrictionDrift,
             Box::new(move |s, a, g, k| {
-                let friction_nm = now[Which::Coulomb as usize] * a.used[k]
-                    + now[Which::Viscous as usize] * s.rate_rad_s[k];
+                let friction_nm =
+                    now[Which::Coulomb as usize] * a.used[k] + now[Which::Viscous as usize] * s.rate_rad_s[k];
                 (g.t_s[k] - g.t_s[0]) * friction_nm
             }),
             FREE,

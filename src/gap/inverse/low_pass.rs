@@ -77,7 +77,8 @@ mod tests {
         let sine: Vec<f64> = (0..n).map(|k| at(k).sin()).collect();
         let out = LowPass::new(5.0, period_s).both_ways(&sine);
         let inner = 1000..n - 1000;
-        let sum = |of: fn(f64) -> f64| inner.clone().map(|k| out[k] * of(at(k))).sum::<f64>() / (0.5 * inner.len() as f64);
+        let sum =
+            |of: fn(f64) -> f64| inner.clone().map(|k| out[k] * of(at(k))).sum::<f64>() / (0.5 * inner.len() as f64);
         [sum(f64::sin), sum(f64::cos)]
     }
 

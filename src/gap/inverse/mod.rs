@@ -21,5 +21,5 @@ mod system;
 
 pub use answer::TorqueTraces;
 pub use case::TorqueCase;
-pub use motion::diagnose_motion;
 pub use diagnose::{TorqueDiagnosis, TorqueError, diagnose_torques};
+pub use motion::diagnose_motion;

@@ -65,24 +65,25 @@ pub(super) fn named(family: &Family, found: &[Estimated], now: &Values) -> Vec<N
     };
     let coulomb_nm = now[Which::Coulomb as usize];
     match (family.effect, found) {
-        (EffectId::Stribeck, [more]) => vec![of(0, *more, coulomb_nm, 1.0), as_is(1, family.shape[0], Some([0.5, 2.0].map(|times| times * family.shape[0])))],
+        (EffectId::Stribeck, [more]) => vec![
+            of(0, *more, coulomb_nm, 1.0),
+            as_is(1, family.shape[0], Some([0.5, 2.0].map(|times| times * family.shape[0]))),
+        ],
         (EffectId::EndStop, [stiffness]) => {
             let [at, side, half] = [family.shape[0], family.shape[1], family.shape[2]];
             let place = as_is(0, at, Some([at - half, at + half]));
             vec![place, as_is(1, side, None), of(2, *stiffness, 0.0, 1.0), as_is(3, 0.0, None)]
         }
         (EffectId::JointSpring, [k, level]) => {
-            let rest = Estimated { value: -level.value / k.value, sd: level.sd / k.value, naive_sd: level.naive_sd / k.value };
+            let rest =
+                Estimated { value: -level.value / k.value, sd: level.sd / k.value, naive_sd: level.naive_sd / k.value };
             vec![of(0, *k, 0.0, 1.0), of(1, rest, 0.0, 1.0)]
         }
         (EffectId::PositionFriction, [cos, sin]) => {
             let size = cos.value.hypot(sin.value);
             let one = Estimated { value: size, sd: cos.sd.max(sin.sd), naive_sd: cos.naive_sd.max(sin.naive_sd) };
-            let angle = Estimated {
-                value: sin.value.atan2(cos.value),
-                sd: one.sd / size,
-                naive_sd: one.naive_sd / size,
-            };
+            let angle =
+                Estimated { value: sin.value.atan2(cos.value), sd: one.sd / size, naive_sd: one.naive_sd / size };
             vec![of(0, one, 0.0, 1.0 / coulomb_nm.max(f64::MIN_POSITIVE)), of(1, angle, 0.0, 1.0)]
         }
         (_, [size, ..]) => vec![of(0, *size, 0.0, 1.0)],

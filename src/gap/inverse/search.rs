@@ -76,8 +76,7 @@ pub(super) fn search(joint: &JointData, logs: &[LogData], allows: &dyn Fn(Effect
     }
     let (state, solved) = found.expect("there is at least one round");
     let State { design, system, .. } = state;
-    let mut found =
-        Found { design, system, causes: choice.causes, curve: choice.curve, solved, refuted: Vec::new() };
+    let mut found = Found { design, system, causes: choice.causes, curve: choice.curve, solved, refuted: Vec::new() };
     found.refute();
     found
 }

@@ -24,7 +24,11 @@ pub(super) struct Mass {
 }
 
 /// Masses by body, and the joints whose moments they miss. Empty where all moments are as described.
-pub(super) fn masses(setup: &ClampedSetup, description: &Description, found: &[&Diagnosis]) -> (Vec<Mass>, Vec<String>) {
+pub(super) fn masses(
+    setup: &ClampedSetup,
+    description: &Description,
+    found: &[&Diagnosis],
+) -> (Vec<Mass>, Vec<String>) {
     let Ok(tree) = Tree::new(description, TreeBase::Fixed) else { return (Vec::new(), Vec::new()) };
     let tree = tree.with_gravity(setup.tree.gravity_m_s2());
     let names: Vec<&str> = tree.joint_names().collect();
@@ -78,7 +82,8 @@ pub(super) fn masses(setup: &ClampedSetup, description: &Description, found: &[&
     let solved = factors.solve(&columns.tr_mul(&target));
     let left = &target - &columns * &solved;
     let size = |values: &DVector<f64>, j: usize| values.rows(j * poses.len(), poses.len()).norm();
-    let missed = (0..names.len()).filter(|j| size(&left, *j) > MISSED * size(&target, *j).max(0.1 * (poses.len() as f64).sqrt()));
+    let missed = (0..names.len())
+        .filter(|j| size(&left, *j) > MISSED * size(&target, *j).max(0.1 * (poses.len() as f64).sqrt()));
     let missed = missed.map(|j| names[j].to_owned()).collect();
     let mass = |(b, link): (usize, &LinkId)| Mass {
         link: *link,
@@ -86,9 +91,8 @@ pub(super) fn masses(setup: &ClampedSetup, description: &Description, found: &[&
         half: shares[b].and_then(|(_, half)| half),
     };
     let masses = links.iter().enumerate().map(mass);
-    let changed = masses.filter(|mass| {
-        description.links[mass.link.0].inertia.mass_kg > 0.0 && (mass.factor - 1.0).abs() > NEAR
-    });
+    let changed =
+        masses.filter(|mass| description.links[mass.link.0].inertia.mass_kg > 0.0 && (mass.factor - 1.0).abs() > NEAR);
     (changed.collect(), missed)
 }
 

@@ -104,7 +104,8 @@ fn of_joint(
     let inertia = estimate("inertia").zip(links_kg_m2);
     let more = inertia.map_or(0.0, |(found, links)| found.value - links);
     let value = (armature.map_or(stated, |e| e.value) + more).max(0.0);
-    let interval = inertia.and_then(|(e, links)| e.interval.map(|range| range.map(|end| (end - links + stated).max(0.0))));
+    let interval =
+        inertia.and_then(|(e, links)| e.interval.map(|range| range.map(|end| (end - links + stated).max(0.0))));
     push(FoundKey::Armature, Some(mover.armature_kg_m2), value, interval, "kg m^2");
     let gain = estimate("gain");
     let times = gain.map_or(1.0, |e| e.value);
@@ -118,7 +119,8 @@ fn of_joint(
         let kd = said.kd_nm_s_rad.unwrap_or(0.0);
         push(FoundKey::Kd, described.as_ref().map(|servo| -servo.bias[2]), times * kd, around(kd), "N m s/rad");
         let of = |cause: &CauseShare| cause.effect == EffectId::TorqueLimit;
-        let limit = own.and_then(|d| d.causes.iter().find(|cause| of(cause))).and_then(|cause| cause.parameters.first());
+        let limit =
+            own.and_then(|d| d.causes.iter().find(|cause| of(cause))).and_then(|cause| cause.parameters.first());
         let was = described.as_ref().and_then(|servo| servo.force_range_nm.map(|[_, high]| high));
         if let Some(value) = limit.map(|n| n.value).or(said.torque_limit_nm) {
             push(FoundKey::TorqueLimit, was, value, limit.and_then(|n| n.interval), "N m");
@@ -126,8 +128,11 @@ fn of_joint(
     }
     let Some(own) = own else { return };
     for cause in &own.causes {
-        let numbers: Vec<String> =
-            cause.parameters.iter().map(|n| format!("{} = {}", n.name, quantity(n.value, n.interval, &n.unit))).collect();
+        let numbers: Vec<String> = cause
+            .parameters
+            .iter()
+            .map(|n| format!("{} = {}", n.name, quantity(n.value, n.interval, &n.unit)))
+            .collect();
         match (cause.effect, &cause.parameters[..]) {
             (EffectId::TorqueLimit, _) => {}
             (EffectId::JointSpring, [k, rest]) if mover.stiffness[0] == 0.0 => {

@@ -55,7 +55,8 @@ pub fn simulated(setup: &ClampedSetup, diagnosis: &ClampedDiagnosis) -> Result<W
         let before = motion(setup, &stated, None, log)?;
         let after = motion(setup, &found, Some(diagnosis), log)?;
         for (k, joint) in log.joints.iter().enumerate() {
-            let sum = |motion: &[Vec<f64>]| joint.q_rad.iter().zip(&motion[k]).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+            let sum =
+                |motion: &[Vec<f64>]| joint.q_rad.iter().zip(&motion[k]).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
             let place = names.iter().position(|name| *name == joint.name).unwrap_or_else(|| {
                 names.push(joint.name.clone());
                 squares.push([0.0; 2]);
@@ -68,7 +69,8 @@ pub fn simulated(setup: &ClampedSetup, diagnosis: &ClampedDiagnosis) -> Result<W
         predicted.push((entry.file.clone(), csv(log, &after)));
     }
     let root = |square: f64| (square / samples as f64).sqrt();
-    let joint = |(joint, [before, after]): (String, [f64; 2])| WholeJoint { joint, before: root(before), after: root(after) };
+    let joint =
+        |(joint, [before, after]): (String, [f64; 2])| WholeJoint { joint, before: root(before), after: root(after) };
     let joints: Vec<WholeJoint> = names.into_iter().zip(squares).map(joint).collect();
     let all = |of: fn(&WholeJoint) -> f64| {
         (joints.iter().map(|joint| of(joint).powi(2)).sum::<f64>() / joints.len().max(1) as f64).sqrt()
@@ -88,8 +90,7 @@ fn motion(
     let model = Model::of_description(&description).map_err(|error| error.to_string())?;
     let text = |error: crate::robot::simulate::SimulateError| error.to_string();
     let study = &setup.study;
-    let control =
-        Control { derivative: study.derivative, hold: study.hold, sample_period_s: study.sample_period_s };
+    let control = Control { derivative: study.derivative, hold: study.hold, sample_period_s: study.sample_period_s };
     let mut joints = Joints::passive(&model);
     joints.set_friction(&model, "chosen").map_err(text)?;
     joints.set_control(&model, "printed", control).map_err(text)?;
@@ -117,14 +118,8 @@ fn motion(
     }
     let setpoints = Setpoints { t_s: log.t_s.clone(), columns, hold: study.hold };
     let period_s = (log.t_s[log.len() - 1] - log.t_s[0]) / (log.len() - 1) as f64;
-    let scenario = Scenario {
-        model: &model,
-        joints: &joints,
-        setpoints: &setpoints,
-        start: &start,
-        surroundings: None,
-        period_s,
-    };
+    let scenario =
+        Scenario { model: &model, joints: &joints, setpoints: &setpoints, start: &start, surroundings: None, period_s };
     let recording = run(&scenario, Method::Stiff { step_s: STEP_S }).map_err(text)?;
     if let Some(diverged) = &recording.diverged {
         return Err(diverged.to_string());

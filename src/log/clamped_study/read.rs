@@ -135,11 +135,7 @@ fn log(
 }
 
 /// What is predicted, the same of all logs: torques along a motion are another question than the motion that torques make.
-fn predict(
-    document: &Document<'_>,
-    raw: &[RawClampedLog],
-    logs: &[ClampedStudyLog],
-) -> Result<Predict, LogError> {
+fn predict(document: &Document<'_>, raw: &[RawClampedLog], logs: &[ClampedStudyLog]) -> Result<Predict, LogError> {
     const WORDS: [(&str, Predict); 2] = [("motion", Predict::Motion), ("torque", Predict::Torque)];
     let mut of_first = None;
     for (i, (raw, log)) in raw.iter().zip(logs).enumerate() {

@@ -13,8 +13,8 @@ pub use text::clamped_gap_text;
 use super::{GapReport, Provenance};
 use crate::gap::clamped::{ClampedCase, ClampedDiagnosis, ClampedSetup};
 use crate::gap::inverse::{TorqueDiagnosis, TorqueTraces};
-use crate::gap::{BeliefFound, Diagnosis, GapOptions, LogGap};
 use crate::gap::whole::{FoundRobot, Whole, found_robot, simulated};
+use crate::gap::{BeliefFound, Diagnosis, GapOptions, LogGap};
 use crate::report::number::significant;
 use std::path::PathBuf;
 
@@ -58,7 +58,12 @@ impl ClampedGapReport {
     }
 
     /// The report of a diagnosis by torques.
-    pub fn of_torques(setup: &ClampedSetup, diagnosis: TorqueDiagnosis, options: &GapOptions, provenance: &Provenance) -> Self {
+    pub fn of_torques(
+        setup: &ClampedSetup,
+        diagnosis: TorqueDiagnosis,
+        options: &GapOptions,
+        provenance: &Provenance,
+    ) -> Self {
         let TorqueDiagnosis { found, traces } = diagnosis;
         let diagnosed = found.joints.iter().filter_map(|joint| Some((&joint.joint, joint.diagnosis.clone()?)));
         let report = |((name, diagnosis), torques): ((&String, Diagnosis), Vec<TorqueTraces>)| {

@@ -109,7 +109,10 @@ fn chain_view(diagnosis: &Diagnosis) -> Vec<Value> {
 }
 
 /// As given, recalibrated, with the first effect, with all, and the noise.
-pub(in crate::report) fn gap_view(measure: Measure, [before, calibrated, after_first, after, floor]: [f64; 5]) -> Value {
+pub(in crate::report) fn gap_view(
+    measure: Measure,
+    [before, calibrated, after_first, after, floor]: [f64; 5],
+) -> Value {
     context! {
         before => measure.quantity(before),
         calibrated => measure.quantity(calibrated),

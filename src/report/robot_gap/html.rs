@@ -7,9 +7,9 @@ use super::plot::RobotGapFigures;
 use super::words;
 use crate::gap::robot::{Displacement, JointGap, RobotCandidate, RobotDetectable, RobotDiagnosis};
 use crate::report::ReportError;
-use crate::report::measure::ANGLE;
 use crate::report::gap::{gap_view, with_code, words as joint_words};
 use crate::report::html::{figure_views, open_and_folded, render};
+use crate::report::measure::ANGLE;
 use crate::report::number::{share, significant};
 use crate::report::rows::typeset_unit;
 

@@ -5,9 +5,9 @@ use comfy_table::{Cell, Table};
 use super::RobotGapReport;
 use super::words;
 use crate::gap::robot::{GaitCell, GaitPhase, RobotCandidate, RobotDiagnosis, RobotGap};
-use crate::report::measure::ANGLE;
 use crate::report::gap::text::{WIDTH, file, mrad, opening, paragraph, rms_row, rms_table};
 use crate::report::gap::words as joint_words;
+use crate::report::measure::ANGLE;
 use crate::report::number::{UNKNOWN, share, significant};
 use crate::report::text::{finish, number, one_line, table, wrap};
 

@@ -67,8 +67,8 @@ impl Description {
 
 #[cfg(test)]
 mod tests {
-    use crate::geometry::RobotTables;
     use super::*;
+    use crate::geometry::RobotTables;
     use approx::assert_relative_eq;
     use std::path::Path;
 

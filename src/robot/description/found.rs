@@ -89,7 +89,9 @@ impl FoundNumber {
         }
         let value = crate::number::quantity(self.value, self.interval, &self.unit);
         let value = place.map_or(value.clone(), |place| format!("{value} at {place}"));
-        let was = self.was.map_or_else(|| ", not described".to_owned(), |was| format!(", was {}", crate::number::as_given(was)));
+        let was = self
+            .was
+            .map_or_else(|| ", not described".to_owned(), |was| format!(", was {}", crate::number::as_given(was)));
         format!("{} {value}{was}", self.key.name())
     }
 }
@@ -123,7 +125,9 @@ impl Description {
                 let inertia = &changed.links[link.0].inertia;
                 let change = match number.key {
                     FoundKey::Payload => BodyChange::Payload { mass_kg: number.value, place_m },
-                    FoundKey::Mass if inertia.mass_kg > 0.0 => BodyChange::Mass { factor: number.value / inertia.mass_kg },
+                    FoundKey::Mass if inertia.mass_kg > 0.0 => {
+                        BodyChange::Mass { factor: number.value / inertia.mass_kg }
+                    }
                     _ => BodyChange::Centre { shift_m: place_m - inertia.centre_m() },
                 };
                 changed = changed.with_change(link, &change);

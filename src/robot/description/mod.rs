@@ -28,9 +28,9 @@ pub use error::{At, DescriptionError};
 pub use format::Format;
 pub use found::{FoundKey, FoundNumber, NoSuchPart};
 pub use inertia::RigidInertia;
+pub use parts::{Actuator, ActuatorKind, Coupling, FreeJoint, JointKind, Link, LinkId, Mover, MoverId};
 pub use to_mjcf::to_mjcf;
 pub use to_urdf::to_urdf;
-pub use parts::{Actuator, ActuatorKind, Coupling, FreeJoint, JointKind, Link, LinkId, Mover, MoverId};
 
 use nalgebra::Vector3;
 use std::path::{Path, PathBuf};

@@ -161,8 +161,11 @@ fn inertial(inertia: &RigidInertia) -> String {
 
 fn joint_element(mover: &Mover) -> String {
     let kind = if mover.kind == JointKind::Prismatic { "slide" } else { "hinge" };
-    let mut text =
-        format!("<joint name=\"{}\" type=\"{kind}\" axis=\"{}\"", escaped(&mover.name), vector(&mover.axis.into_inner()));
+    let mut text = format!(
+        "<joint name=\"{}\" type=\"{kind}\" axis=\"{}\"",
+        escaped(&mover.name),
+        vector(&mover.axis.into_inner())
+    );
     let mut add = |name: &str, value: String| {
         let _ = write!(text, " {name}=\"{value}\"");
     };
@@ -281,7 +284,10 @@ mod tests {
         assert!(back.warnings.is_empty(), "{:?}", back.warnings);
         let elbow = &back.joints[back.joint("elbow").unwrap().0];
         assert_eq!((elbow.friction_nm, elbow.limit_rad), (0.19, Some([-3.0, 3.0])));
-        assert_eq!((back.actuators.len(), back.actuators[0].gain, back.actuators[0].bias), (1, 16.0, [0.0, -16.0, -0.4]));
+        assert_eq!(
+            (back.actuators.len(), back.actuators[0].gain, back.actuators[0].bias),
+            (1, 16.0, [0.0, -16.0, -0.4])
+        );
         let matrix = |description: &Description| {
             let tree = Tree::new(description, TreeBase::Fixed).unwrap();
             let mut state = TreeState::drawn(&tree);

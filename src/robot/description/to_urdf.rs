@@ -114,10 +114,8 @@ fn write_joint(
     let [low, high] = mover.limit_rad.unwrap_or_default();
     if mover.kind != JointKind::Continuous {
         let (effort, velocity) = (effort.unwrap_or(0.0), velocity.unwrap_or(0.0));
-        let _ = writeln!(
-            text,
-            "    <limit lower=\"{low}\" upper=\"{high}\" effort=\"{effort}\" velocity=\"{velocity}\"/>"
-        );
+        let _ =
+            writeln!(text, "    <limit lower=\"{low}\" upper=\"{high}\" effort=\"{effort}\" velocity=\"{velocity}\"/>");
     } else if let (Some(effort), Some(velocity)) = (effort, velocity) {
         let _ = writeln!(text, "    <limit effort=\"{effort}\" velocity=\"{velocity}\"/>");
     }

@@ -144,7 +144,8 @@ fn logs(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
 }
 
 fn torques(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
-    let caption = "Above: the drive's torque, and what models ask for along the measured motion. Below: what is left over.";
+    let caption =
+        "Above: the drive's torque, and what models ask for along the measured motion. Below: what is left over.";
     let draw = |(i, log): (usize, &TorqueTraces)| {
         let name = format!("log-{:02}-{}", i + 1, plain(&log.file));
         let title = format!("Log {} ({})", log.file, log.role);

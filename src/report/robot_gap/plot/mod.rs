@@ -11,9 +11,9 @@ use super::RobotGapReport;
 use super::words;
 use crate::gap::LogGap;
 use crate::gap::robot::JointTrace;
-use crate::report::measure::ANGLE;
 use crate::report::gap::plot::figure;
 use crate::report::gap::plot::how_far::errors;
+use crate::report::measure::ANGLE;
 use crate::report::plot::plain;
 use crate::report::{Figure, ReportError};
 
