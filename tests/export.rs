@@ -50,7 +50,7 @@ fn python() -> Option<PathBuf> {
 }
 
 fn diagnosed(folder: &Path) -> Value {
-    study(folder, &Truth { payload_kg: 0.2, friction: 1.8, ..Truth::default() }, 8.0);
+    study(folder, &Truth { payload_kg: 0.2, ..Truth::default() }, 5.0);
     let run = run_in(folder, &["gap", "study.toml", "--quiet", "--json", "gap.json", "--out", "out"]);
     assert!(run.status.success(), "{}", stderr(&run));
     serde_json::from_str(&std::fs::read_to_string(folder.join("gap.json")).unwrap()).unwrap()

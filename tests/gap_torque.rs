@@ -36,11 +36,11 @@ fn an_arm_as_described_lacks_nothing() {
 
 #[test]
 fn drag_of_the_elbow_is_found_on_the_elbow() {
-    let found = of(&Truth { drag: 0.03, ..Truth::default() });
+    let found = of(&Truth { drag: 0.1, ..Truth::default() });
     let effects = found["effects"].as_array().unwrap();
     assert_eq!((effects.len(), &effects[0]["id"]), (1, &"quadratic_drag".into()), "{effects:#?}");
     assert_eq!(effects[0]["joints"][0], JOINTS[1]);
-    assert!((value(&effects[0]["parameters"]["c2"]) - 0.03).abs() < 0.004, "{effects:#?}");
+    assert!((value(&effects[0]["parameters"]["c2"]) - 0.1).abs() < 0.01, "{effects:#?}");
     assert!(found["gap"]["after"].as_f64().unwrap() < 0.3 * found["gap"]["calibrated"].as_f64().unwrap());
 }
 
@@ -51,8 +51,8 @@ fn a_payload_is_one_cause_of_both_joints() {
     let cause = &found["effects"][0];
     assert_eq!((&cause["id"], &cause["body"]), (&"payload".into(), &"lower".into()), "{}", found["sentence"]);
     assert_eq!(cause["joints"].as_array().unwrap().len(), 2);
-    assert!((value(&cause["parameters"]["mass"]) - 0.2).abs() < 0.02, "{cause:#}");
-    assert!((value(&cause["parameters"]["z"]) + 0.25).abs() < 0.02, "{cause:#}");
+    assert!((value(&cause["parameters"]["mass"]) - 0.2).abs() < 0.03, "{cause:#}");
+    assert!((value(&cause["parameters"]["z"]) + 0.25).abs() < 0.03, "{cause:#}");
     assert_eq!((&found["verdict"], &found["effect"]), (&"effect".into(), &"payload".into()));
     assert_eq!(found["effects"].as_array().unwrap().len(), 1, "{:#?}", found["effects"]);
 }

@@ -121,18 +121,20 @@ pub fn diagnose_clamped(
     notes.push(
         "Each joint is simulated along the measured motion of the others: it answers for its own fault.".to_owned(),
     );
-    Ok(concluded(&case.robot, &case.groups, joints, Vec::new(), notes))
+    Ok(concluded(&case.robot, &case.groups, joints, Vec::new(), None, notes))
 }
 
-/// What the joints' answers come to.
+/// What the joints' answers come to; `first` are those before a body was changed, where one was.
 pub(in crate::gap) fn concluded(
     robot: &str,
     groups: &BTreeMap<String, Vec<String>>,
     joints: Vec<JointAnswer>,
     bodies: Vec<BodyCause>,
+    first: Option<&[JointAnswer]>,
     mut notes: Vec<String>,
 ) -> ClampedDiagnosis {
-    let gap = gap(&joints);
+    // What recalibration closes is not the body's.
+    let gap = ClampedGap { calibrated: self::gap(first.unwrap_or(&joints)).calibrated, ..self::gap(&joints) };
     let causes = shared(groups, &joints);
     let found = || joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
     let verdict = found().map(|d| d.answer.verdict).max_by_key(|verdict| gravity(*verdict)).unwrap_or(Verdict::None);
@@ -163,16 +165,16 @@ pub(in crate::gap) fn concluded(
     ClampedDiagnosis { robot: robot.to_owned(), answer, gap, bodies, causes, pooled, joints, notes }
 }
 
-/// The same joints as given and recalibrated before a body was changed: what recalibration closes is not the body's.
+/// The same joints as given before a body was changed; recalibrated they are told with it in place.
 pub(in crate::gap) fn before_of(first: &[JointAnswer], then: &mut [JointAnswer]) {
     for (first, then) in first.iter().zip(then) {
         let (Some(first), Some(then)) = (&first.diagnosis, &mut then.diagnosis) else { continue };
         let gap = &mut then.gap;
-        (gap.before, gap.calibrated) = (first.gap.before, first.gap.calibrated);
+        gap.before = first.gap.before;
         gap.closed = (gap.before > gap.floor).then(|| 1.0 - (gap.after - gap.floor) / (gap.before - gap.floor));
         for row in &mut gap.per_log {
             if let Some(own) = first.gap.per_log.iter().find(|own| own.file == row.file) {
-                (row.before, row.calibrated) = (own.before, own.calibrated);
+                row.before = own.before;
             }
         }
     }

@@ -232,14 +232,14 @@ fn refuted(found: &Found) -> Vec<String> {
 
 fn per_log(logs: &[LogData], floor: f64, of: &[Vec<(usize, f64)>; 3]) -> Vec<LogGap> {
     let [before, calibrated, after] = of;
-    let row = |((a, b), c): ((&(usize, f64), &(usize, f64)), &(usize, f64))| LogGap {
-        file: logs[a.0].file.clone(),
-        before: a.1,
-        calibrated: b.1,
-        after: c.1,
+    let row = |k: usize| LogGap {
+        file: logs[before[k].0].file.clone(),
+        before: before[k].1,
+        calibrated: calibrated[k].1,
+        after: after[k].1,
         floor,
     };
-    before.iter().zip(calibrated).zip(after).map(row).collect()
+    (0..before.len()).map(row).collect()
 }
 
 /// The shape of each family that predicts best, alone beside the numbers, the best first.

@@ -20,20 +20,21 @@ const MARGIN: f64 = 16.0;
 /// What an unknown costs, and a cause of a single joint.
 const PRICE: f64 = 4.0;
 const PRICE_OF_CAUSE: f64 = 8.0;
-/// Standard deviations before a log is seen: of a mass as a share of what the robot moves, of a body's share, of a centre
-/// \[m\]; of a payload's place as a share of its distance from its joint, and at least \[m\].
+/// Standard deviations before a log is seen: of a payload as a share of what the robot moves, of a body's share; of a centre
+/// of mass and of a payload's place as shares of the centre's distance from the link's origin, and at least \[m\].
 const MASS_SHARE: f64 = 0.5;
 const BODY_SHARE: f64 = 0.5;
-const CENTRE_M: f64 = 0.05;
-const PLACE_SHARE: f64 = 0.3;
-const LEAST_PLACE_M: f64 = 0.02;
+const CENTRE_SD_SHARE: f64 = 0.3;
+const LEAST_CENTRE_M: f64 = 0.01;
+const PLACE_SHARE: f64 = 1.0;
+const LEAST_PLACE_M: f64 = 0.05;
 /// Standard deviations within which a body is as believed; of a centre as a share of its distance.
 const BELIEVED: f64 = 3.0;
 const CENTRE_SHARE: f64 = 0.02;
 /// A direction of which the logs leave more than this share open is not told.
 const OPEN: f64 = 0.7;
 /// Steps of Gauss and Newton.
-const STEPS: usize = 4;
+const STEPS: usize = 8;
 /// Of differences, in units of what is believed.
 const NUDGE: f64 = 1e-3;
 
@@ -362,13 +363,14 @@ fn hypotheses(setup: &ClampedSetup) -> Vec<Hypothesis> {
     for link in heaviest.iter().map(|(_, link)| *link).chain(tip) {
         let centre = robot.links[link.0].inertia.centre_m();
         let place_m = (PLACE_SHARE * centre.norm()).max(LEAST_PLACE_M);
+        let centre_m = (CENTRE_SD_SHARE * centre.norm()).max(LEAST_CENTRE_M);
         let is_tip = Some(link) == tip;
         if is_tip || heaviest.iter().any(|(_, own)| *own == link) {
             let sd = [MASS_SHARE * moved_kg, place_m, place_m, place_m].to_vec();
             all.push(Hypothesis { kind: BodyKind::Payload, link, origin_m: centre, sd });
         }
         if robot.links[link.0].inertia.mass_kg > 0.0 {
-            let bodies = [(BodyKind::BodyMass, vec![BODY_SHARE]), (BodyKind::BodyCom, vec![CENTRE_M; 3])];
+            let bodies = [(BodyKind::BodyMass, vec![BODY_SHARE]), (BodyKind::BodyCom, vec![centre_m; 3])];
             all.extend(bodies.map(|(kind, sd)| Hypothesis { kind, link, origin_m: centre, sd }));
         }
     }

@@ -286,7 +286,8 @@ fn number<'a>(which: Which, believed: &'a Believed) -> Term<'a> {
         Which::Armature => Box::new(|s, _, _, k| s.acceleration_rad_s2[k]),
         Which::Coulomb => Box::new(|_, a, _, k| a.used[k]),
         Which::Viscous => Box::new(|s, _, _, k| s.rate_rad_s[k]),
-        Which::Gain => Box::new(|_, a, _, k| -a.all_nm[k]),
+        // Before the low pass, as the others: what all numbers times one factor leave has to be nothing.
+        Which::Gain => Box::new(|_, a, _, k| -a.raw_nm[k]),
     }
 }
 

@@ -58,16 +58,17 @@ pub fn diagnose_torques(
     let first = TorqueCase::of(setup)?;
     let (mut answers, mut founds, moving) = searched(&first, &allows);
     let mut case = moving;
+    let as_described: Vec<JointAnswer> = answers.iter().map(|(answer, _)| answer.clone()).collect();
     let (mut changed, mut bodies) = (setup.clone(), Vec::<BodyCause>::new());
     // Whoever asks for some effects only does not ask for bodies.
-    while options.only.is_empty() && bodies.len() < MOST_BODIES {
+    while options.only.is_empty() && !founds.is_empty() && bodies.len() < MOST_BODIES {
         progress.go_on(Step::stage("payload and masses"))?;
         let taken: Vec<LinkId> = bodies.iter().map(|body| body.link).collect();
         let Some(body) = find(&changed, &case, &founds, &taken)? else { break };
         changed = changed.with_change(body.link, &body.change)?;
         bodies.push(body);
         let (mut then, found, moving) = searched(&TorqueCase::of(&changed)?, &allows);
-        then.iter_mut().zip(&answers).for_each(|((then, _), (first, _))| {
+        then.iter_mut().zip(&as_described).for_each(|((then, _), first)| {
             before_of(std::slice::from_ref(first), std::slice::from_mut(then));
         });
         (answers, founds, case) = (then, found, moving);
@@ -83,7 +84,7 @@ pub fn diagnose_torques(
             format!("With {} in place, found over all joints that carry it: numbers are told beside it.", body.words())
         }));
     }
-    let found = concluded(&first.robot, &first.groups, joints, bodies, first.notes.clone());
+    let found = concluded(&first.robot, &first.groups, joints, bodies, Some(&as_described), first.notes.clone());
     Ok(TorqueDiagnosis { found, traces: traces.into_iter().flatten().collect() })
 }
 

@@ -56,7 +56,7 @@ pub fn diagnose_motion(
     before_of(&first.joints, &mut then.joints);
     let mut notes = case.notes.clone();
     notes.push(with_body(&body));
-    let diagnosis = concluded(&case.robot, &case.groups, then.joints, vec![body], notes);
+    let diagnosis = concluded(&case.robot, &case.groups, then.joints, vec![body], Some(&first.joints), notes);
     Ok((changed_case, diagnosis))
 }
 

@@ -78,6 +78,8 @@ impl Believed {
 pub(super) struct Asked {
     /// What the motion asks for, friction and all, as the drive's own column would tell it \[N m\].
     pub all_nm: Vec<f64>,
+    /// The same before the low pass.
+    pub raw_nm: Vec<f64>,
     /// The direction of the motion. Not filtered.
     pub used: Vec<f64>,
     /// Where the joint is at rest: friction may be anything between plus and minus Coulomb's, so the drive's torque is the
@@ -106,7 +108,7 @@ impl Asked {
         let friction = |k: usize| used[k] * coulomb_nm + viscous * signals.rate_rad_s[k];
         let given = |k: usize| signals.torque_nm.as_ref().map_or(0.0, |torque| torque[k]);
         let all = |k: usize| if is_held[k] { given(k) } else { (rigid(k) + friction(k)) / gain };
-        let all_nm = grid.smooth(&(0..n).map(all).collect::<Vec<_>>());
-        Self { all_nm, used, is_held }
+        let raw_nm: Vec<f64> = (0..n).map(all).collect();
+        Self { all_nm: grid.smooth(&raw_nm), raw_nm, used, is_held }
     }
 }

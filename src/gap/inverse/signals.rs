@@ -61,10 +61,10 @@ impl Grid {
         density(&two, &four, 2.0).min(density(&four, &eight, 4.0)).sqrt()
     }
 
-    /// Root of the mean square of what half a sample's time makes of a smooth signal.
-    fn of_half_a_sample(&self, smooth: &[f64]) -> f64 {
+    /// Root of the mean square of what a time that is known to a sample makes of a smooth signal.
+    fn of_stamps(&self, smooth: &[f64]) -> f64 {
         let squares: f64 = (0..smooth.len()).map(|k| self.slope(smooth, k).powi(2)).sum();
-        0.5 * self.period_s * (squares / smooth.len().max(1) as f64).sqrt()
+        self.period_s / 12.0_f64.sqrt() * (squares / smooth.len().max(1) as f64).sqrt()
     }
 
     /// Acceleration that passes of an encoder that rounds to steps of one radian \[rad/s^2\]: its noise is white.
@@ -160,7 +160,7 @@ pub(super) struct Signals {
     /// Torque of the drive after the low pass \[N m\]; `None` where the log has none of this joint.
     pub torque_nm: Option<Vec<f64>>,
     /// What nobody knows better \[N m\]: what the reading of the torque and the encoder's step leave below the cutoff at the
-    /// most, if it is white, and what half a sample more or less makes of the torque.
+    /// most, if it is white, and what stamps that are known to a sample make of the torque.
     pub noise_nm: f64,
     /// Below this rate the joint may be at rest \[rad/s\].
     pub resting_rad_s: f64,
@@ -242,7 +242,7 @@ impl Motion {
             let step_rad = step_rad(columns);
             let of_encoder = inertia[j] * step_rad * self.grid.encoder_unit();
             let torque = torque.map(|torque| (self.grid.white(&torque), self.grid.smooth(&torque)));
-            let noise = |(white, torque): &(f64, Vec<f64>)| white.hypot(self.grid.of_half_a_sample(torque));
+            let noise = |(white, torque): &(f64, Vec<f64>)| white.hypot(self.grid.of_stamps(torque));
             Some(Signals {
                 noise_nm: torque.as_ref().map_or(0.0, noise).hypot(of_encoder),
                 resting_rad_s: resting_rad_s(step_rad, &rate_rad_s, self.grid.period_s),

@@ -11,6 +11,10 @@ use crate::report::measure::{ANGLE, Measure};
 use crate::report::number::share;
 use crate::report::{Figure, GapReport, ReportError};
 
+/// What probabilities are, by what is predicted.
+const RATE: &str = "the measured rate at which answers like this were right";
+const REDRAWS: &str = "the share of redraws of the held-out seconds that give the same answer";
+
 /// Draws the joints at a glance.
 ///
 /// # Errors
@@ -53,6 +57,7 @@ pub fn clamped_gap_html(report: &ClampedGapReport) -> Result<String, ReportError
         still => still.map(|joint| joint.joint.clone()).collect::<Vec<_>>(),
         whole => report.whole_words(),
         whole_joints => whole_joints(report),
+        sure => if measure == ANGLE { RATE } else { REDRAWS },
         undetermined => report.undetermined(),
         notes => diagnosis.notes.iter().map(|note| with_code(note)).collect::<Vec<_>>(),
         version => provenance.version.as_str(),
