@@ -59,10 +59,13 @@ impl Default for Truth {
 }
 
 /// Setpoints of a log: sums of sines in steps of one sample, `seed` in their frequencies.
-fn setpoint(joint: usize, seed: f64, t_s: f64, period_s: f64) -> f64 {
+fn setpoint(joint: usize, seed: f64, t_s: f64, truth: &Truth) -> f64 {
+    let period_s = truth.period_s;
     let t = (t_s / period_s + 1e-9).floor().max(0.0) * period_s;
     let [a, b] = [1.3 + 0.31 * seed + 0.2 * joint as f64, 3.7 - 0.23 * seed];
-    0.2 + 0.35 * ((a * t).sin() + 0.4 * (b * t + joint as f64).sin() + 0.5 * (0.7 * b * t).sin().signum() * 0.4)
+    // Who logs torques to identify an arm moves it smoothly.
+    let jump = if truth.by_torque { 0.0 } else { 0.5 * (0.7 * b * t).sin().signum() * 0.4 };
+    0.2 + 0.35 * ((a * t).sin() + 0.4 * (b * t + joint as f64).sin() + jump)
 }
 
 /// A log of the whole arm.
@@ -73,7 +76,7 @@ fn log(described: &Description, truth: &Truth, seed: f64, seconds: f64) -> Strin
     let tree = Tree::new(&real, TreeBase::Fixed).unwrap();
     let mut dynamics = TreeDynamics::new(&tree);
     let mut state = TreeState::drawn(&tree);
-    let told = |j: usize, t_s: f64| setpoint(j, seed, t_s, truth.period_s);
+    let told = |j: usize, t_s: f64| setpoint(j, seed, t_s, truth);
     for j in 0..2 {
         state.position[j] = told(j, 0.0);
     }

@@ -24,8 +24,8 @@ const PRICE_OF_CAUSE: f64 = 8.0;
 /// of mass and of a payload's place as shares of the centre's distance from the link's origin, and at least \[m\].
 const MASS_SHARE: f64 = 0.5;
 const BODY_SHARE: f64 = 0.5;
-const CENTRE_SD_SHARE: f64 = 0.3;
-const LEAST_CENTRE_M: f64 = 0.01;
+const CENTRE_SD_SHARE: f64 = 0.1;
+const LEAST_CENTRE_M: f64 = 0.005;
 const PLACE_SHARE: f64 = 1.0;
 const LEAST_PLACE_M: f64 = 0.05;
 /// Standard deviations within which a body is as believed; of a centre as a share of its distance.
