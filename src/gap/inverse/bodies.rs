@@ -263,10 +263,7 @@ impl<'a> Bench<'a> {
             x = (0..x.len()).map(|k| solved.x[first + k]).collect();
             let refits: Vec<Solved> = system.refits(&all);
             let numbers = (0..x.len()).map(|k| Estimated::new(first + k, &solved, &refits)).collect();
-            // A step may go too far.
-            if best.as_ref().is_none_or(|(least, _, _)| criterion < *least) {
-                best = Some((criterion, x.clone(), numbers));
-            }
+            best = Some((criterion, x.clone(), numbers));
             if x.len() == 1 {
                 break;
             }
