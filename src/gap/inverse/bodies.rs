@@ -96,6 +96,7 @@ pub(super) fn find(
     for hypothesis in hypotheses(setup).into_iter().filter(|hypothesis| !taken.contains(&hypothesis.link)) {
         tried.push(bench.fitted(hypothesis)?);
     }
+    tried.retain(|fitted| !bench.is_believed(fitted));
     let priced = |fitted: &Fitted| fitted.criterion + PRICE * fitted.x.len() as f64;
     tried.sort_by(|a, b| priced(a).total_cmp(&priced(b)));
     let Some(best) = tried.first() else { return Ok(None) };
@@ -107,9 +108,6 @@ pub(super) fn find(
         .filter(|other| priced(other) - priced(best) < 2.0 * PRICE)
         .map(|other| format!("{} on {}", other.hypothesis.kind.id(), bench.name(other.hypothesis.link)))
         .collect();
-    if bench.is_believed(best) {
-        return Ok(None);
-    }
     let saved = bare.min(own) - priced(best);
     Ok(Some(bench.cause(best, as_good, saved)))
 }

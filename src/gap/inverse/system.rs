@@ -111,7 +111,10 @@ impl System {
         for (a, i) in chosen.iter().enumerate() {
             gram[(a, a)] += self.unknowns[*i].sd.powi(-2);
         }
-        let mut held: Vec<Option<f64>> = vec![None; chosen.len()];
+        // What may have one value has it from the beginning: others would be held for want of it.
+        let one_value =
+            |i: &usize| Some(self.unknowns[*i].bounds).filter(|[low, high]| low == high).map(|[low, _]| low);
+        let mut held: Vec<Option<f64>> = chosen.iter().map(one_value).collect();
         loop {
             let solved = self.solve(chosen, &gram, &right, &held);
             let beyond = |(a, i): (usize, &usize)| {
@@ -225,6 +228,10 @@ mod tests {
     #[test]
     fn beliefs_hold_what_the_logs_would_move_and_bounds_are_kept() {
         assert!(system(0.01, 0.0).fit(&[0, 1], |_| true).x[0] < 0.1);
+        let mut told = system(10.0, 0.0);
+        told.unknowns[0].bounds = [2.0, 2.0];
+        let solved = told.fit(&[0, 1], |_| true);
+        assert!(solved.x[0] == 2.0 && solved.x[1].abs() < 1e-3);
         let bound = system(10.0, 3.0).fit(&[0], |_| true);
         assert_eq!((bound.x[0], bound.sd(0)), (3.0, 0.0));
     }
