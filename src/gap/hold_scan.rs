@@ -179,8 +179,7 @@ mod tests {
         let case = Case::of_study("data/examples/delay/study.toml".as_ref()).unwrap();
         let mut evidence = Evidence::of(&case, case.joint.nominal.unwrap()).unwrap();
         let baseline = evidence.baseline();
-        let n = evidence.nominal;
-        let bare = [n.inertia_kg_m2, n.moment_kg_m, n.coulomb_nm, n.viscous_nm_s_rad, 1.0, 0.0];
+        let bare: Vec<f64> = baseline.parameters().iter().map(|p| p.start).collect();
         let held = baseline.with(EffectId::SetpointHold, &evidence.reach);
         let hold_s = 0.0313;
         let values: Vec<f64> = bare.iter().copied().chain([hold_s]).collect();

@@ -82,7 +82,7 @@ mod tests {
         let mut pairs: Vec<[f64; 2]> = (0..200)
             .map(|k| {
                 let asked = 2.0 * (0.1 * k as f64).sin() + 1e-3;
-                [asked, (1.3 * asked).clamp(-2.0, 2.0) + 0.01 * (k as f64).cos()]
+                [asked, (1.3 * asked).clamp(-2.4, 2.4) + 0.01 * (k as f64).cos()]
             })
             .collect();
         assert!((ratio(&mut pairs).unwrap() - 1.3).abs() < 0.02);
