@@ -5,8 +5,8 @@
 
 use super::parameter::Search;
 use super::run::{Found, Prediction, prediction, refine, search};
-use super::{Experiment, JointModel, Named, Problem, unit_rad2_s};
-use crate::fit::{Budget, Method, Rejected, Residuals, Stop, Uncertainty, Undetermined, uncertainty};
+use super::{Belief, Experiment, JointModel, Named, Problem, unit_rad2_s};
+use crate::fit::{Budget, Method, Rejected, Residuals, Solution, Stop, Uncertainty, Undetermined, uncertainty};
 use nalgebra::DVector;
 use serde::Serialize;
 
@@ -72,6 +72,27 @@ const OPEN_MOMENT: f64 = 0.4;
 /// Half-width of a friction or an angle, in typical sizes, beyond which it counts as undetermined.
 const OPEN_LINEAR: f64 = 0.5;
 
+/// A search carried on under beliefs: from where it stands, and from where beliefs without heavy tails would have it.
+/// Under heavy ones several numbers far off may each hold the others there, where one alone would cost less.
+fn settled<M: JointModel + Clone>(
+    model: &M,
+    experiments: &[Experiment],
+    found: &Found,
+    method: Method,
+    budget: Budget,
+) -> Found {
+    let mut normal = model.clone();
+    for p in normal.parameters_mut() {
+        p.belief = p.belief.map(Belief::normal);
+    }
+    let here = refine(model, experiments, found, method, budget);
+    let near = refine(&normal, experiments, found, method, budget);
+    // The way there is no part of the search's record: its criterion is another one.
+    let solution = Solution { evaluations: near.solution.evaluations, ..found.solution.clone() };
+    let there = refine(model, experiments, &Found { solution, ..near }, method, budget);
+    if there.solution.criterion < here.solution.criterion { there } else { here }
+}
+
 /// Fits a model and says what the logs determine.
 ///
 /// # Errors
@@ -93,7 +114,7 @@ pub fn conclude<M: JointModel + Clone>(
     let mut found = search(&model, experiments, method, budget)?;
     for _ in 0..if is_believed { SETTLES } else { 0 } {
         model.weigh_beliefs(unit_rad2_s(experiments, &residuals(&model, experiments, &found)));
-        found = refine(&model, experiments, &found, method, budget);
+        found = settled(&model, experiments, &found, method, budget);
     }
     loop {
         let problem = Problem::new(&model, experiments);
