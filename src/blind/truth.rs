@@ -93,9 +93,19 @@ impl Gains {
     /// Their names, in order.
     pub const NAMES: [&'static str; 2] = ["kp", "kd"];
 
+    /// What answers call the shares of stated gains: torque that arrives per torque that they ask for, and the
+    /// derivative gain's share beside that.
+    pub const SHARES: [&'static str; 2] = ["gain", "kd"];
+
     /// As a list, in that order.
     pub fn list(&self) -> [f64; 2] {
         [self.kp, self.kd]
+    }
+
+    /// Shares of stated gains, in the order of [`Gains::SHARES`].
+    fn shares_of(self, stated: Self) -> [f64; 2] {
+        let gain = self.kp / stated.kp;
+        [gain, self.kd / stated.kd / gain]
     }
 }
 
@@ -193,10 +203,14 @@ impl Truth {
         self.causes.iter().map(|effect| effect.id()).collect()
     }
 
-    /// True value of a joint's number or a drive's gain.
+    /// True value of a joint's number, or of a share of a drive's stated gain, under the names of an answer.
     pub(super) fn number(&self, name: &str) -> Option<f64> {
-        let gains = self.gains.iter().flat_map(|gains| Gains::NAMES.into_iter().zip(gains.list()));
+        let delivered = self.mechanisms.iter().filter(|m| m.id == EffectId::MotorGain.id()).flat_map(|m| &m.parameters);
+        let delivered: f64 = delivered.map(|c| c.value).product();
+        let shares = self.gains.zip(self.nominal_gains).map(|(gains, nominal)| gains.shares_of(nominal));
+        let shares = shares.map(|[gain, derivative]| [gain * delivered, derivative]);
+        let shares = shares.into_iter().flat_map(|shares| Gains::SHARES.into_iter().zip(shares));
         let numbers = FourNumbers::NAMES.into_iter().zip(self.joint.list());
-        numbers.chain(gains).find(|(known, _)| *known == name).map(|(_, value)| value)
+        numbers.chain(shares).find(|(known, _)| *known == name).map(|(_, value)| value)
     }
 }

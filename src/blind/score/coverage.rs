@@ -61,7 +61,7 @@ impl Counts {
 
 /// Coverage of the numbers, in their order, then of the effects' parameters by name, where the causes are right.
 pub fn coverage(trials: &[Trial]) -> Vec<Coverage> {
-    let names = || FourNumbers::NAMES.into_iter().chain(Gains::NAMES);
+    let names = || FourNumbers::NAMES.into_iter().chain(Gains::SHARES);
     let mut joint: [Counts; 6] = Default::default();
     let mut effects: BTreeMap<String, Counts> = BTreeMap::new();
     for (truth, answer) in right(trials) {
