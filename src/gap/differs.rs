@@ -106,16 +106,24 @@ fn from(coarse: &Evidence, mut base: Trial, groups: &Groups) -> (Trial, Vec<Diff
             left.into_par_iter().map(|number| (number, apart(coarse, &base, number, groups))).collect();
         let loss = |t: &Trial| t.fit_loss(coarse);
         let Some((number, best)) = tried.into_iter().min_by(|a, b| loss(&a.1).total_cmp(&loss(&b.1))) else { break };
+        let alike = alike(coarse, &base, number);
         let measure = Measure::by(coarse, &best);
-        let gained = measure.score(coarse, &base) - measure.score(coarse, &best);
-        let is_clear = gained > CLEARLY && loss(&best) < LESS * loss(&base);
-        if !is_clear || predicts(coarse, &best, &base) <= 0.0 {
+        let gained = measure.score(coarse, &alike) - measure.score(coarse, &best);
+        let is_clear = gained > CLEARLY && loss(&best) < LESS * loss(&alike);
+        if !is_clear || predicts(coarse, &best, &alike) <= 0.0 {
             break;
         }
-        found.push(stated(coarse, &base, &best, number, groups));
+        found.push(stated(coarse, &alike, &best, number, groups));
         base = best;
     }
     (base, found)
+}
+
+/// A hypothesis with one value of a number for all logs, which need not be the one that is held.
+fn alike(evidence: &Evidence, base: &Trial, number: usize) -> Trial {
+    let mut model = base.model.clone();
+    model.parameters_mut()[number].fixed = false;
+    Trial::solved(evidence, model, &base.found.values, base.found.starts.clone(), AGAIN).settled(evidence, AGAIN)
 }
 
 /// A hypothesis with a value of a number for each group.
