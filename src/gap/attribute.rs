@@ -343,8 +343,9 @@ fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance:
         let deviance = |t: &Trial| measure.deviance(evidence, t);
         let folds = Folds::of(evidence);
         let held = folds.residuals(&best);
-        // Few logs are as many conditions: what holds in one has to hold in the others.
-        let few = (2..=FEW_LOGS).contains(&evidence.fit.len());
+        // Few logs are as many conditions: what holds in one has to hold in the others. Where logs are held out, these say
+        // so better than one or two that are fitted.
+        let few = evidence.held.is_empty() && (2..=FEW_LOGS).contains(&evidence.fit.len());
         let worth = |t: &Trial| {
             let gained = deviance(t) - deviance(&best);
             let lost = folds.difference(&folds.residuals(t), &held);

@@ -28,6 +28,22 @@ impl Difference {
         Self { sum, sd: (n * spread).sqrt() }
     }
 
+    /// The same where blocks that follow one another may be alike for long, as they are along a whole predicted log: where a
+    /// joint that sticks comes to rest decides all that follows. The spread is Newey and West's (1987), over lags up to
+    /// the root of their number.
+    pub fn of_a_whole(blocks: &[f64]) -> Self {
+        let independent = Self::of(blocks);
+        let n = blocks.len();
+        let mean = independent.sum / n as f64;
+        let lags = (n as f64).sqrt() as usize;
+        let covariance = |lag: usize| -> f64 {
+            blocks.iter().zip(&blocks[lag..]).map(|(a, b)| (a - mean) * (b - mean)).sum::<f64>()
+        };
+        let weight = |lag: usize| 1.0 - lag as f64 / (lags + 1) as f64;
+        let alike: f64 = (1..=lags.min(n.saturating_sub(1))).map(|lag| weight(lag) * covariance(lag)).sum();
+        Self { sd: (independent.sd.powi(2) + 2.0 * alike).max(independent.sd.powi(2)).sqrt(), ..independent }
+    }
+
     /// How many standard deviations the first is worse.
     pub fn z(&self) -> f64 {
         if self.sd > 0.0 { self.sum / self.sd } else { 0.0 }
@@ -61,4 +77,21 @@ pub(super) fn block_samples(e: &Experiment) -> usize {
 /// How many successive residuals count as one, over all fitted logs of a trial.
 pub(super) fn correlation_length(evidence: &Evidence, trial: &Trial) -> f64 {
     identify::correlation_length(&evidence.fit, &trial.fit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_stays_for_long_counts_as_few_draws() {
+        // The same size in every block, by turns of one and of twenty blocks.
+        let alternating =
+            |length: usize| -> Vec<f64> { (0..400).map(|k| if k / length % 2 == 0 { 3.0 } else { -1.0 }).collect() };
+        let [short, long] = [1, 20].map(|length| Difference::of_a_whole(&alternating(length)));
+        let independent = Difference::of(&alternating(20));
+        assert_eq!((short.sum, long.sum), (400.0, 400.0));
+        assert_eq!(short.sd, Difference::of(&alternating(1)).sd);
+        assert!(long.sd > 2.5 * independent.sd, "{} against {}", long.sd, independent.sd);
+    }
 }

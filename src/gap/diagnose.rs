@@ -105,7 +105,7 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &dyn Progress) -> R
     let mut ranking = ranking(&evidence, &held, &attribution, &gap);
     stage("what would tell more")?;
     let rivals = rivals(&attribution, &decision);
-    let next = if is_named { next(&evidence, &attribution, decision.answer, &rivals) } else { None };
+    let next = next(&evidence, &attribution, decision.answer, &rivals);
     let standing = standing(&decision);
     let (mut probability, mut probability_source) = probability(&standing, &Rates::shipped());
     let twins = if options.twins > 0 {
@@ -169,13 +169,17 @@ fn gain_as_effect(parameters: &[Estimate]) -> Number {
 
 /// All hypotheses fitted: to the logs that the study says, or to all where only the held-out ones show what is missing.
 fn attributed(
-    evidence: Evidence,
+    mut evidence: Evidence,
     effects: &[EffectId],
     progress: &dyn Progress,
 ) -> Result<(Evidence, Attribution), Cancelled> {
     progress.go_on(Step::stage("numbers within their beliefs"))?;
-    let evidence = soundly_believed(evidence);
-    let attribution = Attribution::of(&evidence, effects, progress)?;
+    let mut attribution = Attribution::of(&evidence, effects, progress)?;
+    if let Some(normal) = soundly_believed(&evidence, &attribution.best) {
+        progress.go_on(Step::stage("numbers held to their beliefs"))?;
+        evidence = normal;
+        attribution = Attribution::of(&evidence, effects, progress)?;
+    }
     if !attribution.held_out_shows_more(&evidence) {
         return Ok((evidence, attribution));
     }
@@ -230,12 +234,17 @@ fn per_log(held: &HeldOut, [given, calibrated, answer]: [&Vec<Vec<f64>>; 3], flo
         .collect()
 }
 
-/// Hypotheses that stand as well as the answer.
+/// Hypotheses that stand as well as the answer; where nothing explains the gap, the one that comes nearest to what is
+/// known so far.
 fn rivals<'a>(a: &'a Attribution, decision: &Decision<'_>) -> Vec<&'a Trial> {
-    let other = |t: &&Trial| {
-        t.effects() != decision.answer.effects() && decision.equivalent.iter().any(|e| t.effects().contains(e))
-    };
-    a.rivals.first().map(|rivals| rivals.iter().filter(other).collect()).unwrap_or_default()
+    let other = |t: &&Trial| t.effects() != decision.answer.effects();
+    let equivalent = |t: &&Trial| decision.equivalent.iter().any(|e| t.effects().contains(e));
+    let of_first = a.rivals.first().into_iter().flatten().filter(other);
+    match decision.verdict {
+        Verdict::Effect => of_first.filter(equivalent).collect(),
+        Verdict::Unexplained => of_first.chain(a.firsts.iter().filter(other)).take(1).collect(),
+        Verdict::None | Verdict::Calibration => Vec::new(),
+    }
 }
 
 fn ranking(evidence: &Evidence, held: &HeldOut, a: &Attribution, gap: &Gap) -> Vec<Candidate> {

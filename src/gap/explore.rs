@@ -25,8 +25,22 @@ const FULL: Budget = Budget { evaluations: 24 };
 const SERIOUS: f64 = 1.15;
 const AT_LEAST: usize = 2;
 
+/// Effects that are easily taken for one another, whatever a look from afar says.
+const KIN: [&[EffectId]; 2] =
+    [&[EffectId::Delay, EffectId::SensorDelay, EffectId::SetpointHold], &[EffectId::TorqueLimit, EffectId::SpeedLimit]];
+
 /// The best fits of `base` with one of the effects added, one for each effect that promises something; best first.
 pub(super) fn explore(evidence: &Evidence, base: &Trial, sights: &[Sight]) -> Vec<Trial> {
+    explore_with_kin(evidence, base, sights, None)
+}
+
+/// The same, with what is easily taken for an effect among them.
+pub(super) fn explore_with_kin(
+    evidence: &Evidence,
+    base: &Trial,
+    sights: &[Sight],
+    of: Option<EffectId>,
+) -> Vec<Trial> {
     let single = base.effects().is_empty();
     let (each, promising) = if single { (BRIEF_POINTS, PROMISING) } else { (1, PROMISING_SECONDS) };
     let mut points: Vec<(f64, EffectId, Vec<f64>)> = sights
@@ -41,9 +55,19 @@ pub(super) fn explore(evidence: &Evidence, base: &Trial, sights: &[Sight]) -> Ve
             kept.push(*effect);
         }
     }
-    points.retain(|(_, effect, _)| kept.contains(effect));
+    let kin = |effect: &EffectId| of.is_some_and(|of| KIN.iter().any(|kin| kin.contains(&of) && kin.contains(effect)));
+    points.retain(|(_, effect, _)| kept.contains(effect) || kin(effect));
     let candidates = points.into_iter().map(|(_, effect, values)| (vec![effect.into()], values)).collect();
-    refitted(evidence, base, candidates)
+    let found = refitted(evidence, base, candidates);
+    if of.is_none() {
+        return found;
+    }
+    // Kin are compared, so none of them may stop half way.
+    let to_the_end = |t: Trial| match t.effects().last() {
+        Some(effect) if kin(effect) => t.continued(evidence, FULL),
+        _ => t,
+    };
+    one_of_each(found.into_par_iter().map(to_the_end).collect())
 }
 
 /// Effects in their forms, with values of all parameters from which to fit.

@@ -5,7 +5,7 @@
 //! numbers.
 
 use super::evidence::{Evidence, counts};
-use super::explore::{explore, one_of_each, refitted};
+use super::explore::{explore, explore_with_kin, one_of_each, refitted};
 use super::folds::Folds;
 use super::held_out::Elsewhere;
 use super::model::COULOMB;
@@ -163,7 +163,7 @@ impl Growth<'_> {
             }
             let others: Vec<EffectId> = self.others(best);
             let sights = self.sights(without, &others);
-            let mut found = explore(self.evidence, without, &sights);
+            let mut found = explore_with_kin(self.evidence, without, &sights, Some(member));
             found.retain(|t| !t.effects().contains(&member));
             found.truncate(RIVALS);
             found
@@ -244,6 +244,7 @@ impl Growth<'_> {
         let effective = Measure::by(self.evidence, other).effective;
         better.sum > 0.0
             && (self.evidence.fit.len() == 1
+                || !self.evidence.held.is_empty()
                 || Elsewhere::of(self.evidence, best, other, effective).no_worse(better.z()))
     }
 

@@ -26,7 +26,7 @@ struct Proposal {
     motion: Option<(Vec<f64>, Vec<f64>)>,
 }
 
-/// The proposal that separates the answer from all its equivalents best; `None` where there is nothing to separate.
+/// The proposal that separates the answer from all its rivals best; `None` where there is nothing to separate.
 pub(super) fn next(evidence: &Evidence, a: &Attribution, answer: &Trial, rivals: &[&Trial]) -> Option<Next> {
     if rivals.is_empty() {
         return None;
@@ -41,7 +41,17 @@ pub(super) fn next(evidence: &Evidence, a: &Attribution, answer: &Trial, rivals:
         (weakest.fold(1.0, f64::min), proposal)
     });
     let (power, best) = rated.max_by(|x, y| x.0.total_cmp(&y.0))?;
-    Some(Next { what: best.what, power, motion: best.motion })
+    let others: Vec<String> = rivals.iter().map(|rival| name(rival)).collect();
+    let what = format!("{}, to tell {} from {}.", best.what, name(answer), others.join(" and "));
+    Some(Next { what, power, motion: best.motion })
+}
+
+/// Of what a hypothesis consists.
+fn name(trial: &Trial) -> String {
+    let effects: Vec<&str> = trial.effects().iter().map(|e| e.id()).collect();
+    let law = trial.model.law().map(|_| "a law");
+    let parts: Vec<&str> = effects.into_iter().chain(law).collect();
+    if parts.is_empty() { "numbers alone".to_owned() } else { parts.join("+") }
 }
 
 /// Probability that the experiment, made by `truth`, tells it from `rival`.
@@ -124,7 +134,7 @@ fn proposals(evidence: &Evidence) -> Vec<Proposal> {
             } else {
                 " without extra mass".to_owned()
             };
-            let what = format!("let it swing from {angle:.1} rad{hung}, motor off, for {DURATION_S:.0} s");
+            let what = format!("Let it swing from {angle:.1} rad{hung}, motor off, for {DURATION_S:.0} s");
             all.push(Proposal { what, experiment: log(Signal::Off, angle, load, None), motion: None });
         }
     }
@@ -142,7 +152,7 @@ fn proposals(evidence: &Evidence) -> Vec<Proposal> {
             let hold = example.motor.map(|m| m.hold).unwrap_or_default();
             let signal = Signal::Position { setpoint_rad, apart: None, hold, on: None };
             let what = format!(
-                "drive it along the sweep in next.csv: {amplitude:.2} rad, from {from_hz} to {to_hz} Hz in {DURATION_S:.0} s"
+                "Drive it along the sweep in next.csv: {amplitude:.2} rad, from {from_hz} to {to_hz} Hz in {DURATION_S:.0} s"
             );
             all.push(Proposal { what, experiment: log(signal, 0.0, None, example.motor), motion });
         }

@@ -1,7 +1,6 @@
 //! Causes that held-out logs refute, or do not know: the fitted logs ask for them, and with them logs that were not fitted
 //! are predicted clearly worse, or no better. Two or three logs seldom show more than they were made to show.
 
-use super::calibrate::calibrate;
 use super::compare::{Difference, blocks};
 use super::evidence::{Evidence, counts};
 use super::trial::Trial;
@@ -22,20 +21,17 @@ const OF_A_STEP: f64 = 0.4;
 /// Evaluations of a fit that begins near its end.
 const AGAIN: Budget = Budget { evaluations: 24 };
 
-/// The evidence with beliefs whose tails are light, where held-out logs refute the numbers that heavy ones let go far.
-pub(super) fn soundly_believed(evidence: Evidence) -> Evidence {
-    if evidence.held.is_empty() {
-        return evidence;
+/// The evidence with beliefs whose tails are light, where held-out logs are predicted clearly better by the same causes
+/// with numbers that heavy tails have not let go far; `None` where they are not.
+pub(super) fn soundly_believed(evidence: &Evidence, best: &Trial) -> Option<Evidence> {
+    if evidence.held.is_empty() || evidence.normal_beliefs {
+        return None;
     }
-    let calibrated = |evidence: &Evidence| {
-        let coarse = evidence.coarse();
-        let baseline = coarse.baseline();
-        let mut numbers = calibrate(&coarse, &baseline, &Trial::as_given(&coarse, &baseline));
-        numbers.predict(&coarse, None);
-        numbers
-    };
     let normal = Evidence { normal_beliefs: true, ..evidence.with_logs(evidence.fit.clone(), evidence.held.clone()) };
-    if refutes(&evidence.coarse(), &calibrated(&evidence), &calibrated(&normal)) { normal } else { evidence }
+    let all: Vec<usize> = (0..best.effects().len()).collect();
+    let mut held_back = best.keeping(&normal, &all, AGAIN).settled(&normal, AGAIN);
+    held_back.predict(&normal, Some(best));
+    refutes(evidence, best, &held_back).then_some(normal)
 }
 
 /// A hypothesis without the causes that the held-out logs refute or do not know, and these; everything else refitted.
@@ -123,6 +119,6 @@ pub(super) fn refutes_law(coarse: &Evidence, evidence: &Evidence, law: &Trial, w
 
 /// Whether the held-out logs are predicted clearly better by a hypothesis that has less.
 fn refutes(evidence: &Evidence, more: &Trial, less: &Trial) -> bool {
-    let gained = Difference::of(&blocks(&evidence.held, &more.held, &less.held).collect::<Vec<f64>>());
+    let gained = Difference::of_a_whole(&blocks(&evidence.held, &more.held, &less.held).collect::<Vec<f64>>());
     less.held_loss(evidence) < BETTER * more.held_loss(evidence) && gained.z() > CLEARLY
 }
