@@ -123,8 +123,9 @@ impl<'a> Judge<'a, '_> {
         let mut effects = answer.effects().to_vec();
         let (mut equivalent, margin) = equivalent_of(self.evidence, a, 0);
         let mut chosen = answer;
-        // Of single effects that stand equally well the one with the fewest parameters is named.
-        let simplest = equivalent.iter().copied().min_by_key(|e| e.searched_count());
+        // Of single effects that stand equally well the one with the fewest parameters is named. A late setpoint is simpler
+        // than a late reading, which changes the loop as well.
+        let simplest = equivalent.iter().copied().min_by_key(|e| (e.searched_count(), *e == EffectId::SensorDelay));
         if let ([only], Some(simplest)) = (&effects[..], simplest)
             && simplest != *only
             && answer.model.only()[0].is_none()
