@@ -20,6 +20,8 @@ pub enum Format {
     JointStateTable,
     /// A folder of SAGE: `control.csv`, `state_motor.csv`, `joint_list.txt`.
     Sage,
+    /// A bag of ROS 1.
+    Rosbag1,
     /// A ROS 2 bag in SQLite.
     Rosbag2,
     /// MCAP.
@@ -39,10 +41,11 @@ impl fmt::Display for Format {
             Self::StaggeredCsv => "CSV with a row for each message",
             Self::JointStateTable => "a table of JointState messages",
             Self::Sage => "a SAGE recording",
+            Self::Rosbag1 => "a bag of ROS 1",
             Self::Rosbag2 => "a rosbag2 file (SQLite)",
             Self::Mcap => "MCAP",
             Self::LeRobot => "a LeRobot dataset",
-            Self::Npz => "NumPy arrays (.npz)",
+            Self::Npz => "NumPy arrays",
             Self::Bam => "a log of BAM (JSON)",
         })
     }

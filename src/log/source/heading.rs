@@ -173,6 +173,14 @@ impl Heading {
                 columns.0.insert(one.ours.clone(), spec);
             }
         }
+        // A setpoint that looks like another unit has that of its angle, whichever it looks like.
+        for one in self.wanted.iter().filter(|one| one.column == Some(Column::Setpoint)) {
+            let is_suspect = units.iter().any(|(cell, _)| *cell == one.cell);
+            let angle = one.ours.strip_suffix("_ref").and_then(|angle| columns.0.get(angle)?.unit);
+            if let (true, Some(unit), Some(spec)) = (is_suspect, angle, columns.0.get_mut(&one.ours)) {
+                spec.unit = Some(unit);
+            }
+        }
         let guesses: Vec<(usize, Guess)> =
             self.names.iter().enumerate().filter_map(|(cell, name)| Some((cell, guess(name)?))).collect();
         let angles = guesses.iter().filter(|(_, g)| g.column == Column::Angle && g.joint.is_some()).count();

@@ -7,15 +7,16 @@ use std::path::Path;
 
 use csv::ByteRecord;
 
-use super::cdr::{Message, Point};
 use super::cells::{list_cell, names_cell, nanoseconds};
 use super::channel::{Format, Source};
 use super::defects::Defects;
-use super::joint_layout::{Columns, Content, Fields, Layout, NS, Names, Stamp};
+use super::joint_layout::{Columns, Content, Fields, Layout, Names, Stamp};
+use super::message::{Message, Point};
+use super::stamps::{NS, ns_per_unit, unit_word};
 use super::topics::Topics;
 use crate::log::error::{CellFault, LogError};
 use crate::log::place::{Place, Subject};
-use crate::log::plausible::Row;
+use crate::log::plausible::{Row, median_step};
 use crate::log::rows;
 
 /// Reads a table of a layout.
@@ -41,12 +42,7 @@ pub(super) fn read_joint_table(path: &Path, layout: Layout) -> Result<Source, Lo
     let mut source = reader.topics.into_source(path, Format::JointStateTable)?;
     for (topic, ns) in layout.topics.iter().zip(&reader.units) {
         if let Stamp::Unknown(cell) = topic.stamp {
-            let unit = match ns {
-                1 => "nanoseconds",
-                1_000 => "microseconds",
-                1_000_000 => "milliseconds",
-                _ => "seconds",
-            };
+            let unit = unit_word(*ns);
             source
                 .notes
                 .push(format!("{}: stamps are {unit}, by their steps", reader.names.get(cell).map_or("", |name| name)));
@@ -74,12 +70,7 @@ fn units(path: &Path, layout: &Layout) -> Result<Vec<i64>, LogError> {
         }
         Ok(())
     })?;
-    let unit = |stamps: &Vec<f64>| match crate::log::plausible::median_step(stamps) {
-        step if step >= 5e5 => 1,
-        step if step >= 500.0 => 1_000,
-        step if step >= 0.5 => 1_000_000,
-        _ => NS,
-    };
+    let unit = |stamps: &Vec<f64>| ns_per_unit(median_step(stamps));
     Ok(stamps.iter().map(unit).collect())
 }
 
@@ -170,7 +161,7 @@ impl Reader<'_> {
             names = there.iter().map(|k| names[*k]).collect();
             point = Point { after_ns: 0, position, velocity, effort };
         }
-        let message = Message { stamp_ns: Some(stamp_ns), names: Vec::new(), points: vec![point] };
+        let message = Message { stamp_ns: Some(stamp_ns), points: vec![point], ..Message::default() };
         if let Err(what) = self.topics.take(&topic.topic, topic.kind, &names, stamp_ns, message) {
             let error = LogError::Format { file: self.path.to_path_buf(), format: Format::JointStateTable, what };
             self.defects.push(None, error);

@@ -7,7 +7,7 @@
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
-use parquet::basic::Type;
+use parquet::basic::{Compression, Type};
 use parquet::column::reader::ColumnReader;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 
@@ -148,6 +148,7 @@ impl Frames {
             let rows = usize::try_from(group.metadata().num_rows())
                 .map_err(|_| "damaged: a negative count of rows".to_owned())?;
             let mut read = |at: usize| -> Result<Vec<f64>, String> {
+                is_unpacked(group.metadata().column(at).compression())?;
                 let values = numbers(group.get_column_reader(at).map_err(told)?, MOST_NUMBERS - self.numbers)?;
                 self.numbers += values.len();
                 let is_even = if rows == 0 { values.is_empty() } else { values.len().is_multiple_of(rows) };
@@ -278,6 +279,18 @@ fn scales(names: &[String], state: &[Vec<f64>], robot: Option<&str>, notes: &mut
             }
         })
         .collect()
+}
+
+/// Whether a column is packed by something that is unpacked here.
+fn is_unpacked(packed: Compression) -> Result<(), String> {
+    match packed {
+        Compression::UNCOMPRESSED | Compression::SNAPPY | Compression::GZIP(_) => Ok(()),
+        Compression::LZ4 | Compression::LZ4_RAW => Ok(()),
+        other => Err(format!(
+            "its columns are packed by {other}, expected Snappy (as LeRobot writes), gzip, lz4 or nothing; pandas' \
+             `to_parquet(..., compression=\"snappy\")` rewrites it"
+        )),
+    }
 }
 
 /// Adds rows of so many numbers each to columns.
