@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-use super::header::Column;
+use super::column::{Column, column_of};
 use super::mcap_out::McapTopic;
-use super::source::{Channel, Source, column_of};
+use super::source::{Channel, Source};
 
 /// Writes the channels that we have names for as CSV: one row a stamp, empty cells where a channel has no sample there.
 ///

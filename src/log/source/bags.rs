@@ -4,10 +4,11 @@ use std::fs::{self, File};
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-use super::channel::{Format, Source};
+use super::channel::Source;
 use super::topics::Topics;
 use super::{mcap, packed, ros1_bag, rosbag};
 use crate::log::error::LogError;
+use crate::log::format::Format;
 
 /// What stands beside the bags of a folder.
 pub(super) const ABOUT: &str = "metadata.yaml";

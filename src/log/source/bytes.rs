@@ -1,6 +1,10 @@
 //! Reading records of announced lengths from a stream, however it ends.
 
-use std::io::{ErrorKind, Read};
+use std::fs::File;
+use std::io::{ErrorKind, Read, Seek, SeekFrom};
+
+/// The first bytes of a file or message that zstd packed.
+pub(super) const ZSTD_MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 
 /// What an error of reading says of the file.
 pub(super) fn cut(error: std::io::Error) -> String {
@@ -28,4 +32,9 @@ pub(super) fn read_up_to(input: &mut dyn Read, into: &mut [u8]) -> Result<usize,
 pub(super) fn skip(input: &mut dyn Read, length: u64) -> Result<(), String> {
     let skipped = std::io::copy(&mut input.take(length), &mut std::io::sink()).map_err(cut)?;
     if skipped == length { Ok(()) } else { Err("cut short within a record".to_owned()) }
+}
+
+/// The file's size, where it can be told.
+pub(super) fn size(file: &mut File) -> Result<u64, String> {
+    file.seek(SeekFrom::End(0)).map_err(|error| error.to_string())
 }

@@ -1,7 +1,7 @@
 //! What the name of a column says: whose it is, what it holds, in which unit. A guess, and always told as one.
 
-use super::columns::Unit;
-use crate::log::header::Column;
+use crate::log::column::Column;
+use crate::log::columns::Unit;
 use std::f64::consts::TAU;
 
 /// What a name looks like.

@@ -3,10 +3,10 @@
 use std::borrow::Cow;
 use std::io::Read;
 
+use super::bytes::ZSTD_MAGIC;
 use super::cdr::decode;
 use super::json_message::decode_json;
 use super::message::{Encoding, Kind, Message};
-use super::packed::ZSTD_MAGIC;
 use super::topics::Topics;
 
 /// Largest message, unpacked \[bytes\].

@@ -8,13 +8,15 @@ use std::path::Path;
 use csv::ByteRecord;
 
 use super::cells::{list_cell, names_cell, nanoseconds};
-use super::channel::{Format, Source};
+use super::channel::Source;
 use super::defects::Defects;
-use super::joint_layout::{Columns, Content, Fields, Layout, Names, Stamp};
+use super::joint_columns::{Columns, Content, Fields, Names, Stamp};
+use super::joint_layout::Layout;
 use super::message::{Message, Point};
 use super::stamps::{NS, ns_per_unit, unit_word};
 use super::topics::Topics;
 use crate::log::error::{CellFault, LogError};
+use crate::log::format::Format;
 use crate::log::place::{Place, Subject};
 use crate::log::plausible::{Row, median_step};
 use crate::log::rows;
@@ -38,7 +40,7 @@ pub(super) fn read_joint_table(path: &Path, layout: Layout) -> Result<Source, Lo
         }
         Ok(())
     })?;
-    reader.defects.into_result(super::columns::Columns::default())?;
+    reader.defects.into_result(crate::log::columns::Columns::default())?;
     let mut source = reader.topics.into_source(path, Format::JointStateTable)?;
     for (topic, ns) in layout.topics.iter().zip(&reader.units) {
         if let Stamp::Unknown(cell) = topic.stamp {

@@ -4,16 +4,17 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use super::channel::Format;
-use super::columns::Columns;
+use super::bytes::ZSTD_MAGIC;
 use super::joint_layout::Layout;
-use super::{bags, mcap, npy, npz, packed, ros1_bag, sage, sqlite};
+use super::{bags, mcap, npy, npz, ros1_bag, sage, sqlite};
+use crate::log::column::Column;
+use crate::log::columns::Columns;
 use crate::log::error::LogError;
-use crate::log::header::Column;
+use crate::log::format::Format;
 use crate::log::rows;
 
 /// How bags begin, of any kind.
-const BAGS: [&[u8]; 4] = [sqlite::MAGIC, mcap::MAGIC, ros1_bag::MAGIC, &packed::ZSTD_MAGIC];
+const BAGS: [&[u8]; 4] = [sqlite::MAGIC, mcap::MAGIC, ros1_bag::MAGIC, &ZSTD_MAGIC];
 
 /// What a path is.
 #[derive(Debug)]

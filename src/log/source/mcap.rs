@@ -8,12 +8,12 @@ use std::io::{BufReader, Read};
 use std::path::Path;
 
 use super::bytes::{cut, read_up_to, skip};
-use super::channel::Format;
 use super::crc::Crc;
 use super::intake::{LARGEST_MESSAGE, Topic, take_message};
 use super::message::{Encoding, KINDS, Kind};
 use super::topics::Topics;
 use crate::log::error::LogError;
+use crate::log::format::Format;
 
 /// First and last bytes of a file.
 pub(super) const MAGIC: &[u8] = b"\x89MCAP0\r\n";

@@ -3,17 +3,17 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{Seek, SeekFrom};
 use std::path::Path;
 
-use super::channel::{Channel, Format, Source};
-use super::columns::{ColumnSpec, Columns, Unit};
+use super::channel::{Channel, Source};
 use super::guess::guess;
 use super::npy::{Array, read_array};
 use super::stamps::{NS, ns_per_unit, unit_word};
 use super::zip::Archive;
+use crate::log::column::Column;
+use crate::log::columns::{ColumnSpec, Columns, Unit};
 use crate::log::error::LogError;
-use crate::log::header::Column;
+use crate::log::format::Format;
 use crate::log::place::Place;
 use crate::log::plausible::median_step;
 
@@ -176,9 +176,4 @@ fn source(path: &Path, arrays: Vec<Array>, columns: &Columns) -> Result<Source, 
 fn is_stamp(name: &str) -> bool {
     let name = name.to_lowercase();
     ["t_", "time_", "stamp_", "timestamp_"].iter().any(|start| name.starts_with(start))
-}
-
-/// The file's size, where it can be told.
-pub(super) fn size(file: &mut File) -> Result<u64, String> {
-    file.seek(SeekFrom::End(0)).map_err(|error| error.to_string())
 }

@@ -3,10 +3,9 @@
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 
+use super::bytes::ZSTD_MAGIC;
 use super::sqlite;
 
-/// The first bytes of a file or message that zstd packed.
-pub(super) const ZSTD_MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 /// Largest bag, unpacked \[bytes\]; one of SQLite says by itself how large it is.
 const LARGEST: u64 = 8 << 30;
 /// Of the start, what is looked at before any of it is stored \[bytes\].

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::joint_layout::{Columns, Content, Fields, Names, Stamp, field, fields_of, numbered};
+use super::joint_columns::{Columns, Content, Fields, Names, Stamp, field, fields_of, numbered};
 use super::message::{Kind, is_command};
 use super::stamps::NS;
 

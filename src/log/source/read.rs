@@ -3,28 +3,16 @@
 use std::path::Path;
 
 use super::channel::Source;
-use super::columns::Columns;
 use super::defects::Defects;
 use super::joint_tables::read_joint_table;
 use super::kind::{Kind, kind_of};
 use super::table::read_table;
+use super::want::Want;
 use super::{bags, bam, npz, sage};
+use crate::log::column::Column;
+use crate::log::columns::Columns;
 use crate::log::error::LogError;
-use crate::log::header::Column;
 use crate::log::place::Place;
-
-/// What is wanted of a file.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::log) enum Want<'a> {
-    /// The log of one joint.
-    One,
-    /// One joint of several.
-    Joint(&'a str),
-    /// All joints.
-    Robot,
-    /// Whatever there is.
-    Any,
-}
 
 /// Reads all that a file or folder of any known format holds, by what `[columns]` says of it.
 ///
@@ -70,7 +58,7 @@ fn lerobot(path: &Path) -> Result<Source, LogError> {
 #[cfg(not(feature = "parquet"))]
 fn lerobot(path: &Path) -> Result<Source, LogError> {
     let what = "this build reads no Parquet; build with the feature `parquet`".to_owned();
-    Err(LogError::Format { file: path.to_path_buf(), format: super::channel::Format::LeRobot, what })
+    Err(LogError::Format { file: path.to_path_buf(), format: crate::log::format::Format::LeRobot, what })
 }
 
 /// Applies `[columns]`, and the units that the reader told.
@@ -92,7 +80,7 @@ fn mapped(mut source: Source, columns: &Columns) -> Result<Source, LogError> {
         let channel = &mut source.channels[at];
         let told = channel.spec.take().and_then(|spec| spec.unit);
         channel.ours = Some(ours.clone());
-        channel.spec = Some(super::columns::ColumnSpec { unit: spec.unit.or(told), ..spec.clone() });
+        channel.spec = Some(crate::log::columns::ColumnSpec { unit: spec.unit.or(told), ..spec.clone() });
     }
     for channel in &mut source.channels {
         if let Some(spec) = channel.spec.take() {

@@ -7,11 +7,11 @@ use std::io::{BufReader, Read};
 use std::path::Path;
 
 use super::bytes::{cut, read_up_to, skip};
-use super::channel::Format;
 use super::intake::{LARGEST_MESSAGE, Topic, take_message};
 use super::message::{Encoding, KINDS, Kind};
 use super::topics::Topics;
 use crate::log::error::LogError;
+use crate::log::format::Format;
 
 /// The first bytes of every bag; the version follows.
 pub(super) const MAGIC: &[u8] = b"#ROSBAG V";

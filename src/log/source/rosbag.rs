@@ -3,12 +3,12 @@
 use std::fs::File;
 use std::path::Path;
 
-use super::channel::Format;
 use super::intake::{Topic, take_message};
 use super::message::{Encoding, KINDS, Kind};
 use super::sqlite::Database;
 use super::topics::Topics;
 use crate::log::error::LogError;
+use crate::log::format::Format;
 
 /// Adds the messages of a bag.
 ///

@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::channel::{Channel, Format, Source};
+use super::channel::{Channel, Source};
 use super::message::{KINDS, Kind, Message};
 use super::roles::{name_by_readings, role};
 use super::stream::Stream;
 use crate::log::error::LogError;
+use crate::log::format::Format;
 
 /// Lists of names that one topic may alternate between: several publishers.
 const MOST_STREAMS: usize = 64;
