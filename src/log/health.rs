@@ -114,7 +114,8 @@ pub fn health(log: &Log, sensor: &SensorSpec, mode: DriveMode) -> Health {
     let still = still_stretches(t, q, band_rad, REST_S);
     let rests = log.q_ref_rad.as_ref().map_or_else(Vec::new, |asked| at_rest(t, q, asked));
     let quiet = if rests.is_empty() { &still } else { &rests };
-    let noise_correlation = correlation(t, q, quiet, (0.3 * step).max(SAME_LEVEL));
+    // A motion below the step shows as readings that change slowly between two levels: that is no noise.
+    let noise_correlation = correlation(t, q, quiet, (0.6 * step).max(SAME_LEVEL));
     // A torque that is the log's input is at its largest by design.
     let is_input = mode == DriveMode::Torque;
     let (low, high) = q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), q| (low.min(*q), high.max(*q)));

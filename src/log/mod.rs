@@ -65,7 +65,7 @@ pub use health_saturation::Stuck;
 pub use health_stamps::SetpointStamps;
 pub use inputs::read_study_logs;
 pub use manifest::MANIFEST_FILE;
-pub use mcap_out::{McapTopic, mcap_bytes};
+pub use mcap_out::{McapTopic, mcap_bytes, write_mcap};
 pub use motor_types::{Derivative, EncoderSide, Hold, MotorModel, MotorSpec, TauIs, VoltageMotor};
 pub use outputs::Outputs;
 pub use place::{Place, Subject};

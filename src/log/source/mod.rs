@@ -46,7 +46,7 @@ mod want;
 mod zip;
 
 pub(super) use assemble::{joint_log, robot_log};
-pub(super) use cdr_write::joint_state;
+pub(super) use cdr_write::JointStateForm;
 pub(super) use crc::Crc;
 pub(super) use kind::is_log_folder;
 pub(super) use read::read_wanted;
