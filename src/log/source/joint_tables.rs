@@ -3,6 +3,7 @@
 //!
 //! Every row is a message, or one of several topics; they are gathered as those of a bag are.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use csv::ByteRecord;
@@ -130,23 +131,23 @@ impl Reader<'_> {
                 };
                 let fields = column(0).and_then(|position| Ok([position, column(1)?, column(2)?]));
                 let names = match names {
-                    Names::Known(names) => names.clone(),
-                    Names::Cells(cells) => cells
-                        .iter()
-                        .map(|at| String::from_utf8_lossy(cell(*at)).trim().trim_matches('"').to_owned())
-                        .collect(),
+                    Names::Known(names) => Cow::Borrowed(&names[..]),
+                    Names::Cells(cells) => {
+                        let title = |at: &usize| String::from_utf8_lossy(cell(*at)).trim().trim_matches('"').to_owned();
+                        Cow::Owned(cells.iter().map(title).collect())
+                    }
                 };
                 (names, fields)
             }
             Content::Lists { names, cells } => match names_cell(cell(*names)) {
-                Some(titles) => (titles, lists(cells)),
-                None => (Vec::new(), Err(*names)),
+                Some(titles) => (Cow::Owned(titles), lists(cells)),
+                None => (Cow::Owned(Vec::new()), Err(*names)),
             },
             Content::Long { name, cells } => {
                 let one =
                     |at: Option<usize>| if at.is_some() { number(at).map(|value| vec![value]) } else { Ok(Vec::new()) };
                 let fields = one(cells[0]).and_then(|position| Ok([position, one(cells[1])?, one(cells[2])?]));
-                (vec![String::from_utf8_lossy(cell(*name)).trim().to_owned()], fields)
+                (Cow::Owned(vec![String::from_utf8_lossy(cell(*name)).trim().to_owned()]), fields)
             }
         };
         let [position, velocity, effort] = match fields {

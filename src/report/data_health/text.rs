@@ -9,7 +9,7 @@ use crate::report::rows::shorten;
 use crate::report::text::{finish, number, one_line, table, wrap};
 
 /// Characters of a file name.
-const NAME: usize = 28;
+const NAME: usize = 22;
 
 /// One line for each log, then what is odd about it.
 pub(in crate::report) fn health_text(rows: &[LogHealthRow]) -> String {
