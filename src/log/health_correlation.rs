@@ -102,7 +102,8 @@ mod tests {
     fn a_joint_is_at_rest_some_time_after_its_setpoint() {
         let t: Vec<f64> = (0..300).map(|k| 0.01 * f64::from(k)).collect();
         let asked: Vec<f64> = t.iter().map(|t| t.min(1.0)).collect();
-        assert_eq!(at_rest(&t, &asked, &asked), [150..300]);
+        let found = at_rest(&t, &asked, &asked);
+        assert_eq!((found.len(), found[0].clone()), (1, 150..300));
         let moving: Vec<f64> = t.iter().map(|t| t.sin()).collect();
         assert!(at_rest(&t, &moving, &asked).is_empty());
         assert!(at_rest(&t, &moving, &[]).is_empty());
@@ -112,6 +113,6 @@ mod tests {
     fn readings_that_do_not_scatter_or_stand_too_shortly_say_nothing() {
         let (t, q) = noise(0.5);
         assert!(correlation(&t, &q, &[0..60, 100..200], 1e-5).is_empty());
-        assert!(correlation(&t, &vec![0.25; 4000], &[0..4000], 1e-5).is_empty());
+        assert!(correlation(&t, &vec![0.25; 4000], &[0..2000, 2000..4000], 1e-5).is_empty());
     }
 }
