@@ -42,6 +42,42 @@ fn of_a_log_alone_the_health_is_told_and_that_a_study_is_needed_for_the_rest() {
 }
 
 #[test]
+fn a_drive_at_its_limit_and_noise_that_hangs_together_are_told_on_one_page() {
+    let dir = tempfile::tempdir().unwrap();
+    // 20 s at 100 Hz: a sine that a stop cuts off and a drive cannot follow, then a rest; noise of a slow filter.
+    let (mut noise, mut state) = (0.0, 7_u64);
+    let mut text = "t,q,q_ref,tau\n".to_owned();
+    for k in 0..2000 {
+        let t = 0.01 * f64::from(k);
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        noise = 0.85 * noise + 4e-4 * ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5);
+        let asked = if t < 12.0 { 0.8 * (1.3 * t).sin() } else { 0.0 };
+        let tau = (0.6 * (1.3 * t).cos()).clamp(-0.5, 0.5);
+        text += &format!("{t:.2},{:.6},{asked:.6},{tau:.6}\n", asked.min(0.5) + noise);
+    }
+    fs::write(dir.path().join("limit.csv"), text).unwrap();
+    let said = expect_code(dir.path(), &["check", "limit.csv", "--json", "check.json", "--out", "out"], 0);
+    let words = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    for part in [
+        "the torque stands at its largest, 0.500 N m",
+        "readings stand at 0.5",
+        "the noise at rest hangs together over",
+    ] {
+        assert!(words.contains(part), "`{part}` is missing in\n{said}");
+    }
+    let health = &json(&dir.path().join("check.json"))["health"][0];
+    let number = |key: &str| health[key].as_f64().unwrap_or_else(|| panic!("{key}: {health}"));
+    assert!((number("torque_limit_nm") - 0.5).abs() < 1e-9 && (0.2..0.6).contains(&number("torque_limit_share")));
+    assert!(number("stuck_s") > 2.0 && (number("travel_rad") - 1.3).abs() < 0.01, "{health}");
+    // A filter that forgets 15 % a sample: correlated over some eleven samples.
+    assert!((0.05..0.2).contains(&number("noise_lasts_s")), "{health}");
+    let page = fs::read_to_string(dir.path().join("out/check.html")).unwrap();
+    assert!(page.contains("Data health") && page.matches("<svg").count() == 2 && !page.contains("<script"));
+    let text = fs::read_to_string(dir.path().join("out/check.txt")).unwrap();
+    assert!(said.starts_with(&text), "{text}");
+}
+
+#[test]
 fn nothing_to_check_is_said_with_the_exit_codes_of_every_command() {
     let dir = tempfile::tempdir().unwrap();
     expect_code(dir.path(), &["check", "nowhere.toml"], 5);

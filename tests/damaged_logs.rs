@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Files of every format, by their names under `tests/logs`.
-const FILES: [&str; 10] = [
+const FILES: [&str; 16] = [
     "arm.mcap",
     "arm-json.mcap",
     "bag/bag.db3",
@@ -17,6 +17,12 @@ const FILES: [&str; 10] = [
     "echo.csv",
     "long.csv",
     "frame.csv",
+    "bag-messages/bag-messages.db3",
+    "bag-files/bag-files.db3.zstd",
+    "ros1.bag",
+    "ros1-bz2.bag",
+    "ros1-lz4.bag",
+    "fields.npy",
 ];
 
 fn good(name: &str) -> Vec<u8> {
@@ -73,13 +79,40 @@ fn what_a_header_announces_is_never_believed() {
 }
 
 #[test]
+fn a_packed_file_that_is_no_bag_or_unpacks_to_more_than_it_announces_is_refused() {
+    // A gigabyte of nothing in 130 kB: blocks that repeat one byte, as zstd's format has them.
+    let mut bomb = vec![0x28, 0xb5, 0x2f, 0xfd, 0x00, 0x58];
+    (0..8192).for_each(|_| bomb.extend([0x02, 0x00, 0x10, 0x00]));
+    let message = read("bag.db3.zstd", &bomb).unwrap_err().to_string();
+    assert!(message.contains("no bag in it"), "{message}");
+    // The same after the header of a bag of 16 pages.
+    let head = &good("bag/bag.db3")[..100];
+    let mut lying = bomb[..6].to_vec();
+    lying.extend(((100_u32 << 3) | 0b000).to_le_bytes()[..3].iter());
+    lying.extend(head);
+    lying.extend(&bomb[6..]);
+    let message = read("bag.db3.zstd", &lying).unwrap_err().to_string();
+    assert!(message.contains("unpacks to more than it announces"), "{message}");
+    // A bag of ROS 1 that says more chunks than it has.
+    let mut bag = good("ros1.bag");
+    let count = bag.windows(12).position(|bytes| bytes == b"chunk_count=").unwrap() + 12;
+    bag[count] += 1;
+    let message = read("ros1.bag", &bag).unwrap_err().to_string();
+    assert!(message.contains("2 chunks are announced, 1 are there; 180 messages"), "{message}");
+    // One that was never closed.
+    let at = bag.windows(10).position(|bytes| bytes == b"index_pos=").unwrap() + 10;
+    bag[at..at + 8].fill(0);
+    assert!(read("ros1.bag", &bag).unwrap_err().to_string().contains("rosbag reindex"));
+}
+
+#[test]
 fn other_files_under_these_names_are_told_apart() {
     for (name, bytes, part) in [
         ("a.mcap", &b"not a recording of any kind"[..], "does not begin as an MCAP file does"),
         ("a.db3", b"text", "does not begin as an SQLite file does"),
         ("a.parquet", b"text", "does not begin as a Parquet file does"),
         ("a.npz", b"text", "does not begin as a zip file does"),
-        ("a.npy", b"\x93NUMPY\x01\x00", "numpy.savez"),
+        ("a.npy", b"\x93NUMPY\x01\x00", "cut short"),
         ("a.bag", b"#ROSBAG V2.0\n", "ROS 1"),
         ("a.json", b"{\"a\": 1}", "missing field `entries`"),
         ("a.db3", b"SQLite format 3\0", "shorter than its header"),

@@ -2,7 +2,7 @@
 //! they hold: readings and setpoints at their own stamps, in radians and seconds.
 
 use aibo_fit::log::{
-    Format, Log, McapTopic, RobotLog, Source, mcap_bytes, read_joint_log, read_robot_log, read_source,
+    Format, Log, LogError, McapTopic, RobotLog, Source, mcap_bytes, read_joint_log, read_robot_log, read_source,
 };
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -48,6 +48,14 @@ fn every_format_holds_the_same_readings() {
         ("echo.csv", Format::JointStateTable, 60, 1),
         ("long.csv", Format::JointStateTable, 60, 1),
         ("frame.csv", Format::JointStateTable, 60, 1),
+        ("bag-messages", Format::Rosbag2, 60, 1),
+        ("bag-messages/metadata.yaml", Format::Rosbag2, 60, 1),
+        ("bag-files", Format::Rosbag2, 60, 1),
+        ("bag-files/bag-files.db3.zstd", Format::Rosbag2, 60, 1),
+        ("ros1.bag", Format::Rosbag1, 60, 1),
+        ("ros1-bz2.bag", Format::Rosbag1, 60, 1),
+        ("ros1-lz4.bag", Format::Rosbag1, 60, 1),
+        ("turned.npz", Format::Npz, 60, 1),
     ] {
         let source = source(name);
         assert_eq!(source.format, format, "{name}");
@@ -84,6 +92,56 @@ fn setpoints_keep_their_own_stamps() {
 
     let plotted = joint("plotjuggler.csv", "elbow");
     near(plotted.q_ref_rad.as_ref().unwrap(), asked, 1e-6, "PlotJuggler: setpoints");
+}
+
+#[test]
+fn a_controllers_state_is_what_was_asked_and_what_was_read() {
+    let arm = arm();
+    let of = |joint: &str| arm.joint(joint).unwrap();
+    let asked = of("arm/elbow").q_ref_rad.clone().unwrap();
+    // Its reference comes at half the rate of the readings, which are those of the other topic.
+    let bag = joint("controller", "elbow");
+    let own = bag.setpoints.expect("the controller is stamped apart");
+    near(&own.values, asked.iter().copied().step_by(2), 1e-12, "controller: setpoints");
+    near(&bag.q_rad, of("arm/elbow").q_rad.iter().copied().skip(4), 1e-12, "controller: readings that are numbers");
+    for part in ["no position of finger", "4 messages with a position that is not a number are left out"] {
+        assert!(bag.notes.iter().any(|note| note.contains(part)), "{part}: {:?}", bag.notes);
+    }
+    // PlotJuggler exports it without names, and with errors that are neither.
+    let source = source("plotjuggler-controller.csv");
+    assert_eq!(source.joints(), [Some("joint1"), Some("joint2")]);
+    near(&source.ours("joint2.q").unwrap().values, of("arm/elbow").q_rad.iter().copied(), 1e-9, "plotted");
+    near(&source.ours("joint2.q_ref").unwrap().values, asked, 1e-9, "plotted setpoints");
+    assert!((source.clocks[0][1] - 0.01).abs() < 1e-6, "stamps of the header: {:?}", &source.clocks[0][..3]);
+}
+
+#[test]
+fn a_command_of_one_number_is_the_joints_that_its_topic_is_named_after() {
+    let arm = arm();
+    for name in ["ros1.bag", "ros1-bz2.bag", "ros1-lz4.bag"] {
+        let log = joint(name, "shoulder");
+        let asked = arm.joint("arm/shoulder").unwrap().q_ref_rad.clone().unwrap();
+        near(log.q_ref_rad.as_ref().unwrap(), asked, 1e-12, name);
+        assert!(log.notes.iter().any(|note| note.contains("by the topic's name (a guess)")), "{:?}", log.notes);
+    }
+}
+
+#[test]
+fn one_array_is_read_by_its_fields_or_by_what_columns_says_of_it() {
+    let arm = arm();
+    let elbow = arm.joint("arm/elbow").unwrap();
+    let fields = joint("fields.npy", "joint2");
+    near(&fields.q_rad, elbow.q_rad.iter().copied(), 1e-6, "fields: single precision");
+    near(fields.q_ref_rad.as_ref().unwrap(), elbow.q_ref_rad.clone().unwrap(), 1e-12, "fields: setpoints");
+    // Columns without names are an error that says what would read them.
+    let error = read_source(&logs("columns.npy"), &Default::default()).unwrap_err();
+    let LogError::Defects { mend, .. } = &error else { panic!("{error}") };
+    for line in ["t = { name = \"[:, 0]\" }", "q = { name = \"[:, 1]\" }", "q_ref = { name = \"[:, 2]\" }"] {
+        assert!(error.to_string().contains(line), "`{line}` is not in\n{error}");
+    }
+    let columns = read_source(&logs("columns.npy"), mend).unwrap();
+    near(&columns.ours("q").unwrap().values, elbow.q_rad.iter().copied(), 1e-12, "columns");
+    near(&columns.clocks[0], arm.t_s.iter().copied(), 1e-12, "columns: stamps");
 }
 
 #[test]

@@ -12,15 +12,17 @@ use crate::identify::Case;
 use crate::log::{
     ArrayLog, Columns, JointSpec, Outputs, SensorSpec, Source, StudyKind, Uncertain, read_source, study_kind,
 };
-use crate::report::{CheckReport, check_json, check_text, checks_json, checks_text};
+use crate::report::{CheckReport, check_html, check_json, check_text, checks_json, checks_text};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
 /// Look at logs before any diagnosis: their health, what they can and cannot determine, what they would show
 ///
-/// Of each log: sampling, jitter, lost samples, holes, the encoder's step, noise, rest. Of a study besides: what the logs
+/// Of each log: sampling, jitter, lost samples, holes, stamps of setpoints against readings, the encoder's step, noise and
+/// how it hangs together, motion, rest, a drive at its limit. Of a study besides: what the logs
 /// make of the numbers that it states, which of them they cannot determine and what would, and the smallest size of each
-/// effect that they would show. Nothing is written unless --json or --out (check.txt) asks for it.
+/// effect that they would show. Nothing is written unless --json or --out (check.html, one page with figures, and
+/// check.txt) asks for it.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Angles are in rad, times in s, torques in N m. Exit codes: 0 done; 1 the joint never moved.\n\n\
@@ -40,7 +42,7 @@ pub(super) struct CheckArgs {
 /// What is checked.
 enum Checked {
     /// One joint; with a study what the logs can tell, too.
-    Joint { case: Box<Case>, is_study: bool },
+    Joint { case: Box<Case>, inputs: Vec<PathBuf>, is_study: bool },
     /// The joints of a robot, and what its reader has to know.
     Joints { name: String, cases: Vec<Case>, inputs: Vec<PathBuf>, notes: Vec<String>, is_study: bool },
 }
@@ -56,7 +58,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<u8, CliError> {
         None => log(&args.path)?,
     };
     match checked {
-        Checked::Joint { case, is_study } => joint(args, &progress, &case, is_study),
+        Checked::Joint { case, inputs, is_study } => joint(args, &progress, &case, inputs, is_study),
         Checked::Joints { name, cases, inputs, notes, is_study } => {
             joints(args, &progress, &name, &cases, (inputs, notes, is_study))
         }
@@ -67,15 +69,22 @@ fn moves(case: &Case) -> bool {
     case.items.iter().any(|item| !item.experiments.is_empty())
 }
 
-fn joint(args: &CheckArgs, progress: &Progress, case: &Case, is_study: bool) -> Result<u8, CliError> {
+fn joint(
+    args: &CheckArgs,
+    progress: &Progress,
+    case: &Case,
+    inputs: Vec<PathBuf>,
+    is_study: bool,
+) -> Result<u8, CliError> {
     if !moves(case) {
         return never_moved(&args.common, case, "nothing to check");
     }
-    let report = report(args, progress, case, is_study, case.inputs())?;
+    let report = report(args, progress, case, is_study, inputs.clone())?;
     let text = check_text(&report);
     let mut outputs = Outputs::default();
     args.common.add_json(&mut outputs, &check_json(&report))?;
-    tell(args, outputs, &text, &case.inputs())
+    let name = report.joint.clone();
+    tell(args, outputs, (&name, &[report], &[]), &text, &inputs)
 }
 
 fn joints(
@@ -98,7 +107,7 @@ fn joints(
     let reports: Vec<CheckReport> = found.into_iter().filter_map(|(_, report)| report).collect();
     let mut outputs = Outputs::default();
     args.common.add_json(&mut outputs, &checks_json(name, &reports))?;
-    tell(args, outputs, &text, &inputs)
+    tell(args, outputs, (name, &reports, &notes), &text, &inputs)
 }
 
 fn report(
@@ -118,13 +127,23 @@ fn report(
     Ok(CheckReport::new(case, checkup, provenance(inputs)?))
 }
 
-fn tell(args: &CheckArgs, mut outputs: Outputs, text: &str, inputs: &[PathBuf]) -> Result<u8, CliError> {
-    if let Some(folder) = &args.common.out {
+/// Prints the text; with --out also writes it, and the page.
+fn tell(
+    args: &CheckArgs,
+    mut outputs: Outputs,
+    (name, reports, notes): (&str, &[CheckReport], &[String]),
+    text: &str,
+    inputs: &[PathBuf],
+) -> Result<u8, CliError> {
+    let page = args.common.out.as_ref().map(|folder| folder.join("check.html"));
+    if let (Some(folder), Some(page)) = (&args.common.out, &page) {
         outputs.add(folder.join("check.txt"), text.to_owned());
+        outputs.add_page(page, check_html(name, reports, notes)?);
     }
     write_outputs(outputs, inputs)?;
     if !args.common.quiet {
         print(text);
+        page.iter().for_each(|page| print(&format!("\nreport: {}\n", page.display())));
     }
     Ok(0)
 }
@@ -137,8 +156,12 @@ fn study(path: &Path) -> Result<Checked, CliError> {
             path.display()
         ))),
         StudyKind::Clamped => robot_study(path),
-        StudyKind::Joint => Ok(Checked::Joint { case: Box::new(Case::of_study(path)?), is_study: true }),
+        StudyKind::Joint => Ok(of_joint(Case::of_study(path)?, true)),
     }
+}
+
+fn of_joint(case: Case, is_study: bool) -> Checked {
+    Checked::Joint { inputs: case.inputs(), case: Box::new(case), is_study }
 }
 
 fn robot_study(path: &Path) -> Result<Checked, CliError> {
@@ -150,28 +173,35 @@ fn robot_study(path: &Path) -> Result<Checked, CliError> {
     Ok(Checked::Joints { name, cases, inputs, notes, is_study: true })
 }
 
-/// A log of one joint with its sidecar, or each joint of a log of several.
+/// A log with its sidecar, or each joint of a log without one.
 fn log(path: &Path) -> Result<Checked, CliError> {
+    let is_told = path.with_extension("toml").is_file();
     let source = read_source(path, &Columns::default());
-    match source {
-        Ok(source) if source.joints().iter().any(Option::is_some) => {
-            let names: Vec<String> = source.joints().into_iter().flatten().map(str::to_owned).collect();
-            let cases = names.iter().map(|name| joint_of(&source, name)).collect::<Result<_, _>>()?;
+    let names = |source: &Source| -> Vec<Option<String>> {
+        source.joints().into_iter().map(|name| name.map(str::to_owned)).collect()
+    };
+    match source.map(|source| (names(&source), source)) {
+        Ok((names, source)) if !is_told && matches!(names[..], [None]) => {
+            let case = Box::new(joint_of(&source, None)?);
+            Ok(Checked::Joint { case, inputs: vec![path.to_path_buf()], is_study: false })
+        }
+        Ok((names, source)) if names.iter().any(Option::is_some) => {
+            let cases = names.iter().flatten().map(|name| joint_of(&source, Some(name))).collect::<Result<_, _>>()?;
             let inputs = vec![path.to_path_buf()];
             Ok(Checked::Joints { name: log_name(path), cases, inputs, notes: source.notes, is_study: false })
         }
         // A sidecar may say more of it than the file does.
-        _ => {
-            let case = Case::of_logs(&[path.to_path_buf()], None)?;
-            Ok(Checked::Joint { case: Box::new(case), is_study: false })
-        }
+        _ => Ok(of_joint(Case::of_logs(&[path.to_path_buf()], None)?, false)),
     }
 }
 
-fn joint_of(source: &Source, name: &str) -> Result<Case, CliError> {
-    let log = source.joint_log(Some(name))?;
-    let array =
-        ArrayLog { holes_are_known: true, ..ArrayLog::new(source.file.display().to_string(), log.t_s, log.q_rad) };
-    let spec = JointSpec { name: name.to_owned(), nominal: None, gravity_m_s2: 9.81, rest_rad: None };
+fn joint_of(source: &Source, name: Option<&str>) -> Result<Case, CliError> {
+    let log = source.joint_log(name)?;
+    // Nothing is believed of what was asked or delivered, but how it lies to the readings is part of their health.
+    let (q_ref_rad, tau_nm, setpoints, on) = (log.q_ref_rad, log.tau_nm, log.setpoints, log.drive);
+    let named = ArrayLog::new(source.file.display().to_string(), log.t_s, log.q_rad);
+    let array = ArrayLog { q_ref_rad, tau_nm, setpoints, on, holes_are_known: true, ..named };
+    let name = name.map_or_else(|| log_name(&source.file), str::to_owned);
+    let spec = JointSpec { name, nominal: None, gravity_m_s2: 9.81, rest_rad: None };
     Ok(Case::of_arrays(spec, SensorSpec::default(), None, Uncertain::default(), vec![array])?)
 }

@@ -53,15 +53,24 @@ pub(super) fn json_text(value: &impl Serialize) -> Result<String, CliError> {
 
 /// Writes all results or none; a result never takes the place of a file that was read.
 pub(super) fn write_outputs(mut outputs: Outputs, inputs: &[PathBuf]) -> Result<(), CliError> {
+    refuse_overwriting(outputs.paths(), inputs)?;
+    outputs.keep(inputs);
+    Ok(outputs.write()?)
+}
+
+/// Refuses to write where a file was read.
+pub(super) fn refuse_overwriting<'a>(
+    outputs: impl IntoIterator<Item = &'a Path>,
+    inputs: &[PathBuf],
+) -> Result<(), CliError> {
     let read: Vec<(&PathBuf, PathBuf)> = inputs.iter().filter_map(|i| Some((i, i.canonicalize().ok()?))).collect();
-    for path in outputs.paths() {
+    for path in outputs {
         let there = path.canonicalize().ok();
         if let Some((input, _)) = read.iter().find(|(_, input)| there.as_ref() == Some(input)) {
             return Err(CliError::Overwrites { input: (*input).clone() });
         }
     }
-    outputs.keep(inputs);
-    Ok(outputs.write()?)
+    Ok(())
 }
 
 /// Prints a result; a reader that has gone away (a closed pipe) is no error.

@@ -1,8 +1,10 @@
 //! `aibo-fit convert`: a log of any format as the project's own CSV, or as MCAP.
 
 use super::CliError;
-use super::common::{log_name, print, write_outputs};
-use crate::log::{Columns, Outputs, mcap_bytes, mcap_topics, read_source, study_columns, write_csv};
+use super::common::{log_name, print, refuse_overwriting};
+use crate::log::{
+    Columns, log_files, mcap_topics, read_source, study_columns, write_atomically, write_csv, write_mcap,
+};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -40,25 +42,17 @@ pub(super) fn run(args: &ConvertArgs) -> Result<u8, CliError> {
     };
     let columns = args.columns.as_deref().map_or_else(|| Ok(Columns::default()), study_columns)?;
     let source = read_source(&args.log, &columns)?;
-    let content = if is_mcap {
-        mcap_bytes(&mcap_topics(&source, &log_name(&args.log)))
-    } else {
-        let mut text = Vec::new();
-        write_csv(&source, &mut text).map_err(|error| CliError::Encode(error.to_string()))?;
-        text
-    };
-    let mut outputs = Outputs::default();
-    outputs.add_apart(&args.out, content);
-    write_outputs(outputs, std::slice::from_ref(&args.log))?;
+    refuse_overwriting([args.out.as_path()], &log_files(&args.log)?)?;
+    let samples: usize = source.clocks.iter().map(Vec::len).max().unwrap_or(0);
+    let (joints, format) = (source.joints().len(), source.format);
+    let notes = source.notes.clone();
+    write_atomically(&args.out, |out| match is_mcap {
+        true => write_mcap(&mcap_topics(source, &log_name(&args.log)), out),
+        false => write_csv(&source, out),
+    })?;
     if !args.quiet {
-        let samples: usize = source.clocks.iter().map(Vec::len).max().unwrap_or(0);
-        print(&format!(
-            "{}: {samples} samples, {} joints, from {}\n",
-            args.out.display(),
-            source.joints().len(),
-            source.format
-        ));
-        source.notes.iter().for_each(|note| print(&format!("- {note}\n")));
+        print(&format!("{}: {samples} samples, {joints} joints, from {format}\n", args.out.display()));
+        notes.iter().for_each(|note| print(&format!("- {note}\n")));
     }
     Ok(0)
 }

@@ -1,9 +1,10 @@
 //! Logs that are at hand as arrays: the checks of the CSV reader, with errors that name the array and the index.
 
+use super::column::Column;
 use super::error::LogError;
-use super::header::Column;
+use super::motor_types::TauIs;
 use super::plausible::{self, LONGEST_GAP_S};
-use super::types::{DriveMode, ExtraMass, Log, Role, Stamped, TauIs};
+use super::types::{DriveMode, ExtraMass, Log, Role, Stamped};
 use std::path::PathBuf;
 
 /// One log in memory, and what a study's `[[log]]` says of it.

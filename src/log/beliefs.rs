@@ -5,7 +5,7 @@ use toml::{Spanned, Value};
 use super::document::{Document, Range64, range};
 use super::error::LogError;
 use super::schema::{RawSpread, RawUncertain};
-use super::types::{Spread, Uncertain};
+use super::uncertain::{Spread, Uncertain};
 
 const RELATIVE: Range64 =
     range(|x| (0.0..=10.0).contains(&x), "a relative standard deviation from 0 (exact) to 10; 0.1 is ten percent");

@@ -6,11 +6,16 @@ use std::ops::Range;
 use std::path::Path;
 
 use serde::de::DeserializeOwned;
+use toml::Spanned;
 
 use super::error::LogError;
 use super::place::{Place, Subject};
 use super::rows::not_text;
-use super::schema::{Number, Text};
+
+/// A number of a file, and where it stands.
+pub(crate) type Number = Option<Spanned<f64>>;
+/// A text of a file, and where it stands.
+pub(crate) type Text = Option<Spanned<String>>;
 
 pub(crate) struct Document<'a> {
     pub(crate) file: &'a Path,

@@ -1,101 +1,57 @@
-//! The columns of a log: what we call them, what others do, and what to say if one is not there.
+//! What others call the columns of a log, and what to say if one is not there.
 
 use std::path::Path;
 
+use super::column::Column;
 use super::error::LogError;
 use super::place::Place;
 
-/// A column of the log format.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Column {
-    Time,
-    Angle,
-    Speed,
-    Torque,
-    Setpoint,
-    Drive,
-}
-
-impl Column {
-    pub(super) const ALL: [Self; 6] = [Self::Time, Self::Angle, Self::Speed, Self::Torque, Self::Setpoint, Self::Drive];
-
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Time => "t",
-            Self::Angle => "q",
-            Self::Speed => "dq",
-            Self::Torque => "tau",
-            Self::Setpoint => "q_ref",
-            Self::Drive => "drive",
+/// Names that people give a column, without case, blanks, units and punctuation.
+fn aliases(column: Column) -> &'static [&'static str] {
+    match column {
+        Column::Time => {
+            &["t", "time", "timestamp", "timestamps", "times", "stamp", "seconds", "sec", "tsec", "ts", "ms"]
         }
-    }
-
-    pub(super) fn unit(self) -> &'static str {
-        match self {
-            Self::Time => "s",
-            Self::Angle | Self::Setpoint => "rad",
-            Self::Speed => "rad/s",
-            Self::Torque => "N m",
-            Self::Drive => "0 or 1",
-        }
-    }
-
-    /// Beyond this a cell is refused at once; wide, so that whole columns in a wrong unit get the better message.
-    pub(super) fn limit(self) -> f64 {
-        match self {
-            Self::Time => 1e20, // an epoch in nanoseconds is 1.8e18
-            Self::Torque => 1e5,
-            _ => 1e9, // 32-bit encoder counts are recognised later
-        }
-    }
-
-    /// Names that people give this column, without case, blanks, units and punctuation.
-    fn aliases(self) -> &'static [&'static str] {
-        match self {
-            Self::Time => {
-                &["t", "time", "timestamp", "timestamps", "times", "stamp", "seconds", "sec", "tsec", "ts", "ms"]
-            }
-            Self::Angle => &[
-                "q",
-                "angle",
-                "angles",
-                "theta",
-                "phi",
-                "pos",
-                "position",
-                "jointangle",
-                "jointposition",
-                "qrad",
-                "rad",
-                "anglerad",
-                "deg",
-                "angledeg",
-                "qdeg",
-                "encoder",
-                "qmeas",
-                "qactual",
-                "presentposition",
-            ],
-            Self::Speed => &["dq", "speed", "velocity", "qdot", "qd"],
-            Self::Torque => &["tau", "torque", "effort", "taunm", "torquenm", "u", "torquecmd"],
-            Self::Setpoint => &[
-                "qref",
-                "setpoint",
-                "ref",
-                "reference",
-                "target",
-                "goal",
-                "goalposition",
-                "qdes",
-                "qd",
-                "qcmd",
-                "command",
-                "desired",
-                "qtarget",
-                "qrefrad",
-            ],
-            Self::Drive => &["drive", "motor", "motoron", "enable", "enabled", "torqueenable", "held"],
-        }
+        Column::Angle => &[
+            "q",
+            "angle",
+            "angles",
+            "theta",
+            "phi",
+            "pos",
+            "position",
+            "jointangle",
+            "jointposition",
+            "qrad",
+            "rad",
+            "anglerad",
+            "deg",
+            "angledeg",
+            "qdeg",
+            "encoder",
+            "qmeas",
+            "qactual",
+            "presentposition",
+        ],
+        Column::Speed => &["dq", "speed", "velocity", "qdot", "qd"],
+        Column::Torque => &["tau", "torque", "effort", "taunm", "torquenm", "u", "torquecmd"],
+        Column::Setpoint => &[
+            "qref",
+            "setpoint",
+            "ref",
+            "reference",
+            "target",
+            "goal",
+            "goalposition",
+            "qdes",
+            "qd",
+            "qcmd",
+            "command",
+            "desired",
+            "qtarget",
+            "qrefrad",
+        ],
+        Column::Drive => &["drive", "motor", "motoron", "enable", "enabled", "torqueenable", "held"],
     }
 }
 
@@ -135,7 +91,7 @@ pub(super) fn hint(file: &Path, missing: Column, names: &[String]) -> Option<Str
 
 /// The first name that people give this column.
 pub(super) fn alias(column: Column, names: &[String]) -> Option<usize> {
-    column.aliases().iter().find_map(|alias| names.iter().position(|name| bare(name) == *alias))
+    aliases(column).iter().find_map(|alias| names.iter().position(|name| bare(name) == *alias))
 }
 
 /// A name without case, punctuation, and a unit in brackets.

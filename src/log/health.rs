@@ -1,7 +1,12 @@
 //! What a log is like before anything is fitted: sampling, quantisation, noise, held phase, rest.
 
+use super::health_correlation::{at_rest, correlation, lasts_s};
+use super::health_motion::{reversals, top_speed_rad_s};
 use super::health_noise::reading_floor_rad;
-use super::health_stamps::{burst_share, stale_share, stamps_contradicted, still_share};
+use super::health_saturation::{Stuck, stuck, torque_plateau};
+use super::health_stamps::{
+    SetpointStamps, burst_share, setpoint_stamps, share_of_time, stale_share, stamps_contradicted, still_stretches,
+};
 use super::plausible::{median, median_step};
 use super::release::{self, Start};
 use super::types::{DriveMode, Log, SensorSpec};
@@ -25,6 +30,8 @@ pub struct Health {
     pub period_s: f64,
     /// Robust standard deviation of the sampling step (1.4826 times the median deviation) \[s\].
     pub jitter_s: f64,
+    /// Longest step between two stamps \[s\].
+    pub longest_step_s: f64,
     /// Samples that are missing, by gaps of a multiple of the median step.
     pub lost_samples: usize,
     /// Quantisation step as the readings show it \[rad\]; `None` if they are continuous or too few.
@@ -33,6 +40,11 @@ pub struct Health {
     pub noise_rad: f64,
     /// Read noise beyond the rounding, by how rough the readings are all along the log \[rad\]; 0: none is seen.
     pub read_noise_rad: f64,
+    /// Correlation of the noise with itself so many samples later, where the joint stands still, from 0 on; empty: it cannot
+    /// be told.
+    pub noise_correlation: Vec<f64>,
+    /// How long the noise hangs together \[s\]; `None`: it cannot be told.
+    pub noise_lasts_s: Option<f64>,
     /// Share of the readings of the moving joint that repeat the one before, where they should have moved \[0 to 1\].
     pub stale_share: f64,
     /// Share of the time steps that are far shorter than the mean one \[0 to 1\]: stamps that come in bursts.
@@ -55,6 +67,18 @@ pub struct Health {
     pub span_rad: f64,
     /// Longest run of identical readings, in samples.
     pub longest_run: usize,
+    /// From the lowest to the highest reading \[rad\].
+    pub travel_rad: f64,
+    /// The speed that one reading in a hundred exceeds \[rad/s\].
+    pub top_speed_rad_s: f64,
+    /// How often the motion turns back.
+    pub reversals: usize,
+    /// Setpoints that have stamps of their own, against the readings.
+    pub setpoint_stamps: Option<SetpointStamps>,
+    /// The largest torque \[N m\] and the share of the samples that stand at it, where a position-driven log shows so.
+    pub torque_plateau: Option<(f64, f64)>,
+    /// The reading stands at its end while the setpoint goes on.
+    pub stuck: Option<Stuck>,
 }
 
 /// Looks at a log. `sensor` gives the quantisation step where the study states it, `mode` what `drive = 1` means.
@@ -86,19 +110,31 @@ pub fn health(log: &Log, sensor: &SensorSpec, mode: DriveMode) -> Health {
     let there = !held.is_empty();
     let level = if there { mean } else { median(&mut q[..q.len().min(5)].to_vec()) };
     let middle = median(&mut q.to_vec());
+    let band_rad = (1.5 * step).max(4.0 * floor_rad) + SAME_LEVEL;
+    let still = still_stretches(t, q, band_rad, REST_S);
+    let rests = log.q_ref_rad.as_ref().map_or_else(Vec::new, |asked| at_rest(t, q, asked));
+    let quiet = if rests.is_empty() { &still } else { &rests };
+    // A motion below the step shows as readings that change slowly between two levels: that is no noise.
+    let noise_correlation = correlation(t, q, quiet, (0.6 * step).max(SAME_LEVEL));
+    // A torque that is the log's input is at its largest by design.
+    let is_input = mode == DriveMode::Torque;
+    let (low, high) = q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), q| (low.min(*q), high.max(*q)));
     Health {
         samples: log.len(),
         duration_s: t.last().zip(t.first()).map_or(0.0, |(last, first)| last - first),
         period_s,
         jitter_s,
+        longest_step_s: t.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max),
         lost_samples,
         step_rad,
         noise_rad,
         read_noise_rad,
+        noise_lasts_s: (!noise_correlation.is_empty()).then(|| lasts_s(&noise_correlation, period_s)),
+        noise_correlation,
         stale_share: stale_share(t, q, step, floor_rad),
         burst_share: burst_share(t),
         stamps_contradicted: stamps_contradicted(t, q, floor_rad),
-        still_share: still_share(t, q, (1.5 * step).max(4.0 * floor_rad) + SAME_LEVEL, REST_S),
+        still_share: share_of_time(t, &still),
         start,
         held_mean_rad: there.then_some(mean),
         held_std_rad: (held.len() > 1).then_some(std),
@@ -106,6 +142,16 @@ pub fn health(log: &Log, sensor: &SensorSpec, mode: DriveMode) -> Health {
         moved: start != Start::AlwaysHeld && leaves(&q[held.len()..], level, 3.0 * step.max(noise_rad)),
         span_rad: q.iter().fold(0.0, |span, value| (value - middle).abs().max(span)),
         longest_run: longest_run(q),
+        travel_rad: (high - low).max(0.0),
+        top_speed_rad_s: top_speed_rad_s(t, q, period_s),
+        reversals: reversals(q, 2.0 * band_rad),
+        setpoint_stamps: log.setpoints.as_ref().and_then(|own| setpoint_stamps(&own.t_s, t)),
+        torque_plateau: log.tau_nm.as_ref().filter(|_| !is_input).and_then(|tau| torque_plateau(tau)),
+        stuck: log
+            .q_ref_rad
+            .as_ref()
+            .filter(|_| !is_input)
+            .and_then(|asked| stuck(t, q, asked, band_rad.max(0.01 * (high - low)))),
     }
 }
 
@@ -125,6 +171,19 @@ impl Health {
         } else if self.burst_share > WORTH_A_REMARK {
             let percent = 100.0 * self.burst_share;
             doubts.push(format!("time stamps come in bursts: {percent:.0} % of the steps are far below the mean"));
+        }
+        if let Some((at_nm, share)) = self.torque_plateau {
+            let percent = 100.0 * share;
+            doubts.push(format!("the torque stands at its largest, {at_nm:.3} N m, for {percent:.0} % of the time: the drive is at its limit"));
+        }
+        if let Some(Stuck { at_rad, lasts_s, beyond_rad }) = self.stuck {
+            doubts.push(format!("readings stand at {at_rad:.3} rad for {lasts_s:.2} s while the setpoint goes {beyond_rad:.3} rad beyond: a stop, or a drive at its limit"));
+        }
+        if let Some(lasts_s) = self.noise_lasts_s.filter(|lasts_s| *lasts_s > 2.0 * self.period_s) {
+            doubts.push(format!(
+                "the noise at rest hangs together over {:.1} ms: filtered readings, or a joint that trembles",
+                1e3 * lasts_s
+            ));
         }
         doubts
     }

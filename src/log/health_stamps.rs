@@ -1,4 +1,8 @@
-//! Readings and time stamps that cannot be right: stale readings, stamps in bursts, stamps that the motion contradicts.
+//! Readings and time stamps that cannot be right: stale readings, stamps in bursts, stamps that the motion contradicts; and
+//! how setpoints are stamped against readings.
+
+use super::plausible::median;
+use std::ops::Range;
 
 /// A reading is expected to move if the motion about it covers this many steps, or standard deviations, per sample.
 const SURELY: f64 = 3.0;
@@ -74,10 +78,9 @@ fn mean_without_gaps(steps: &[f64]) -> Option<f64> {
     (!usual.is_empty()).then(|| usual.iter().sum::<f64>() / usual.len() as f64)
 }
 
-/// Share of the time in which readings stay within a band for at least `shortest_s`.
-pub(super) fn still_share(t_s: &[f64], q_rad: &[f64], band_rad: f64, shortest_s: f64) -> f64 {
-    let duration_s = t_s.last().zip(t_s.first()).map_or(0.0, |(last, first)| last - first);
-    let (mut still_s, mut from) = (0.0, 0);
+/// Where readings stay within a band for at least `shortest_s`.
+pub(super) fn still_stretches(t_s: &[f64], q_rad: &[f64], band_rad: f64, shortest_s: f64) -> Vec<Range<usize>> {
+    let (mut stretches, mut from) = (Vec::new(), 0);
     while from < q_rad.len() {
         let (mut low, mut high) = (q_rad[from], q_rad[from]);
         let inside = |q: &&f64| {
@@ -85,15 +88,51 @@ pub(super) fn still_share(t_s: &[f64], q_rad: &[f64], band_rad: f64, shortest_s:
             high - low <= band_rad
         };
         let len = q_rad[from..].iter().take_while(inside).count().max(1);
-        let lasts_s = t_s[from + len - 1] - t_s[from];
-        if lasts_s >= shortest_s {
-            still_s += lasts_s;
+        if t_s[from + len - 1] - t_s[from] >= shortest_s {
+            stretches.push(from..from + len);
             from += len;
         } else {
             from += 1;
         }
     }
+    stretches
+}
+
+/// Share of the time that stretches take.
+pub(super) fn share_of_time(t_s: &[f64], stretches: &[Range<usize>]) -> f64 {
+    let duration_s = t_s.last().zip(t_s.first()).map_or(0.0, |(last, first)| last - first);
+    let still_s = stretches.iter().fold(0.0, |sum, stretch| sum + t_s[stretch.end - 1] - t_s[stretch.start]);
     if duration_s > 0.0 { still_s / duration_s } else { 0.0 }
+}
+
+/// Setpoints that have stamps of their own, against the readings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SetpointStamps {
+    /// Median step between them \[s\].
+    pub period_s: f64,
+    /// Median time from a setpoint to the next reading \[s\].
+    pub before_reading_s: f64,
+    /// Median departure of that time from its own median \[s\]: near a quarter of a period, the two run freely.
+    pub spread_s: f64,
+}
+
+/// How setpoints with stamps of their own lie to the readings; `None` of fewer than two.
+pub(super) fn setpoint_stamps(asked_s: &[f64], read_s: &[f64]) -> Option<SetpointStamps> {
+    let mut steps = steps(asked_s);
+    let mut until: Vec<f64> = Vec::with_capacity(asked_s.len());
+    let mut next = 0;
+    for asked in asked_s {
+        while read_s.get(next).is_some_and(|read| read < asked) {
+            next += 1;
+        }
+        until.extend(read_s.get(next).map(|read| read - asked));
+    }
+    if steps.is_empty() || until.is_empty() {
+        return None;
+    }
+    let before_reading_s = median(&mut until);
+    let mut apart: Vec<f64> = until.iter().map(|until| (until - before_reading_s).abs()).collect();
+    Some(SetpointStamps { period_s: median(&mut steps), before_reading_s, spread_s: median(&mut apart) })
 }
 
 #[cfg(test)]
@@ -152,7 +191,20 @@ mod tests {
     fn held_and_stuck_time_counts_as_still() {
         let t = even(1000);
         let q = rounded(t.iter().map(|t| swing((t - 1.0).clamp(0.0, 4.0))), 0.006);
-        let share = still_share(&t, &q, 0.009, 0.25);
+        let share = share_of_time(&t, &still_stretches(&t, &q, 0.009, 0.25));
         assert!((share - 4.0 / 8.0).abs() < 0.03, "{share}");
+    }
+
+    #[test]
+    fn setpoints_are_stamped_at_a_fixed_time_before_the_readings_or_freely() {
+        let read = even(500);
+        let asked: Vec<f64> = read.iter().map(|t| t - 0.003).collect();
+        let found = setpoint_stamps(&asked, &read).unwrap();
+        assert!((found.period_s - 0.008).abs() < 1e-9 && (found.before_reading_s - 0.003).abs() < 1e-9, "{found:?}");
+        assert!(found.spread_s < 1e-9);
+        let freely: Vec<f64> = (0..300).map(|k| 0.0107 * f64::from(k)).collect();
+        let found = setpoint_stamps(&freely, &read).unwrap();
+        assert!((found.spread_s - 0.002).abs() < 3e-4, "{found:?}");
+        assert_eq!(setpoint_stamps(&[0.1], &read), None);
     }
 }

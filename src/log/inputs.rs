@@ -4,10 +4,11 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::csv::read_joint_of_study;
+use super::column::Column;
 use super::error::LogError;
-use super::header::{Column, hint};
+use super::header::hint;
 use super::plausible::check_period;
+use super::read_log::read_joint_of_study;
 use super::types::{DriveMode, Log, Study, StudyLog};
 
 /// Reads all logs of a study, in the study's order.

@@ -1,6 +1,7 @@
 //! Writes JointState messages as MCAP, in CDR and with an index, as Foxglove and Rerun read them.
 
-use super::source::{Crc, joint_state};
+use super::source::{Crc, JointStateForm};
+use std::io::{self, Write};
 
 /// Messages of one topic.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -32,16 +33,26 @@ int32 sec\nuint32 nanosec\n";
 /// A file with these topics, messages in the order of their stamps. Times before the earliest are none: the first message
 /// is at zero where a stamp is negative.
 pub fn mcap_bytes(topics: &[McapTopic]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    write_mcap(topics, &mut bytes).expect("memory takes every byte");
+    bytes
+}
+
+/// As [`mcap_bytes`], chunk after chunk.
+///
+/// # Errors
+/// What `out` answers.
+pub fn write_mcap(topics: &[McapTopic], out: &mut dyn Write) -> io::Result<()> {
     let first_s = topics.iter().flat_map(|topic| &topic.t_s).copied().fold(0.0, f64::min);
-    let mut order: Vec<(i64, usize, usize)> = Vec::new();
+    let mut order: Vec<(i64, u32, u32)> = Vec::new();
     for (k, topic) in topics.iter().enumerate() {
         let ns = topic.t_s.iter().map(|t_s| ((t_s - first_s) * 1e9).round() as i64);
-        order.extend(ns.enumerate().map(|(sample, ns)| (ns, k, sample)));
+        order.extend(ns.enumerate().map(|(sample, ns)| (ns, k as u32, sample as u32)));
     }
     order.sort_unstable();
-    let mut file = File::new(topics);
+    let mut file = File::new(topics, out)?;
     for (ns, k, sample) in order {
-        file.message(&topics[k], k, sample, ns);
+        file.message(&topics[k as usize], k as usize, sample as usize, ns)?;
     }
     file.finish(topics)
 }
@@ -79,8 +90,9 @@ fn descriptions(topics: &[McapTopic]) -> Vec<u8> {
     out
 }
 
-struct File {
-    out: Vec<u8>,
+struct File<'a> {
+    out: Counted<'a>,
+    forms: Vec<JointStateForm>,
     chunk: Vec<u8>,
     /// Stamp and place of the messages of each channel in the chunk.
     index: Vec<Vec<[u64; 2]>>,
@@ -89,85 +101,89 @@ struct File {
     span_ns: Option<[u64; 2]>,
 }
 
-impl File {
-    fn new(topics: &[McapTopic]) -> Self {
-        let (mut out, mut header) = (MAGIC.to_vec(), Vec::new());
+impl<'a> File<'a> {
+    fn new(topics: &[McapTopic], out: &'a mut dyn Write) -> io::Result<Self> {
+        let (mut start, mut header) = (MAGIC.to_vec(), Vec::new());
         text(&mut header, "ros2");
         text(&mut header, concat!("aibo-fit ", env!("CARGO_PKG_VERSION")));
-        record(&mut out, 0x01, &header);
-        let index = vec![Vec::new(); topics.len()];
-        Self {
+        record(&mut start, 0x01, &header);
+        let mut out = Counted { out, count: 0 };
+        out.write(&start)?;
+        let counts = |topic: &McapTopic| {
+            [&topic.position_rad, &topic.velocity_rad_s, &topic.effort_nm].map(|columns| columns.len())
+        };
+        Ok(Self {
             out,
+            forms: topics.iter().map(|topic| JointStateForm::new(&topic.joints, counts(topic))).collect(),
             chunk: descriptions(topics),
-            index,
+            index: vec![Vec::new(); topics.len()],
             counts: vec![0; topics.len()],
             chunks: Vec::new(),
             span_ns: None,
-        }
+        })
     }
 
-    fn message(&mut self, topic: &McapTopic, channel: usize, sample: usize, ns: i64) {
-        let names: Vec<&str> = topic.joints.iter().map(String::as_str).collect();
-        let of = |columns: &[Vec<f64>]| {
-            columns.iter().filter_map(|column| column.get(sample).copied()).collect::<Vec<f64>>()
-        };
-        let fields = [of(&topic.position_rad), of(&topic.velocity_rad_s), of(&topic.effort_nm)];
-        let stamp = ns as u64;
-        let mut content = (channel as u16).to_le_bytes().to_vec();
-        content.extend((self.counts[channel] as u32).to_le_bytes());
-        longs(&mut content, &[stamp, stamp]);
-        content.extend(joint_state(ns, &names, [&fields[0], &fields[1], &fields[2]]));
+    fn message(&mut self, topic: &McapTopic, channel: usize, sample: usize, ns: i64) -> io::Result<()> {
+        let (form, stamp) = (&self.forms[channel], ns as u64);
         self.index[channel].push([stamp, self.chunk.len() as u64]);
+        self.chunk.push(0x05);
+        longs(&mut self.chunk, &[22 + form.len() as u64]);
+        self.chunk.extend((channel as u16).to_le_bytes());
+        self.chunk.extend((self.counts[channel] as u32).to_le_bytes());
+        longs(&mut self.chunk, &[stamp, stamp]);
+        let fields = [&topic.position_rad, &topic.velocity_rad_s, &topic.effort_nm].map(|columns| at(columns, sample));
+        form.write(&mut self.chunk, ns, fields);
         self.counts[channel] += 1;
-        record(&mut self.chunk, 0x05, &content);
-        if self.chunk.len() > CHUNK {
-            self.close_chunk();
-        }
+        if self.chunk.len() > CHUNK { self.close_chunk() } else { Ok(()) }
     }
 
-    fn close_chunk(&mut self) {
+    fn close_chunk(&mut self) -> io::Result<()> {
         let stamps = || self.index.iter().flatten().map(|[stamp, _]| *stamp);
-        let (Some(from), Some(to)) = (stamps().min(), stamps().max()) else { return };
+        let (Some(from), Some(to)) = (stamps().min(), stamps().max()) else { return Ok(()) };
         let [first, last] = self.span_ns.unwrap_or([from, to]);
         self.span_ns = Some([first.min(from), last.max(to)]);
         let chunk = std::mem::take(&mut self.chunk);
         let size = chunk.len() as u64;
         let mut crc = Crc::default();
         crc.add(&chunk);
-        let mut content = Vec::with_capacity(chunk.len() + 64);
-        longs(&mut content, &[from, to, size]);
-        content.extend(crc.value().to_le_bytes());
-        text(&mut content, "");
-        longs(&mut content, &[size]);
-        content.extend(&chunk);
-        let start = self.out.len() as u64;
-        record(&mut self.out, 0x06, &content);
-        let length = self.out.len() as u64 - start;
-        let indices = self.out.len();
-        let mut places = Vec::new();
+        let mut head = Vec::new();
+        longs(&mut head, &[from, to, size]);
+        head.extend(crc.value().to_le_bytes());
+        text(&mut head, "");
+        longs(&mut head, &[size]);
+        let start = self.out.count;
+        let mut about = vec![0x06];
+        longs(&mut about, &[head.len() as u64 + size]);
+        [&about, &head, &chunk].into_iter().try_for_each(|part| self.out.write(part))?;
+        let length = self.out.count - start;
+        let indices = self.out.count;
+        let (mut places, mut own) = (Vec::new(), Vec::new());
         for (channel, entries) in self.index.iter_mut().enumerate().filter(|(_, entries)| !entries.is_empty()) {
             places.extend((channel as u16).to_le_bytes());
-            longs(&mut places, &[self.out.len() as u64]);
+            longs(&mut places, &[indices + own.len() as u64]);
             let mut content = (channel as u16).to_le_bytes().to_vec();
             content.extend((entries.len() as u32 * 16).to_le_bytes());
             entries.drain(..).for_each(|entry| longs(&mut content, &entry));
-            record(&mut self.out, 0x07, &content);
+            record(&mut own, 0x07, &content);
         }
+        self.out.write(&own)?;
         let mut about = Vec::new();
         longs(&mut about, &[from, to, start, length]);
         about.extend((places.len() as u32).to_le_bytes());
         about.extend(places);
-        longs(&mut about, &[(self.out.len() - indices) as u64]);
+        longs(&mut about, &[self.out.count - indices]);
         text(&mut about, "");
         longs(&mut about, &[size, size]);
         self.chunks.push(about);
+        Ok(())
     }
 
-    fn finish(mut self, topics: &[McapTopic]) -> Vec<u8> {
-        self.close_chunk();
-        record(&mut self.out, 0x0f, &0_u32.to_le_bytes());
-        let summary = self.out.len() as u64;
-        self.out.extend(descriptions(topics));
+    fn finish(mut self, topics: &[McapTopic]) -> io::Result<()> {
+        self.close_chunk()?;
+        let mut end = Vec::new();
+        record(&mut end, 0x0f, &0_u32.to_le_bytes());
+        let summary = self.out.count + end.len() as u64;
+        end.extend(descriptions(topics));
         let mut about = Vec::new();
         longs(&mut about, &[self.counts.iter().sum()]);
         about.extend(1_u16.to_le_bytes());
@@ -179,16 +195,32 @@ impl File {
             about.extend((channel as u16).to_le_bytes());
             longs(&mut about, &[*count]);
         }
-        record(&mut self.out, 0x0b, &about);
-        for chunk in &self.chunks {
-            record(&mut self.out, 0x08, chunk);
-        }
+        record(&mut end, 0x0b, &about);
+        self.chunks.iter().for_each(|chunk| record(&mut end, 0x08, chunk));
         let mut footer = Vec::new();
         longs(&mut footer, &[summary, 0]);
         footer.extend(0_u32.to_le_bytes());
-        record(&mut self.out, 0x02, &footer);
-        self.out.extend(MAGIC);
-        self.out
+        record(&mut end, 0x02, &footer);
+        end.extend(MAGIC);
+        self.out.write(&end)
+    }
+}
+
+/// A sample of every column.
+fn at(columns: &[Vec<f64>], sample: usize) -> impl Iterator<Item = &f64> {
+    columns.iter().map(move |column| &column[sample])
+}
+
+/// Counts what is written.
+struct Counted<'a> {
+    out: &'a mut dyn Write,
+    count: u64,
+}
+
+impl Counted<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.count += bytes.len() as u64;
+        self.out.write_all(bytes)
     }
 }
 

@@ -6,21 +6,29 @@
 mod arrays;
 mod beliefs;
 mod clamped_study;
-mod csv;
+mod column;
+mod columns;
 mod document;
 mod error;
+mod format;
 mod header;
 mod health;
+mod health_correlation;
+mod health_motion;
 mod health_noise;
+mod health_saturation;
 mod health_stamps;
 mod inputs;
 mod manifest;
 mod mcap_out;
 mod motor;
+mod motor_types;
 mod outputs;
 mod place;
 mod plausible;
 mod pose;
+mod raw_columns;
+mod read_log;
 mod release;
 mod robot_log;
 mod robot_study;
@@ -31,6 +39,7 @@ mod study;
 mod thin;
 mod toml_text;
 mod types;
+mod uncertain;
 mod write;
 mod write_source;
 mod write_study;
@@ -48,29 +57,33 @@ pub use arrays::ArrayLog;
 pub use clamped_study::{
     ClampedStudy, ClampedStudyLog, JointBeliefs, Predict, read_clamped_study, read_clamped_study_logs,
 };
-pub use csv::{read_joint_log, read_joint_log_as, read_log};
+pub use columns::{ColumnSpec, Columns, Unit};
 pub use error::{CellFault, FileKind, LogError, UnitFault};
+pub use format::Format;
 pub use health::{Health, health};
+pub use health_saturation::Stuck;
+pub use health_stamps::SetpointStamps;
 pub use inputs::read_study_logs;
 pub use manifest::MANIFEST_FILE;
-pub use mcap_out::{McapTopic, mcap_bytes};
+pub use mcap_out::{McapTopic, mcap_bytes, write_mcap};
+pub use motor_types::{Derivative, EncoderSide, Hold, MotorModel, MotorSpec, TauIs, VoltageMotor};
 pub use outputs::Outputs;
 pub use place::{Place, Subject};
 pub use plausible::check_period;
 pub use pose::{Pose, read_pose_for};
+pub use raw_columns::study_columns;
+pub use read_log::{read_joint_log, read_joint_log_as, read_log, read_robot_log};
 pub use release::{HeldPhase, Start};
-pub use robot_log::{BaseColumns, JointColumns, RobotLog, read_robot_log};
+pub use robot_log::{BaseColumns, JointColumns, RobotLog};
 pub use robot_study::{
     ControlSpec, FloorSpec, Forward, LegFrictionSpec, RobotRelease, RobotScenario, RobotSensorSpec, RobotStudy,
     RobotStudyLog, StudyKind, read_robot_study, read_robot_study_logs, study_kind,
 };
-pub use source::{Channel, ColumnSpec, Columns, Format, Source, Unit, log_files, read_source, study_columns};
+pub use source::{Channel, Source, log_files, read_source};
 pub use study::{read_sidecar_for, read_study};
 pub use thin::thinned;
-pub use types::{
-    Derivative, DriveMode, EncoderSide, ExtraMass, Hold, JointSpec, Log, MotorModel, MotorSpec, Nominal, Release, Role,
-    SensorSpec, Spread, Stamped, Study, StudyLog, TauIs, Uncertain, VoltageMotor,
-};
+pub use types::{DriveMode, ExtraMass, JointSpec, Log, Nominal, Release, Role, SensorSpec, Stamped, Study, StudyLog};
+pub use uncertain::{Spread, Uncertain};
 pub use write::{write_atomically, write_log};
 pub use write_source::{mcap_topics, write_csv};
 pub use write_study::study_text;

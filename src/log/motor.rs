@@ -2,10 +2,11 @@
 
 use toml::Spanned;
 
-use super::document::{Document, NOT_NEGATIVE, PERIOD, POSITIVE, Range64, range};
+use super::document::{Document, NOT_NEGATIVE, Number, PERIOD, POSITIVE, Range64, Text, range};
 use super::error::LogError;
-use super::schema::{Number, RawLog, RawMotor, Text};
-use super::types::{Derivative, DriveMode, EncoderSide, Hold, MotorModel, MotorSpec, TauIs, VoltageMotor};
+use super::motor_types::{Derivative, EncoderSide, Hold, MotorModel, MotorSpec, TauIs, VoltageMotor};
+use super::schema::{RawLog, RawMotor};
+use super::types::DriveMode;
 
 const DUTY: Range64 = range(|x| x > 0.0 && x <= 1.0, "a share of the supply above 0 and at most 1");
 

@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
+use super::column::Column;
 use super::error::{LogError, UnitFault};
-use super::header::Column;
 use super::types::{Log, SensorSpec};
 
 /// Gaps longer than this are two recordings \[s\].

@@ -3,10 +3,8 @@
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::source::RawColumns;
-
-pub(super) type Number = Option<Spanned<f64>>;
-pub(super) type Text = Option<Spanned<String>>;
+use super::document::{Number, Text};
+use super::raw_columns::RawColumns;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -8,11 +8,12 @@ use std::path::{Path, PathBuf};
 use toml::Spanned;
 
 use super::beliefs::{JOINT_NAMES, uncertain};
-use super::document::{ANGLE, Document, FINITE, NOT_NEGATIVE, PERIOD, Range64, range};
+use super::document::{ANGLE, Document, FINITE, NOT_NEGATIVE, PERIOD, Range64, Text, range};
 use super::error::LogError;
 use super::motor::{motor, tau_is};
-use super::schema::{RawExtra, RawJoint, RawLog, RawMotor, RawRelease, RawSensor, RawStudy, Text};
-use super::source::{columns, is_log_folder};
+use super::raw_columns::columns;
+use super::schema::{RawExtra, RawJoint, RawLog, RawMotor, RawRelease, RawSensor, RawStudy};
+use super::source::is_log_folder;
 use super::types::{DriveMode, ExtraMass, JointSpec, Nominal, Release, Role, SensorSpec, Study, StudyLog};
 
 const INERTIA: Range64 = range(|x| x > 0.0 && x < 1e4, "a number above 0 and below 1e4 (kg m^2)");

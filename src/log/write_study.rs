@@ -3,10 +3,10 @@
 use toml::{Table, Value};
 
 use super::motor::{DERIVATIVES, ENCODERS, HOLDS};
+use super::motor_types::{MotorModel, MotorSpec, TauIs};
 use super::study::{DRIVES, ROLES};
-use super::types::{
-    ExtraMass, JointSpec, MotorModel, MotorSpec, Release, SensorSpec, Spread, Study, StudyLog, TauIs, Uncertain,
-};
+use super::types::{ExtraMass, JointSpec, Release, SensorSpec, Study, StudyLog};
+use super::uncertain::{Spread, Uncertain};
 
 /// A joint study, or the sidecar of a log, as text that [`read_study`](super::read_study) reads to the same study.
 ///

@@ -1,13 +1,13 @@
 //! From a fit to what is shown of it.
 
+use super::data_health::health_rows;
 use super::notes::{notes, sentence};
 use super::{
-    Correlation, DropReport, FrictionPoint, LogCurves, LogHealthRow, ModelSummary, ParameterRow, ParameterStatus,
-    Provenance,
+    Correlation, DropReport, FrictionPoint, LogCurves, ModelSummary, ParameterRow, ParameterStatus, Provenance,
 };
 use crate::fit::Stop;
 use crate::identify::{Case, DropFit, Estimate, Experiment, Fitted, Item, JointModel, Named, Prediction, Status};
-use crate::log::{Role, Start};
+use crate::log::Role;
 
 /// Everything the report of a drop shows.
 pub fn drop_report(case: &Case, fit: &DropFit, provenance: Provenance) -> DropReport {
@@ -147,84 +147,7 @@ pub(super) fn stribeck_rows(fit: &DropFit) -> Vec<ParameterRow> {
     vec![mu_st, v_st]
 }
 
-/// One row per log, in the case's order.
-pub(super) fn health_rows(case: &Case) -> Vec<LogHealthRow> {
-    case.items.iter().map(health_row).collect()
-}
-
-fn health_row(item: &Item) -> LogHealthRow {
-    let h = &item.health;
-    let mut remarks = Vec::new();
-    match &h.start {
-        Start::AlwaysHeld => remarks.push("held throughout: never let go".to_owned()),
-        _ if !h.moved => remarks.push("never moves".to_owned()),
-        _ => {}
-    }
-    if let Some(e) = item.experiments.last() {
-        let last = e.first_sample + e.t_s.len();
-        if last < item.log.len() && item.log.drive.as_ref().is_some_and(|held| held[last]) {
-            remarks.push(format!("caught again at {:.3} s; what follows is not fitted", item.log.t_s[last]));
-        }
-    }
-    remarks.extend(item.remarks.iter().cloned());
-    if item.log.len() < h.samples {
-        remarks.push(format!("long log: {} of its samples are fitted", item.log.len()));
-    }
-    if h.lost_samples > 0 {
-        remarks.push(format!("{} samples lost", h.lost_samples));
-    }
-    remarks.extend(h.doubts());
-    if h.jitter_s > 0.1 * h.period_s {
-        remarks.push("uneven sampling".to_owned());
-    }
-    if let (Some(given), Some(seen)) = (item.sensor.resolution_rad, h.step_rad)
-        && (given / seen - 1.0).abs() > 0.05
-    {
-        remarks.push(format!("readings move in steps of {seen:.6} rad, the study says {given} rad"));
-    }
-    if let Some(given) = item.sensor.period_s
-        && (given / h.period_s - 1.0).abs() > 0.2
-    {
-        remarks.push(format!("samples every {:.4} s, the study says {given} s", h.period_s));
-    }
-    remarks.extend(item.log.setpoints.as_ref().and_then(|own| stamps_apart(&own.t_s, &item.log.t_s)));
-    remarks.extend(item.log.notes.iter().cloned());
-    if !item.log.ignored_columns.is_empty() {
-        remarks.push(format!("columns not used: {}", item.log.ignored_columns.join(", ")));
-    }
-    LogHealthRow {
-        file: item.entry.file.clone(),
-        role: role(item.entry.role),
-        samples: h.samples,
-        duration_s: h.duration_s,
-        period_s: h.period_s,
-        jitter_s: h.jitter_s,
-        lost: h.lost_samples,
-        resolution_rad: item.sensor.resolution_rad.or(h.step_rad).unwrap_or(0.0),
-        noise_rad: h.held_std_rad.or(Some(h.noise_rad)),
-        release_s: h.start.held().map(|held| held.release_s),
-        rest_from_s: h.rest_from_s,
-        remarks,
-    }
-}
-
-/// How setpoints with stamps of their own lie to the readings.
-fn stamps_apart(asked_s: &[f64], read_s: &[f64]) -> Option<String> {
-    let middle = |mut values: Vec<f64>| {
-        values.sort_unstable_by(f64::total_cmp);
-        values.get(values.len() / 2).copied()
-    };
-    let period_s = middle(asked_s.windows(2).map(|pair| pair[1] - pair[0]).collect())?;
-    let until = |asked: &f64| Some(read_s.get(read_s.partition_point(|read| read < asked))? - asked);
-    let later_s = middle(asked_s.iter().filter_map(until).collect())?;
-    Some(format!(
-        "setpoints have stamps of their own, every {:.2} ms, {:.2} ms before the next reading",
-        1e3 * period_s,
-        1e3 * later_s
-    ))
-}
-
-fn role(role: Role) -> String {
+pub(super) fn role(role: Role) -> String {
     match role {
         Role::Fit => "fit".into(),
         Role::Validate => "validate".into(),

@@ -10,6 +10,7 @@ mod beliefs;
 mod blind;
 mod check;
 mod clamped_gap;
+mod data_health;
 mod draft;
 mod error;
 mod fit_json;
@@ -39,7 +40,7 @@ pub use blind::{
     BlindReport, RobotBlindReport, blind_figures, blind_html, blind_text, robot_blind_figures, robot_blind_html,
     robot_blind_text,
 };
-pub use check::{CheckReport, check_json, check_text, checks_json, checks_text};
+pub use check::{CheckReport, LogSeries, check_html, check_json, check_text, checks_json, checks_text};
 pub use clamped_gap::{ClampedGapReport, clamped_gap_figures, clamped_gap_html, clamped_gap_json, clamped_gap_text};
 pub use draft::{Draft, DraftError, draft_study};
 pub use error::ReportError;
@@ -49,8 +50,8 @@ pub use gap::{GapReport, NEXT_FILE, gap_figures, gap_json, gap_text, law_figure,
 pub use html::render_html;
 pub use mcap::trace_topics;
 pub use model::{
-    Correlation, DropReport, FrictionPoint, HashedInput, LogCurves, LogHealthRow, ModelSummary, ParameterRow,
-    ParameterStatus, Provenance,
+    Correlation, DropReport, FrictionPoint, HashedInput, HealthMore, LogCurves, LogHealthRow, ModelSummary,
+    ParameterRow, ParameterStatus, Provenance,
 };
 pub use notes::{resting_gravity_nm, still};
 pub use plot::{

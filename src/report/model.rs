@@ -67,6 +67,44 @@ pub struct LogHealthRow {
     pub rest_from_s: Option<f64>,
     /// Plain-language remarks; empty where all is well.
     pub remarks: Vec<String>,
+    /// What the table of a report has no room for.
+    #[serde(flatten)]
+    pub more: HealthMore,
+}
+
+/// What else is known of a log: for programs, and for the page of `check`.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct HealthMore {
+    /// Longest step between two stamps \[s\].
+    pub longest_step_s: f64,
+    /// From the lowest to the highest reading \[rad\].
+    pub travel_rad: f64,
+    /// The speed that one reading in a hundred exceeds \[rad/s\].
+    pub top_speed_rad_s: f64,
+    /// How often the motion turns back.
+    pub reversals: usize,
+    /// Share of the time in which the joint does not move \[0 to 1\].
+    pub still_share: f64,
+    /// Share of the readings in motion that repeat the one before \[0 to 1\].
+    pub stale_share: f64,
+    /// How long the noise at rest hangs together \[s\]; `None`: it cannot be told.
+    pub noise_lasts_s: Option<f64>,
+    /// Correlation of that noise with itself so many samples later, from 0 on.
+    pub noise_correlation: Vec<f64>,
+    /// Of setpoints with stamps of their own: their median step \[s\].
+    pub setpoint_period_s: Option<f64>,
+    /// Their median time to the next reading \[s\].
+    pub setpoint_before_reading_s: Option<f64>,
+    /// The median departure of that time from its median \[s\].
+    pub setpoint_spread_s: Option<f64>,
+    /// The torque at which the drive is limited, as the log shows it \[N m\].
+    pub torque_limit_nm: Option<f64>,
+    /// The share of the samples at it \[0 to 1\].
+    pub torque_limit_share: Option<f64>,
+    /// Where readings stand while the setpoint goes on \[rad\].
+    pub stuck_at_rad: Option<f64>,
+    /// For how long \[s\].
+    pub stuck_s: Option<f64>,
 }
 
 /// One log with the two models' predictions on the fitted samples.

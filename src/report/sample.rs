@@ -52,6 +52,7 @@ fn health(log: &LogCurves) -> LogHealthRow {
         release_s: Some(0.4),
         rest_from_s: Some(4.912),
         remarks: Vec::new(),
+        more: HealthMore::default(),
     }
 }
 

@@ -4,6 +4,8 @@
 //! and how it began. Nothing of a log but its clock, setpoints, switches and the trunk's first place goes in; the
 //! readings are what the answer is compared with.
 
+mod asked;
+
 use super::bench::{SETTLE_S, loaded};
 use super::simulate::{Column, Control, Joints, Method, Scenario, Setpoints, SimulateError, Surroundings, run};
 use super::{BodyId, Dynamics, RobotError};
@@ -115,18 +117,20 @@ impl Nominal {
                 )));
             }
         }
+        let (t_s, hold) = (asked::times(log), self.control.hold);
         let column = |(joint, id): (&crate::geometry::Joint, JointId)| {
             self.joints.drive(id).chain.motor.as_ref()?;
-            let rest_rad = joint.resting_rad();
             let columns = log.joint(&joint.name);
-            let angle_rad = match columns.and_then(|columns| columns.q_ref_rad.clone()) {
-                Some(q_ref) => q_ref,
-                None => vec![rest_rad; log.len()],
+            let of = |columns: &JointColumns| {
+                let beside = columns.q_ref_rad.as_ref()?;
+                Some(asked::setpoints(log, beside, columns.setpoints.as_ref(), &t_s, hold))
             };
-            Some(Column { angle_rad, on: columns.and_then(|columns: &JointColumns| columns.drive.clone()) })
+            let angle_rad = columns.and_then(of).unwrap_or_else(|| vec![joint.resting_rad(); t_s.len()]);
+            let on = columns.and_then(|columns| columns.drive.as_ref());
+            Some(Column { angle_rad, on: on.map(|on| asked::switches(log, on, &t_s)) })
         };
         let columns = self.model.joints().iter().zip(self.model.joint_ids()).map(column).collect();
-        let table = Setpoints { t_s: log.t_s.clone(), columns, hold: self.control.hold };
+        let table = Setpoints { t_s, columns, hold };
         let mut table = table.clipped(&self.model).0;
         if let Some((release, joint)) = release.zip(released) {
             let end_s = log.t_s.last().copied().unwrap_or(0.0);

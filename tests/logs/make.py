@@ -16,13 +16,21 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 from mcap.writer import CompressionType, Writer as McapWriter
-from rosbags.rosbag2 import StoragePlugin, Writer as BagWriter
-from rosbags.typesys import Stores, get_typestore
+from rosbags.rosbag1 import Writer as Ros1Writer
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer as BagWriter
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 HERE = Path(__file__).parent
 JOINTS = ["shoulder", "elbow"]
 START_NS = 1_700_000_000_000_000_000
 STORE = get_typestore(Stores.ROS2_HUMBLE)
+CONTROLLER = "control_msgs/msg/JointTrajectoryControllerState"
+POINTS = "".join(f"trajectory_msgs/JointTrajectoryPoint {part}\n" for part in ["reference", "feedback", "error", "output"])
+STORE.register(get_types_from_msg("std_msgs/Header header\nstring[] joint_names\n" + POINTS, CONTROLLER))
+DYNAMIC = "control_msgs/msg/DynamicJointState"
+STORE.register(get_types_from_msg("string[] interface_names\nfloat64[] values\n", "control_msgs/msg/InterfaceValue"))
+STORE.register(get_types_from_msg("std_msgs/Header header\nstring[] joint_names\nInterfaceValue[] interface_values\n", DYNAMIC))
+ROS1 = get_typestore(Stores.ROS1_NOETIC)
 T = STORE.types
 
 
@@ -79,6 +87,111 @@ def bag(t, q, q_ref):
                 message = STORE.serialize_cdr(state(t[k], q[k]), kinds[0])
                 writer.write(readings, stamp(t[k])[0] + 2_500_000, message)
             writer.write(commands, stamp(t[k])[0], STORE.serialize_cdr(array(q_ref[k][::-1]), kinds[1]))
+
+
+def packed_bags(t, q, q_ref):
+    """Packed by the message, and as a whole; the latter in two files, as long recordings are."""
+    for name, mode in [("bag-messages", CompressionMode.MESSAGE), ("bag-files", CompressionMode.FILE)]:
+        out = HERE / name
+        shutil.rmtree(out, ignore_errors=True)
+        writer = BagWriter(out, version=8, storage_plugin=StoragePlugin.SQLITE3)
+        writer.set_compression(mode, CompressionFormat.ZSTD)
+        with writer:
+            kinds = ["sensor_msgs/msg/JointState", "trajectory_msgs/msg/JointTrajectory"]
+            topics = ["/left/joint_states", "/left/arm_controller/joint_trajectory"]
+            readings, commands = (writer.add_connection(*pair, typestore=STORE) for pair in zip(topics, kinds))
+            for k in range(60):
+                writer.write(commands, stamp(t[k])[0], STORE.serialize_cdr(trajectory(t[k], q_ref[k]), kinds[1]))
+                writer.write(readings, stamp(t[k])[0], STORE.serialize_cdr(state(t[k], q[k]), kinds[0]))
+
+
+def controller(t, q, q_ref):
+    """A controller's state beside readings that are not numbers yet, one joint that never is, and dynamic states."""
+    out = HERE / "controller"
+    shutil.rmtree(out, ignore_errors=True)
+    nothing = np.array([], dtype=np.float64)
+    at_once = T["builtin_interfaces/msg/Duration"](sec=0, nanosec=0)
+
+    def point(values):
+        values = np.array(values, dtype=np.float64)
+        return T["trajectory_msgs/msg/JointTrajectoryPoint"](
+            positions=values, velocities=nothing, accelerations=nothing, effort=nothing, time_from_start=at_once
+        )
+
+    with BagWriter(out, version=8, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        kinds = [CONTROLLER, DYNAMIC]
+        topics = ["/arm_controller/controller_state", "/dynamic_joint_states"]
+        states, dynamic = (writer.add_connection(*pair, typestore=STORE) for pair in zip(topics, kinds))
+        interface = T["control_msgs/msg/InterfaceValue"]
+        for k in range(60):
+            if k % 2 == 0:
+                message = T[CONTROLLER](
+                    header=header(t[k]),
+                    joint_names=JOINTS,
+                    reference=point(q_ref[k]),
+                    feedback=point(q[k]),
+                    error=point(q_ref[k] - q[k]),
+                    output=point([]),
+                )
+                writer.write(states, stamp(t[k])[0], STORE.serialize_cdr(message, CONTROLLER))
+            read = q[k] if k >= 4 else [math.nan, math.nan]
+            values = [interface(["position", "velocity"], np.array([at, 0.0])) for at in [*read, math.nan]]
+            message = T[DYNAMIC](header=header(t[k]), joint_names=[*JOINTS, "finger"], interface_values=values)
+            writer.write(dynamic, stamp(t[k])[0], STORE.serialize_cdr(message, DYNAMIC))
+
+
+def ros1(t, q, q_ref):
+    """Bags of ROS 1; each joint's command is a topic of its own."""
+    kinds = ["sensor_msgs/msg/JointState", "std_msgs/msg/Float64"]
+    packings = [None, Ros1Writer.CompressionFormat.BZ2, Ros1Writer.CompressionFormat.LZ4]
+    for name, packing in zip(["ros1", "ros1-bz2", "ros1-lz4"], packings):
+        path = HERE / f"{name}.bag"
+        path.unlink(missing_ok=True)
+        writer = Ros1Writer(path)
+        if packing:
+            writer.set_compression(packing)
+        with writer:
+            readings = writer.add_connection("/arm/joint_states", kinds[0], typestore=ROS1)
+            topics = [f"/arm/{name}_position_controller/command" for name in JOINTS]
+            commands = [writer.add_connection(topic, kinds[1], typestore=ROS1) for topic in topics]
+            types = ROS1.types
+            for k in range(60):
+                ns = stamp(t[k])[0]
+                for j, command in enumerate(commands):
+                    message = types["std_msgs/msg/Float64"](data=q_ref[k][j])
+                    writer.write(command, ns, ROS1.serialize_ros1(message, kinds[1]))
+                time = types["builtin_interfaces/msg/Time"](sec=ns // 10**9, nanosec=ns % 10**9)
+                message = types["sensor_msgs/msg/JointState"](
+                    header=types["std_msgs/msg/Header"](seq=k, stamp=time, frame_id="base"),
+                    name=JOINTS,
+                    position=np.array(list(q[k])),
+                    velocity=np.array([]),
+                    effort=np.array([]),
+                )
+                writer.write(readings, ns + 2_500_000, ROS1.serialize_ros1(message, kinds[0]))
+
+
+def arrays_alone(t, q, q_ref):
+    """An array with named fields, one with columns, and joints in rows under names that Python pickled."""
+    fields = np.zeros(60, dtype=[("t", ">f8"), ("q", "<f4", (2,)), ("q_ref", "<f8", (2,))])
+    fields["t"], fields["q"], fields["q_ref"] = t[:60], q[:60], q_ref[:60]
+    np.save(HERE / "fields.npy", fields)
+    np.save(HERE / "columns.npy", np.asfortranarray(np.column_stack([t[:60], q[:60, 1], q_ref[:60, 1]])))
+    ns = np.array([stamp(at)[0] for at in t[:60]])
+    names = np.array(JOINTS, dtype=object)
+    np.savez_compressed(HERE / "turned.npz", timestamp=ns, positions=q[:60].T, commands=q_ref[:60].T, joint_names=names)
+
+
+def plotted_controller(t, q, q_ref):
+    root = "/arm_controller/controller_state"
+    parts = [("error", q_ref - q), ("feedback", q), ("reference", q_ref)]
+    head = ["__time"] + [f"{root}/{part}/positions[{j}]" for part, _ in parts for j in range(2)] + [f"{root}/header/stamp"]
+    rows = [",".join(head)]
+    for k in range(60):
+        at = START_NS // 10**9 + t[k]
+        cells = [f"{values[k][j]:.9f}" for _, values in parts for j in range(2)]
+        rows.append(",".join([f"{at + 0.0025:.9f}", *cells, f"{at:.9f}"]))
+    (HERE / "plotjuggler-controller.csv").write_text("\n".join(rows) + "\n")
 
 
 def mcap_cdr(t, q, q_ref):
@@ -195,6 +308,11 @@ def bam(t, q, q_ref):
 if __name__ == "__main__":
     t, q, q_ref = arm()
     bag(t, q, q_ref)
+    packed_bags(t, q, q_ref)
+    controller(t, q, q_ref)
+    ros1(t, q, q_ref)
+    arrays_alone(t, q, q_ref)
+    plotted_controller(t, q, q_ref)
     mcap_cdr(t, q, q_ref)
     mcap_json(t, q, q_ref)
     lerobot(t, q, q_ref)

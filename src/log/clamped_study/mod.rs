@@ -11,8 +11,10 @@ mod tests;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use super::source::Columns;
-use super::types::{Derivative, DriveMode, EncoderSide, Hold, MotorModel, Role, SensorSpec, Uncertain};
+use super::columns::Columns;
+use super::motor_types::{Derivative, EncoderSide, Hold, MotorModel};
+use super::types::{DriveMode, Role, SensorSpec};
+use super::uncertain::Uncertain;
 
 pub use read::{read_clamped_study, read_clamped_study_logs};
 

@@ -11,10 +11,12 @@ use crate::log::beliefs::{ANY_NAME, uncertain};
 use crate::log::document::{Document, NOT_NEGATIVE, PERIOD, POSITIVE, Range64, range};
 use crate::log::error::LogError;
 use crate::log::motor::{DERIVATIVES, ENCODERS, HOLDS, model};
-use crate::log::robot_log::{RobotLog, read_robot_logs};
-use crate::log::source::columns;
+use crate::log::motor_types::{Derivative, Hold};
+use crate::log::raw_columns::columns;
+use crate::log::read_log::read_robot_logs;
+use crate::log::robot_log::RobotLog;
 use crate::log::study::{DRIVES, ROLES, check_schema, named_log, sensor};
-use crate::log::types::{Derivative, DriveMode, Hold, Role};
+use crate::log::types::{DriveMode, Role};
 
 /// The table of beliefs that holds for all joints.
 const ALL: &str = "default";

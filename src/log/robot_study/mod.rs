@@ -10,8 +10,10 @@ mod tests;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use super::source::Columns;
-use super::types::{Derivative, ExtraMass, Hold, Role, Uncertain};
+use super::columns::Columns;
+use super::motor_types::{Derivative, Hold};
+use super::types::{ExtraMass, Role};
+use super::uncertain::Uncertain;
 
 pub(crate) use raw::{RawControl, RawFloor, RawFriction, RawRobot, RawRobotSensor};
 pub(crate) use read::{Sections, floor, robot_sections};

@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use toml::Spanned;
 
-use crate::log::schema::{Number, RawExtra, RawUncertain, Text};
-use crate::log::source::RawColumns;
+use crate::log::document::{Number, Text};
+use crate::log::raw_columns::RawColumns;
+use crate::log::schema::{RawExtra, RawUncertain};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

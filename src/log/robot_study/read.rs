@@ -12,13 +12,15 @@ use super::{
 };
 use crate::log::beliefs::{ANY_NAME, uncertain};
 use crate::log::document::{Document, FINITE, NOT_NEGATIVE, PERIOD, POSITIVE, Range64, range};
+use crate::log::document::{Number, Text};
 use crate::log::error::LogError;
 use crate::log::motor::{DERIVATIVES, HOLDS};
-use crate::log::robot_log::{RobotLog, read_robot_logs};
-use crate::log::schema::{Number, Text};
-use crate::log::source::columns;
+use crate::log::motor_types::{Derivative, Hold};
+use crate::log::raw_columns::columns;
+use crate::log::read_log::read_robot_logs;
+use crate::log::robot_log::RobotLog;
 use crate::log::study::{RESOLUTION, ROLES, check_schema, extra, named_log};
-use crate::log::types::{Derivative, Hold, Role};
+use crate::log::types::Role;
 
 /// The robot that is compiled in.
 const EMBEDDED: &str = "ers7";

@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
-use super::channel::{Channel, Format, Source};
+use super::channel::{Channel, Source};
 use super::heading::{BASE, FELT};
+use crate::log::column::Column;
 use crate::log::error::LogError;
-use crate::log::header::Column;
+use crate::log::format::Format;
 use crate::log::place::Place;
 use crate::log::robot_log::{BaseColumns, JointColumns, RobotLog};
 use crate::log::types::{Log, Stamped};

@@ -8,8 +8,9 @@ use std::path::Path;
 use serde::Deserialize;
 use serde::de::{Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
-use super::channel::{Channel, Format, Source};
+use super::channel::{Channel, Source};
 use crate::log::error::LogError;
+use crate::log::format::Format;
 
 /// Entries of a log at the most: a day at a kilohertz.
 const MOST_ENTRIES: usize = 100_000_000;

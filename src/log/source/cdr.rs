@@ -1,62 +1,44 @@
-//! Messages of ROS 2 in CDR, and of MCAP in JSON: the three kinds that joints have.
+//! Messages as ROS writes them: CDR of ROS 2, either byte order, and the packed form of ROS 1.
 
-use serde::Deserialize;
-
-/// A kind of message that is read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
-    /// `sensor_msgs/msg/JointState`
-    JointState,
-    /// `trajectory_msgs/msg/JointTrajectory`
-    JointTrajectory,
-    /// `std_msgs/msg/Float64MultiArray`
-    MultiArray,
-}
-
-impl Kind {
-    /// By the name of a type or schema, with or without `/msg/`.
-    pub fn of_type(name: &str) -> Option<Self> {
-        match name.rsplit(['/', '.']).next()? {
-            "JointState" => Some(Self::JointState),
-            "JointTrajectory" => Some(Self::JointTrajectory),
-            "Float64MultiArray" => Some(Self::MultiArray),
-            _ => None,
-        }
-    }
-}
-
-/// A message, borrowed where it can be.
-#[derive(Debug, Default, PartialEq)]
-pub(super) struct Message<'a> {
-    /// Of the header \[ns\]; `None`: the kind has none, or it is zero.
-    pub stamp_ns: Option<i64>,
-    pub names: Vec<&'a str>,
-    /// One of a state, several of a trajectory.
-    pub points: Vec<Point>,
-}
-
-/// Joints at an instant.
-#[derive(Debug, Default, PartialEq)]
-pub(super) struct Point {
-    /// After the message's stamp \[ns\].
-    pub after_ns: i64,
-    pub position: Vec<f64>,
-    pub velocity: Vec<f64>,
-    pub effort: Vec<f64>,
-}
+use super::message::{Encoding, Kind, Message, Point};
 
 /// Decodes a message.
 ///
 /// # Errors
 /// What is wrong with it, in words.
-pub(super) fn decode(kind: Kind, bytes: &[u8]) -> Result<Message<'_>, String> {
-    let mut cdr = Cdr::new(bytes)?;
+pub(super) fn decode(kind: Kind, encoding: Encoding, bytes: &[u8]) -> Result<Message<'_>, String> {
+    let mut cdr = if encoding == Encoding::Ros1 { Cdr::of_ros1(bytes) } else { Cdr::new(bytes)? };
     match kind {
         Kind::JointState => {
             let stamp_ns = cdr.header()?;
             let names = cdr.strings()?;
             let (position, velocity, effort) = (cdr.doubles()?, cdr.doubles()?, cdr.doubles()?);
-            Ok(Message { stamp_ns, names, points: vec![Point { after_ns: 0, position, velocity, effort }] })
+            let points = vec![Point { after_ns: 0, position, velocity, effort }];
+            Ok(Message { stamp_ns, names, points, asked: None })
+        }
+        Kind::DynamicState => {
+            let stamp_ns = cdr.header()?;
+            let names = cdr.strings()?;
+            let mut point = Point::default();
+            for _ in 0..cdr.length(8)? {
+                let (interfaces, values) = (cdr.strings()?, cdr.doubles()?);
+                let value = |word: &str| {
+                    let at = interfaces.iter().position(|name| *name == word);
+                    at.and_then(|at| values.get(at)).copied().unwrap_or(f64::NAN)
+                };
+                point.position.push(value("position"));
+                point.velocity.push(value("velocity"));
+                point.effort.push(value("effort"));
+            }
+            Ok(Message { stamp_ns, names, points: vec![point], asked: None })
+        }
+        Kind::ControllerState => {
+            let stamp_ns = cdr.header()?;
+            let names = cdr.strings()?;
+            // Errors and what later versions add follow.
+            let (asked, read) = (cdr.point()?, cdr.point()?);
+            let points = vec![Point { after_ns: 0, ..read }];
+            Ok(Message { stamp_ns, names, points, asked: Some(Point { after_ns: 0, ..asked }) })
         }
         Kind::JointTrajectory => {
             let stamp_ns = cdr.header()?;
@@ -64,11 +46,9 @@ pub(super) fn decode(kind: Kind, bytes: &[u8]) -> Result<Message<'_>, String> {
             let count = cdr.length(16)?;
             let mut points = Vec::with_capacity(count.min(1024));
             for _ in 0..count {
-                let (position, velocity, _, effort) = (cdr.doubles()?, cdr.doubles()?, cdr.doubles()?, cdr.doubles()?);
-                let after_ns = cdr.time()?;
-                points.push(Point { after_ns, position, velocity, effort });
+                points.push(cdr.point()?);
             }
-            Ok(Message { stamp_ns, names, points })
+            Ok(Message { stamp_ns, names, points, asked: None })
         }
         Kind::MultiArray => {
             for _ in 0..cdr.length(12)? {
@@ -78,7 +58,11 @@ pub(super) fn decode(kind: Kind, bytes: &[u8]) -> Result<Message<'_>, String> {
             }
             cdr.u32()?;
             let point = Point { position: cdr.doubles()?, ..Point::default() };
-            Ok(Message { stamp_ns: None, names: Vec::new(), points: vec![point] })
+            Ok(Message { points: vec![point], ..Message::default() })
+        }
+        Kind::Number => {
+            let point = Point { position: vec![cdr.double()?], ..Point::default() };
+            Ok(Message { points: vec![point], ..Message::default() })
         }
     }
 }
@@ -88,8 +72,10 @@ struct Cdr<'a> {
     bytes: &'a [u8],
     at: usize,
     is_little: bool,
-    /// Largest alignment: 8, of XCDR2 4.
+    /// Largest alignment: 8, of XCDR2 4, of ROS 1 none.
     align: usize,
+    /// A header has a number of its own.
+    is_ros1: bool,
 }
 
 const CUT: &str = "it ends within a field";
@@ -104,7 +90,11 @@ impl<'a> Cdr<'a> {
             7 => (true, 4),
             other => return Err(format!("its encapsulation is 0x{:02x}{other:02x}, expected plain CDR", head[0])),
         };
-        Ok(Self { bytes: body, at: 0, is_little, align })
+        Ok(Self { bytes: body, at: 0, is_little, align, is_ros1: false })
+    }
+
+    fn of_ros1(bytes: &'a [u8]) -> Self {
+        Self { bytes, at: 0, is_little: true, align: 1, is_ros1: true }
     }
 
     fn take(&mut self, count: usize, align: usize) -> Result<&'a [u8], String> {
@@ -135,6 +125,9 @@ impl<'a> Cdr<'a> {
 
     /// `std_msgs/Header`; a stamp of zero is none.
     fn header(&mut self) -> Result<Option<i64>, String> {
+        if self.is_ros1 {
+            self.u32()?;
+        }
         let stamp = self.time()?;
         self.string()?;
         Ok((stamp != 0).then_some(stamp))
@@ -158,136 +151,37 @@ impl<'a> Cdr<'a> {
             return Ok(Vec::new());
         }
         let bytes = self.take(count * 8, 8)?;
-        let is_little = self.is_little;
-        let double = |bytes: &[u8]| {
-            let bytes: [u8; 8] = bytes.try_into().unwrap_or_default();
-            if is_little { f64::from_le_bytes(bytes) } else { f64::from_be_bytes(bytes) }
-        };
-        Ok(bytes.chunks_exact(8).map(double).collect())
+        Ok(bytes.chunks_exact(8).map(|bytes| self.double_of(bytes)).collect())
     }
-}
 
-/// A message in JSON, with the fields of any of the kinds.
-#[derive(Deserialize)]
-struct Json<'a> {
-    #[serde(default)]
-    header: JsonHeader,
-    #[serde(default, borrow, alias = "joint_names")]
-    name: Vec<std::borrow::Cow<'a, str>>,
-    #[serde(default)]
-    position: Vec<Option<f64>>,
-    #[serde(default)]
-    velocity: Vec<Option<f64>>,
-    #[serde(default)]
-    effort: Vec<Option<f64>>,
-    #[serde(default)]
-    points: Vec<JsonPoint>,
-    #[serde(default)]
-    data: Vec<Option<f64>>,
-}
-
-#[derive(Default, Deserialize)]
-struct JsonHeader {
-    #[serde(default)]
-    stamp: JsonTime,
-}
-
-#[derive(Default, Deserialize)]
-struct JsonTime {
-    #[serde(default, alias = "secs")]
-    sec: i64,
-    #[serde(default, alias = "nsec", alias = "nsecs")]
-    nanosec: i64,
-}
-
-impl JsonTime {
-    fn ns(&self) -> i64 {
-        self.sec.saturating_mul(1_000_000_000).saturating_add(self.nanosec)
+    fn double(&mut self) -> Result<f64, String> {
+        let bytes = self.take(8, 8)?;
+        Ok(self.double_of(bytes))
     }
-}
 
-#[derive(Deserialize)]
-struct JsonPoint {
-    #[serde(default)]
-    positions: Vec<Option<f64>>,
-    #[serde(default)]
-    velocities: Vec<Option<f64>>,
-    #[serde(default)]
-    effort: Vec<Option<f64>>,
-    #[serde(default)]
-    time_from_start: JsonTime,
-}
-
-/// A message in JSON, and its names.
-///
-/// # Errors
-/// What is wrong with it, in words.
-pub(super) fn decode_json(kind: Kind, bytes: &[u8]) -> Result<(Vec<String>, Message<'static>), String> {
-    let json: Json<'_> = serde_json::from_slice(bytes).map_err(|error| format!("its JSON: {error}"))?;
-    let numbers = |values: Vec<Option<f64>>| values.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect();
-    let points = match kind {
-        Kind::JointState => vec![Point {
-            after_ns: 0,
-            position: numbers(json.position),
-            velocity: numbers(json.velocity),
-            effort: numbers(json.effort),
-        }],
-        Kind::JointTrajectory => {
-            let point = |point: JsonPoint| Point {
-                after_ns: point.time_from_start.ns(),
-                position: numbers(point.positions),
-                velocity: numbers(point.velocities),
-                effort: numbers(point.effort),
-            };
-            json.points.into_iter().map(point).collect()
-        }
-        Kind::MultiArray => vec![Point { position: numbers(json.data), ..Point::default() }],
-    };
-    let stamp = json.header.stamp.ns();
-    let message = Message { stamp_ns: (stamp != 0).then_some(stamp), names: Vec::new(), points };
-    Ok((json.name.into_iter().map(std::borrow::Cow::into_owned).collect(), message))
-}
-
-/// A JointState in little-endian CDR.
-pub(in crate::log) fn joint_state(stamp_ns: i64, names: &[&str], fields: [&[f64]; 3]) -> Vec<u8> {
-    let mut out = vec![0, 1, 0, 0];
-    let pad = |out: &mut Vec<u8>, align: usize| {
-        let body = out.len() - 4;
-        out.resize(4 + body.next_multiple_of(align), 0);
-    };
-    let number = |out: &mut Vec<u8>, value: u32| {
-        pad(out, 4);
-        out.extend(value.to_le_bytes());
-    };
-    let string = |out: &mut Vec<u8>, text: &str| {
-        number(out, text.len() as u32 + 1);
-        out.extend(text.as_bytes());
-        out.push(0);
-    };
-    number(&mut out, stamp_ns.div_euclid(1_000_000_000) as u32);
-    number(&mut out, stamp_ns.rem_euclid(1_000_000_000) as u32);
-    string(&mut out, "");
-    number(&mut out, names.len() as u32);
-    names.iter().for_each(|name| string(&mut out, name));
-    for field in fields {
-        number(&mut out, field.len() as u32);
-        if !field.is_empty() {
-            pad(&mut out, 8);
-        }
-        field.iter().for_each(|value| out.extend(value.to_le_bytes()));
+    fn double_of(&self, bytes: &[u8]) -> f64 {
+        let bytes: [u8; 8] = bytes.try_into().unwrap_or_default();
+        if self.is_little { f64::from_le_bytes(bytes) } else { f64::from_be_bytes(bytes) }
     }
-    out
+
+    /// A point of a trajectory; accelerations are passed over.
+    fn point(&mut self) -> Result<Point, String> {
+        let (position, velocity, _, effort) = (self.doubles()?, self.doubles()?, self.doubles()?, self.doubles()?);
+        Ok(Point { after_ns: self.time()?, position, velocity, effort })
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::log::source::cdr_write::joint_state;
+    use crate::log::source::json_message::decode_json;
     use proptest::prelude::*;
 
     #[test]
     fn a_joint_state_is_read_as_it_was_written() {
         let bytes = joint_state(1_500_000_007, &["elbow", "a"], [&[1.5, -2.0], &[], &[0.25, 4.0]]);
-        let message = decode(Kind::JointState, &bytes).unwrap();
+        let message = decode(Kind::JointState, Encoding::Cdr, &bytes).unwrap();
         assert_eq!((message.stamp_ns, &message.names[..]), (Some(1_500_000_007), &["elbow", "a"][..]));
         let point = &message.points[0];
         assert_eq!(
@@ -297,12 +191,21 @@ mod tests {
     }
 
     #[test]
-    fn json_has_the_same_fields() {
-        let text = br#"{"header":{"stamp":{"sec":1,"nsec":5}},"name":["a"],"position":[0.5],"effort":[null]}"#;
-        let (names, message) = decode_json(Kind::JointState, text).unwrap();
-        assert_eq!((names, message.stamp_ns), (vec!["a".to_owned()], Some(1_000_000_005)));
-        assert!(message.points[0].position == [0.5] && message.points[0].effort[0].is_nan());
-        assert!(decode_json(Kind::JointState, b"{\"name\": 3}").is_err());
+    fn a_controllers_state_has_both_what_was_asked_and_what_was_read() {
+        // Of ROS 1: packed, with a number in the header.
+        let mut bytes = Vec::new();
+        for word in [9_u32, 2, 5, 0, 1, 1] {
+            bytes.extend(word.to_le_bytes());
+        }
+        bytes.push(b'a');
+        for value in [0.5_f64, 0.25] {
+            bytes.extend(1_u32.to_le_bytes());
+            bytes.extend(value.to_le_bytes());
+            bytes.extend([0; 12 + 8]);
+        }
+        let message = decode(Kind::ControllerState, Encoding::Ros1, &bytes).unwrap();
+        assert_eq!((message.stamp_ns, &message.names[..]), (Some(2_000_000_005), &["a"][..]));
+        assert_eq!((message.points[0].position[0], message.asked.unwrap().position[0]), (0.25, 0.5));
     }
 
     proptest! {
@@ -313,8 +216,10 @@ mod tests {
                 *byte = to;
             }
             bytes.truncate(cut);
-            for kind in [Kind::JointState, Kind::JointTrajectory, Kind::MultiArray] {
-                let _ = decode(kind, &bytes);
+            let kinds = [Kind::JointState, Kind::DynamicState, Kind::ControllerState, Kind::JointTrajectory, Kind::MultiArray];
+            for kind in kinds {
+                let _ = decode(kind, Encoding::Cdr, &bytes);
+                let _ = decode(kind, Encoding::Ros1, &bytes);
                 let _ = decode_json(kind, &bytes);
             }
         }

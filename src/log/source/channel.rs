@@ -1,52 +1,12 @@
 //! Channels, their stamps, and where in the file a sample stands.
 
-use std::fmt;
 use std::path::PathBuf;
 
-use super::columns::ColumnSpec;
-use crate::log::header::Column;
+use crate::log::column::{Column, column_of};
+use crate::log::columns::ColumnSpec;
+use crate::log::format::Format;
 use crate::log::place::{Place, Subject};
 use crate::log::plausible::Row;
-
-/// A format that is read, recognised by what a file holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Format {
-    /// The project's own CSV, or any other that `[columns]` explains.
-    Csv,
-    /// A table with a row for each message, empty cells where another message stands.
-    StaggeredCsv,
-    /// A JointState message as a table, in one of the layouts that tools write.
-    JointStateTable,
-    /// A folder of SAGE: `control.csv`, `state_motor.csv`, `joint_list.txt`.
-    Sage,
-    /// A ROS 2 bag in SQLite.
-    Rosbag2,
-    /// MCAP.
-    Mcap,
-    /// A LeRobot dataset, or one of its Parquet files.
-    LeRobot,
-    /// Arrays of NumPy.
-    Npz,
-    /// A log of Rhoban's BAM, in JSON.
-    Bam,
-}
-
-impl fmt::Display for Format {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Csv => "CSV",
-            Self::StaggeredCsv => "CSV with a row for each message",
-            Self::JointStateTable => "a table of JointState messages",
-            Self::Sage => "a SAGE recording",
-            Self::Rosbag2 => "a rosbag2 file (SQLite)",
-            Self::Mcap => "MCAP",
-            Self::LeRobot => "a LeRobot dataset",
-            Self::Npz => "NumPy arrays (.npz)",
-            Self::Bam => "a log of BAM (JSON)",
-        })
-    }
-}
 
 /// Samples of one quantity.
 #[derive(Clone, Debug, PartialEq)]
@@ -121,7 +81,7 @@ impl Source {
 
     /// Joints that have an angle, in file order; the joint of a log of one has the name `None`.
     pub fn joints(&self) -> Vec<Option<&str>> {
-        let ours = self.channels.iter().filter_map(|channel| super::column_of(channel.ours.as_deref()?));
+        let ours = self.channels.iter().filter_map(|channel| column_of(channel.ours.as_deref()?));
         ours.filter(|(_, column)| *column == Column::Angle).map(|(joint, _)| joint).collect()
     }
 

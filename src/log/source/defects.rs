@@ -2,7 +2,7 @@
 
 use std::mem::Discriminant;
 
-use super::columns::Columns;
+use crate::log::columns::Columns;
 use crate::log::error::{CellFault, LogError};
 
 /// Kinds that are told one by one; a file with more than these is none of ours.
@@ -62,32 +62,6 @@ impl Defects {
         }
         Err(LogError::Defects { first: Box::new(first), count, others, beyond: self.beyond, mend })
     }
-}
-
-/// How often more a defect is there.
-pub(in crate::log) fn more(count: usize) -> String {
-    if count > 1 { format!("\n  and {} more of this kind", count - 1) } else { String::new() }
-}
-
-/// The defects after the first.
-pub(in crate::log) fn tell_others(others: &[(LogError, usize)], beyond: usize) -> String {
-    let mut text: String = others.iter().map(|(error, count)| format!("\nalso: {error}{}", more(*count))).collect();
-    if beyond > 0 {
-        text += &format!("\nand {beyond} of other kinds");
-    }
-    text
-}
-
-/// What would mend a file.
-pub(in crate::log) fn tell_mend(mend: &Columns) -> String {
-    if mend.0.is_empty() {
-        return String::new();
-    }
-    let lines = mend.toml();
-    format!(
-        "\nin a study, or in the sidecar NAME.toml of the log with `schema = 1`, these lines would read the file as it is (units are guesses, check them):\n{}",
-        lines.trim_end()
-    )
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! What the name of a column says: whose it is, what it holds, in which unit. A guess, and always told as one.
 
-use super::columns::Unit;
-use crate::log::header::Column;
+use crate::log::column::Column;
+use crate::log::columns::Unit;
 use std::f64::consts::TAU;
 
 /// What a name looks like.
@@ -34,7 +34,7 @@ const ANGLES: [&str; 16] = [
     "jointposition",
     "qpos",
 ];
-const SETPOINTS: [&str; 13] = [
+const SETPOINTS: [&str; 22] = [
     "ref",
     "qref",
     "target",
@@ -48,6 +48,15 @@ const SETPOINTS: [&str; 13] = [
     "reference",
     "action",
     "qdes",
+    "refs",
+    "targets",
+    "goals",
+    "cmds",
+    "commands",
+    "setpoints",
+    "references",
+    "actions",
+    "qtarget",
 ];
 const SPEEDS: [&str; 8] = ["dq", "vel", "velocity", "velocities", "speed", "qdot", "qd", "qvel"];
 const TORQUES: [&str; 5] = ["tau", "torque", "torques", "effort", "efforts"];

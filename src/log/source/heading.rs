@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use super::columns::{ColumnSpec, Columns, column_of};
 use super::defects::Defects;
 use super::guess::{Guess, guess};
-use super::read::Want;
+use super::want::Want;
+use crate::log::column::{Column, column_of};
+use crate::log::columns::{ColumnSpec, Columns};
 use crate::log::error::LogError;
-use crate::log::header::{Column, alias, hint, no_table};
+use crate::log::header::{alias, hint, no_table};
 use crate::log::place::{Place, Subject};
 use crate::log::plausible::Row;
 
@@ -163,7 +164,7 @@ impl Heading {
 
     /// The lines of `[columns]` that would read this table, with units for the cells that need them; empty where they
     /// would say nothing.
-    pub fn mend(&self, units: &[(usize, super::columns::Unit)]) -> Columns {
+    pub fn mend(&self, units: &[(usize, crate::log::columns::Unit)]) -> Columns {
         let mut columns = Columns::default();
         for one in &self.wanted {
             let unit = units.iter().find(|(cell, _)| *cell == one.cell).map(|(_, unit)| *unit);
@@ -171,6 +172,14 @@ impl Heading {
             let spec = ColumnSpec { unit: unit.or(spec.unit), ..spec };
             if spec != ColumnSpec::named(&one.ours) {
                 columns.0.insert(one.ours.clone(), spec);
+            }
+        }
+        // A setpoint that looks like another unit has that of its angle, whichever it looks like.
+        for one in self.wanted.iter().filter(|one| one.column == Some(Column::Setpoint)) {
+            let is_suspect = units.iter().any(|(cell, _)| *cell == one.cell);
+            let angle = one.ours.strip_suffix("_ref").and_then(|angle| columns.0.get(angle)?.unit);
+            if let (true, Some(unit), Some(spec)) = (is_suspect, angle, columns.0.get_mut(&one.ours)) {
+                spec.unit = Some(unit);
             }
         }
         let guesses: Vec<(usize, Guess)> =

@@ -1,16 +1,10 @@
 //! Where messages of joints stand in a table, by its header and the row after it.
 
-use std::collections::BTreeMap;
-
-use super::cdr::Kind;
 use super::guess::guess;
-use crate::log::header::Column;
-
-/// Nanoseconds of a second.
-pub(super) const NS: i64 = 1_000_000_000;
-
-/// Cells of position, velocity and effort.
-pub(super) type Fields = [Option<usize>; 3];
+use super::joint_columns::{Columns, Content, Fields, Names, Stamp, field, fields_of, numbered};
+use super::message::Kind;
+use super::plotjuggler;
+use crate::log::column::Column;
 
 /// How the messages stand in the rows.
 #[derive(Debug)]
@@ -18,47 +12,10 @@ pub(super) struct Layout {
     pub topics: Vec<Columns>,
 }
 
-/// Columns of one topic.
-#[derive(Debug)]
-pub(super) struct Columns {
-    pub topic: String,
-    pub kind: Kind,
-    pub stamp: Stamp,
-    pub content: Content,
-}
-
-/// Where the stamp of a message stands.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Stamp {
-    /// In one cell, of so many nanoseconds each.
-    One(usize, i64),
-    /// In one cell, of a unit that its steps tell.
-    Unknown(usize),
-    /// Seconds and nanoseconds.
-    Two(usize, usize),
-}
-
-#[derive(Debug)]
-pub(super) enum Content {
-    /// A cell for each joint and field: position, velocity, effort.
-    Wide { names: Names, cells: Vec<Fields> },
-    /// Cells with lists: names, and the three fields.
-    Lists { names: usize, cells: Fields },
-    /// One joint a row.
-    Long { name: usize, cells: Fields },
-}
-
-#[derive(Debug)]
-pub(super) enum Names {
-    Known(Vec<String>),
-    /// In cells of each row.
-    Cells(Vec<usize>),
-}
-
 impl Layout {
     /// Recognises a layout by the header and the row after it; `None`: none of these.
     pub fn find(names: &[String], first: &[String]) -> Option<Self> {
-        let plotted = plotjuggler(names);
+        let plotted = plotjuggler::topics(names);
         if !plotted.is_empty() {
             return Some(Self { topics: plotted });
         }
@@ -69,84 +26,6 @@ impl Layout {
 
 fn position(names: &[String], wanted: &[&str]) -> Option<usize> {
     names.iter().position(|name| wanted.contains(&name.to_lowercase().as_str()))
-}
-
-/// The field that a word is: 0 position, 1 velocity, 2 effort.
-fn field(word: &str) -> Option<usize> {
-    match word {
-        "position" | "positions" => Some(0),
-        "velocity" | "velocities" => Some(1),
-        "effort" | "efforts" => Some(2),
-        _ => None,
-    }
-}
-
-/// A name and its number: `position[3]`, `position.3`, `position_3`, `position3`.
-fn numbered(word: &str) -> Option<(&str, usize)> {
-    let word = word.strip_suffix(']').unwrap_or(word);
-    let digits = word.len() - word.trim_end_matches(|c: char| c.is_ascii_digit()).len();
-    let (name, number) = word.split_at(word.len() - digits);
-    Some((name.trim_end_matches(['[', '.', '_']), number.parse().ok().filter(|number| *number < 512)?))
-}
-
-/// Topics of PlotJuggler: `/topic/joint/position`, `/topic/data[0]`, `/topic/points[0]/positions[0]`.
-fn plotjuggler(names: &[String]) -> Vec<Columns> {
-    let Some(time) = names.iter().position(|name| name == "__time") else { return Vec::new() };
-    let mut states: BTreeMap<&str, Vec<(String, Fields)>> = BTreeMap::new();
-    let mut arrays: BTreeMap<&str, Vec<(usize, usize)>> = BTreeMap::new();
-    for (cell, name) in names.iter().enumerate() {
-        let Some((before, last)) = name.rsplit_once('/') else { continue };
-        if let (Some(field), Some((topic, joint))) = (field(last), before.rsplit_once('/')) {
-            let joints = states.entry(topic).or_default();
-            match joints.iter_mut().find(|(name, _)| name == joint) {
-                Some((_, cells)) => cells[field] = Some(cell),
-                None => {
-                    let mut cells = [None; 3];
-                    cells[field] = Some(cell);
-                    joints.push((joint.to_owned(), cells));
-                }
-            }
-        } else if let Some((word, number)) = numbered(last) {
-            let trajectory = before.strip_suffix("/points[0]").or_else(|| before.strip_suffix("/points.0"));
-            match (word, trajectory) {
-                ("data", None) => arrays.entry(before).or_default().push((number, cell)),
-                ("positions", Some(topic)) => arrays.entry(topic).or_default().push((number, cell)),
-                _ => {}
-            }
-        }
-    }
-    // Without a header's stamp the time is that of the receipt.
-    let find = |name: String| names.iter().position(|other| *other == name);
-    let stamp_of = |topic: &str| {
-        let parts = |sec: &str, nano: &str| {
-            Some(Stamp::Two(
-                find(format!("{topic}/header/stamp/{sec}"))?,
-                find(format!("{topic}/header/stamp/{nano}"))?,
-            ))
-        };
-        find(format!("{topic}/header/stamp"))
-            .map(|cell| Stamp::One(cell, NS))
-            .or_else(|| parts("sec", "nanosec"))
-            .or_else(|| parts("secs", "nsecs"))
-            .unwrap_or(Stamp::One(time, NS))
-    };
-    let states = states.into_iter().filter(|(_, joints)| joints.iter().any(|(_, cells)| cells[0].is_some()));
-    let mut topics: Vec<Columns> = states
-        .map(|(topic, joints)| {
-            let (names, cells) = joints.into_iter().filter(|(_, cells)| cells[0].is_some()).unzip();
-            let content = Content::Wide { names: Names::Known(names), cells };
-            Columns { topic: topic.to_owned(), kind: Kind::JointState, stamp: stamp_of(topic), content }
-        })
-        .collect();
-    if !topics.is_empty() {
-        topics.extend(arrays.into_iter().map(|(topic, mut numbers)| {
-            numbers.sort_unstable();
-            let cells: Vec<Fields> = numbers.iter().map(|(_, cell)| [Some(*cell), None, None]).collect();
-            let content = Content::Wide { names: Names::Known(Vec::new()), cells };
-            Columns { topic: topic.to_owned(), kind: Kind::MultiArray, stamp: stamp_of(topic), content }
-        }));
-    }
-    topics
 }
 
 /// The stamp of a frame: of the header where it has one.
@@ -217,14 +96,7 @@ fn per_joint(names: &[String]) -> Option<Columns> {
     for (cell, name) in names.iter().enumerate() {
         let Some((joint, last)) = name.rsplit_once(['_', '.', '/', ' ']) else { continue };
         let Some(field) = field(&last.to_lowercase()).filter(|_| !joint.is_empty()) else { continue };
-        match joints.iter_mut().find(|(name, _)| name == joint) {
-            Some((_, cells)) => cells[field] = Some(cell),
-            None => {
-                let mut cells = [None; 3];
-                cells[field] = Some(cell);
-                joints.push((joint.to_owned(), cells));
-            }
-        }
+        fields_of(&mut joints, joint)[field] = Some(cell);
     }
     // One column of that kind is a name like any other; other columns may hold what was asked, and units of their own.
     let is_state = joints.len() > 1 && joints.iter().all(|(_, cells)| cells[0].is_some());
@@ -250,12 +122,6 @@ mod tests {
 
     #[test]
     fn tables_of_tools_are_told_by_their_names() {
-        let plotted =
-            find("__time,/arm/elbow/position,/arm/header/stamp,/cmd/data[1],/cmd/data[0]", "0,0,0,0,0").unwrap();
-        assert_eq!(plotted.topics.len(), 2);
-        assert_eq!((plotted.topics[0].topic.as_str(), plotted.topics[0].stamp), ("/arm", Stamp::One(2, NS)));
-        let Content::Wide { cells, .. } = &plotted.topics[1].content else { panic!("numbers") };
-        assert_eq!(cells[0][0], Some(4));
         let echo = find("%time,field.header.stamp,field.name0,field.position0,field.velocity0", "1,1,a,0,0").unwrap();
         assert_eq!(echo.topics[0].stamp, Stamp::One(1, 1));
         let long = find("time,joint,position,effort", "0,elbow,1,2").unwrap();

@@ -3,19 +3,23 @@
 //!
 //! Every row is a message, or one of several topics; they are gathered as those of a bag are.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use csv::ByteRecord;
 
-use super::cdr::{Message, Point};
 use super::cells::{list_cell, names_cell, nanoseconds};
-use super::channel::{Format, Source};
+use super::channel::Source;
 use super::defects::Defects;
-use super::joint_layout::{Columns, Content, Fields, Layout, NS, Names, Stamp};
+use super::joint_columns::{Columns, Content, Fields, Names, Stamp};
+use super::joint_layout::Layout;
+use super::message::{Message, Point};
+use super::stamps::{NS, ns_per_unit, unit_word};
 use super::topics::Topics;
 use crate::log::error::{CellFault, LogError};
+use crate::log::format::Format;
 use crate::log::place::{Place, Subject};
-use crate::log::plausible::Row;
+use crate::log::plausible::{Row, median_step};
 use crate::log::rows;
 
 /// Reads a table of a layout.
@@ -37,16 +41,11 @@ pub(super) fn read_joint_table(path: &Path, layout: Layout) -> Result<Source, Lo
         }
         Ok(())
     })?;
-    reader.defects.into_result(super::columns::Columns::default())?;
+    reader.defects.into_result(crate::log::columns::Columns::default())?;
     let mut source = reader.topics.into_source(path, Format::JointStateTable)?;
     for (topic, ns) in layout.topics.iter().zip(&reader.units) {
         if let Stamp::Unknown(cell) = topic.stamp {
-            let unit = match ns {
-                1 => "nanoseconds",
-                1_000 => "microseconds",
-                1_000_000 => "milliseconds",
-                _ => "seconds",
-            };
+            let unit = unit_word(*ns);
             source
                 .notes
                 .push(format!("{}: stamps are {unit}, by their steps", reader.names.get(cell).map_or("", |name| name)));
@@ -74,12 +73,7 @@ fn units(path: &Path, layout: &Layout) -> Result<Vec<i64>, LogError> {
         }
         Ok(())
     })?;
-    let unit = |stamps: &Vec<f64>| match crate::log::plausible::median_step(stamps) {
-        step if step >= 5e5 => 1,
-        step if step >= 500.0 => 1_000,
-        step if step >= 0.5 => 1_000_000,
-        _ => NS,
-    };
+    let unit = |stamps: &Vec<f64>| ns_per_unit(median_step(stamps));
     Ok(stamps.iter().map(unit).collect())
 }
 
@@ -137,23 +131,23 @@ impl Reader<'_> {
                 };
                 let fields = column(0).and_then(|position| Ok([position, column(1)?, column(2)?]));
                 let names = match names {
-                    Names::Known(names) => names.clone(),
-                    Names::Cells(cells) => cells
-                        .iter()
-                        .map(|at| String::from_utf8_lossy(cell(*at)).trim().trim_matches('"').to_owned())
-                        .collect(),
+                    Names::Known(names) => Cow::Borrowed(&names[..]),
+                    Names::Cells(cells) => {
+                        let title = |at: &usize| String::from_utf8_lossy(cell(*at)).trim().trim_matches('"').to_owned();
+                        Cow::Owned(cells.iter().map(title).collect())
+                    }
                 };
                 (names, fields)
             }
             Content::Lists { names, cells } => match names_cell(cell(*names)) {
-                Some(titles) => (titles, lists(cells)),
-                None => (Vec::new(), Err(*names)),
+                Some(titles) => (Cow::Owned(titles), lists(cells)),
+                None => (Cow::Owned(Vec::new()), Err(*names)),
             },
             Content::Long { name, cells } => {
                 let one =
                     |at: Option<usize>| if at.is_some() { number(at).map(|value| vec![value]) } else { Ok(Vec::new()) };
                 let fields = one(cells[0]).and_then(|position| Ok([position, one(cells[1])?, one(cells[2])?]));
-                (vec![String::from_utf8_lossy(cell(*name)).trim().to_owned()], fields)
+                (Cow::Owned(vec![String::from_utf8_lossy(cell(*name)).trim().to_owned()]), fields)
             }
         };
         let [position, velocity, effort] = match fields {
@@ -170,7 +164,7 @@ impl Reader<'_> {
             names = there.iter().map(|k| names[*k]).collect();
             point = Point { after_ns: 0, position, velocity, effort };
         }
-        let message = Message { stamp_ns: Some(stamp_ns), names: Vec::new(), points: vec![point] };
+        let message = Message { stamp_ns: Some(stamp_ns), points: vec![point], ..Message::default() };
         if let Err(what) = self.topics.take(&topic.topic, topic.kind, &names, stamp_ns, message) {
             let error = LogError::Format { file: self.path.to_path_buf(), format: Format::JointStateTable, what };
             self.defects.push(None, error);

@@ -7,13 +7,13 @@
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
-use parquet::basic::Type;
-use parquet::column::reader::ColumnReader;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 
-use super::channel::{Channel, Format, Source};
-use super::columns::{ColumnSpec, Unit};
+use super::channel::{Channel, Source};
+use super::parquet_numbers::{is_unpacked, numbers};
+use crate::log::columns::{ColumnSpec, Unit};
 use crate::log::error::LogError;
+use crate::log::format::Format;
 use std::f64::consts::{PI, TAU};
 
 /// Between two episodes \[s\].
@@ -22,8 +22,6 @@ const BREAK_S: f64 = 1.0;
 const WIDEST_RAD: f64 = 4.0 * PI;
 /// Numbers of a dataset at the most: half a gigabyte.
 const MOST_NUMBERS: usize = 1 << 26;
-/// Records read at a time.
-const BATCH: usize = 8192;
 const STATE: &str = "observation.state";
 const ACTION: &str = "action";
 
@@ -148,6 +146,7 @@ impl Frames {
             let rows = usize::try_from(group.metadata().num_rows())
                 .map_err(|_| "damaged: a negative count of rows".to_owned())?;
             let mut read = |at: usize| -> Result<Vec<f64>, String> {
+                is_unpacked(group.metadata().column(at).compression())?;
                 let values = numbers(group.get_column_reader(at).map_err(told)?, MOST_NUMBERS - self.numbers)?;
                 self.numbers += values.len();
                 let is_even = if rows == 0 { values.is_empty() } else { values.len().is_multiple_of(rows) };
@@ -296,40 +295,4 @@ fn spread(columns: &mut Vec<Vec<f64>>, values: &[f64], rows: usize) -> Result<()
         columns.iter_mut().zip(row).for_each(|(column, value)| column.push(*value));
     }
     Ok(())
-}
-
-/// All numbers of a column, at the most so many.
-fn numbers(reader: ColumnReader, most: usize) -> Result<Vec<f64>, String> {
-    let mut all = Vec::new();
-    macro_rules! read {
-        ($reader:expr, $as:expr) => {{
-            let mut reader = $reader;
-            loop {
-                let (mut values, mut definitions, mut repetitions) = (Vec::new(), Vec::new(), Vec::new());
-                let read = reader.read_records(BATCH, Some(&mut definitions), Some(&mut repetitions), &mut values);
-                let (records, _, levels) = read.map_err(|error| format!("damaged: {error}"))?;
-                if definitions.len() > values.len() || levels > values.len() {
-                    return Err("empty cells, expected a number in each".to_owned());
-                }
-                all.extend(values.into_iter().map($as));
-                if all.len() > most {
-                    return Err(format!("more than {most} numbers"));
-                }
-                if records == 0 {
-                    break;
-                }
-            }
-        }};
-    }
-    match reader {
-        ColumnReader::FloatColumnReader(reader) => read!(reader, f64::from),
-        ColumnReader::DoubleColumnReader(reader) => read!(reader, |value: f64| value),
-        ColumnReader::Int64ColumnReader(reader) => read!(reader, |value: i64| value as f64),
-        ColumnReader::Int32ColumnReader(reader) => read!(reader, f64::from),
-        _ => return Err(format!("a column of texts, expected numbers ({:?} or such)", Type::FLOAT)),
-    }
-    if all.iter().any(|value| !value.is_finite()) {
-        return Err("a number that is not finite".to_owned());
-    }
-    Ok(all)
 }

@@ -7,16 +7,16 @@ use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
-use super::cdr::{Kind, decode, decode_json};
-use super::channel::Format;
+use super::bytes::{cut, read_up_to, skip};
 use super::crc::Crc;
+use super::intake::{LARGEST_MESSAGE, Topic, take_message};
+use super::message::{Encoding, KINDS, Kind};
 use super::topics::Topics;
 use crate::log::error::LogError;
+use crate::log::format::Format;
 
 /// First and last bytes of a file.
 pub(super) const MAGIC: &[u8] = b"\x89MCAP0\r\n";
-/// Largest record that is held \[bytes\]; a longer one is no message of a joint.
-const LARGEST_RECORD: u64 = 32 << 20;
 /// Largest chunk, unpacked \[bytes\].
 const LARGEST_CHUNK: u64 = 1 << 30;
 /// Schemas and channels of one file.
@@ -26,8 +26,7 @@ const MOST_CHANNELS: usize = 65_536;
 ///
 /// # Errors
 /// [`LogError::Format`] where the file is damaged, with what had been read of it.
-pub(super) fn read_mcap(path: &Path, topics: &mut Topics) -> Result<(), LogError> {
-    let file = File::open(path).map_err(|source| LogError::Read { file: path.to_path_buf(), source })?;
+pub(super) fn read_mcap(path: &Path, file: File, topics: &mut Topics) -> Result<(), LogError> {
     let length = file.metadata().map_or(u64::MAX, |meta| meta.len());
     let before = topics.messages();
     let mut reader = Reader { schemas: Vec::new(), channels: Vec::new(), topics, held: Vec::new() };
@@ -43,18 +42,10 @@ pub(super) fn read_mcap(path: &Path, topics: &mut Topics) -> Result<(), LogError
     }
 }
 
-/// How a channel's messages are written.
-#[derive(Clone, Copy, PartialEq)]
-enum Encoding {
-    Cdr,
-    Json,
-}
-
 struct Channel {
     id: u16,
-    topic: String,
     /// `None`: of no kind that is read.
-    kind: Option<(Kind, Encoding)>,
+    topic: Option<Topic>,
     /// As told where nothing is read.
     about: String,
 }
@@ -143,12 +134,12 @@ impl Reader<'_> {
             let Some(at) = self.channels.iter().position(|channel| channel.id == id) else {
                 return Err(format!("damaged: a message of channel {id}, which nothing describes"));
             };
-            if self.channels[at].kind.is_none() {
+            if self.channels[at].topic.is_none() {
                 return skip(input, length - 2);
             }
             return self.message(at, input, rest);
         }
-        if length > LARGEST_RECORD {
+        if length > LARGEST_MESSAGE {
             return Err(format!("damaged: a description of {length} bytes"));
         }
         let mut held = std::mem::take(&mut self.held);
@@ -170,19 +161,21 @@ impl Reader<'_> {
 
     fn channel(&mut self, bytes: &[u8]) -> Option<()> {
         let mut fields = Fields(bytes);
-        let (id, schema, topic, encoding) = (fields.u16()?, fields.u16()?, fields.text()?, fields.text()?);
+        let (id, schema, name, encoding) = (fields.u16()?, fields.u16()?, fields.text()?, fields.text()?);
         if self.channels.iter().any(|channel| channel.id == id) || self.channels.len() >= MOST_CHANNELS {
             return Some(());
         }
         let named = self.schemas.iter().find(|(known, _)| *known == schema).map_or("", |(_, name)| name);
         let of = match encoding {
             "cdr" => Some(Encoding::Cdr),
+            "ros1" => Some(Encoding::Ros1),
             "json" => Some(Encoding::Json),
             _ => None,
         };
-        let kind = Kind::of_type(named).zip(of);
-        let about = format!("{topic} ({named}, {encoding})");
-        self.channels.push(Channel { id, topic: topic.to_owned(), kind, about });
+        let about = format!("{name} ({named}, {encoding})");
+        let topic = Kind::of(name, named).zip(of);
+        let topic = topic.map(|(kind, encoding)| Topic { name: name.to_owned(), kind, encoding });
+        self.channels.push(Channel { id, topic, about });
         Some(())
     }
 
@@ -190,28 +183,16 @@ impl Reader<'_> {
     fn message(&mut self, at: usize, input: &mut dyn Read, length: u64) -> Result<(), String> {
         let mut head = [0; 20];
         input.read_exact(&mut head).map_err(cut)?;
-        if length > LARGEST_RECORD {
-            return Err(format!("damaged: a message of {length} bytes of {}", self.channels[at].topic));
+        if length > LARGEST_MESSAGE {
+            return Err(format!("damaged: a message of {length} bytes of {}", self.channels[at].about));
         }
         self.held.resize(length as usize, 0);
         input.read_exact(&mut self.held).map_err(cut)?;
         let received = u64::from_le_bytes(head[4..12].try_into().unwrap_or_default());
         let received = i64::try_from(received).map_err(|_| "damaged: a receipt beyond the year 2262".to_owned())?;
-        let channel = &self.channels[at];
-        let Some((kind, encoding)) = channel.kind else { return Ok(()) };
-        let number = self.topics.messages() + 1;
-        let wrong = |what: String| format!("message {number} of {}: {what}", channel.topic);
-        match encoding {
-            Encoding::Cdr => {
-                let mut message = decode(kind, &self.held).map_err(wrong)?;
-                let names = std::mem::take(&mut message.names);
-                self.topics.take(&channel.topic, kind, &names, received, message)
-            }
-            Encoding::Json => {
-                let (names, message) = decode_json(kind, &self.held).map_err(wrong)?;
-                let names: Vec<&str> = names.iter().map(String::as_str).collect();
-                self.topics.take(&channel.topic, kind, &names, received, message)
-            }
+        match &self.channels[at].topic {
+            Some(topic) => take_message(self.topics, topic, received, &self.held),
+            None => Ok(()),
         }
     }
 
@@ -269,15 +250,13 @@ impl Reader<'_> {
 
     /// What there is, where nothing of it is read.
     fn found(&self) -> String {
-        let known = self.channels.iter().any(|channel| channel.kind.is_some());
+        let known = self.channels.iter().any(|channel| channel.topic.is_some());
         if known {
             return "its topics of joints have no message".to_owned();
         }
         let found: Vec<&str> = self.channels.iter().map(|channel| channel.about.as_str()).collect();
         let found = if found.is_empty() { "no topic at all".to_owned() } else { found.join(", ") };
-        format!(
-            "no topic of a kind that is read (JointState, JointTrajectory, Float64MultiArray, in cdr or json); found {found}"
-        )
+        format!("no topic of a kind that is read ({KINDS}, in cdr, ros1 or json); found {found}")
     }
 }
 
@@ -312,30 +291,4 @@ impl<'a> Fields<'a> {
         self.0 = rest;
         std::str::from_utf8(own).ok()
     }
-}
-
-fn cut(error: std::io::Error) -> String {
-    match error.kind() {
-        std::io::ErrorKind::UnexpectedEof => "cut short within a record".to_owned(),
-        _ => format!("damaged: {error}"),
-    }
-}
-
-/// As many bytes as there are, up to the whole.
-fn read_up_to(input: &mut dyn Read, into: &mut [u8]) -> Result<usize, String> {
-    let mut have = 0;
-    while have < into.len() {
-        match input.read(&mut into[have..]) {
-            Ok(0) => break,
-            Ok(count) => have += count,
-            Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
-            Err(error) => return Err(cut(error)),
-        }
-    }
-    Ok(have)
-}
-
-fn skip(input: &mut dyn Read, length: u64) -> Result<(), String> {
-    let skipped = std::io::copy(&mut input.take(length), &mut std::io::sink()).map_err(cut)?;
-    if skipped == length { Ok(()) } else { Err("cut short within a record".to_owned()) }
 }

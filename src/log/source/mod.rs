@@ -4,37 +4,54 @@
 //! joint and what is read of it stay apart, each at the times that its own messages or cells carry.
 
 mod assemble;
+mod bags;
 mod bam;
+mod bytes;
 mod cdr;
+mod cdr_write;
 mod cells;
 mod channel;
-mod columns;
 mod crc;
 mod defects;
 mod guess;
 mod heading;
+mod intake;
+mod joint_columns;
 mod joint_layout;
 mod joint_tables;
+mod json_message;
+mod kind;
 #[cfg(feature = "parquet")]
 mod lerobot;
 mod mcap;
+mod message;
+mod npy;
 mod npz;
+mod packed;
+#[cfg(feature = "parquet")]
+mod parquet_numbers;
+mod plotjuggler;
 mod read;
+mod roles;
+mod ros1_bag;
 mod rosbag;
 mod sage;
 mod sqlite;
+mod stamps;
+mod stream;
 mod table;
 mod topics;
 mod units;
+mod want;
 mod zip;
 
 pub(super) use assemble::{joint_log, robot_log};
-pub(super) use cdr::joint_state;
-pub(super) use columns::{RawColumns, column_of, columns};
+pub(super) use cdr_write::JointStateForm;
 pub(super) use crc::Crc;
-pub(super) use defects::{more, tell_mend, tell_others};
-pub(super) use read::{Want, is_log_folder, read_wanted};
+pub(super) use kind::is_log_folder;
+pub(super) use read::read_wanted;
+pub(super) use want::Want;
 
-pub use channel::{Channel, Format, Source};
-pub use columns::{ColumnSpec, Columns, Unit, study_columns};
-pub use read::{log_files, read_source};
+pub use channel::{Channel, Source};
+pub use kind::log_files;
+pub use read::read_source;

@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 use csv::ByteRecord;
 
 use super::cells::list_cell;
-use super::channel::{Channel, Format, Source};
+use super::channel::{Channel, Source};
 use super::defects::Defects;
 use crate::log::error::{CellFault, LogError};
+use crate::log::format::Format;
 use crate::log::place::{Place, Subject};
 use crate::log::plausible::{Row, median_step};
 use crate::log::rows;
@@ -239,7 +240,7 @@ impl<'a> ListReader<'a> {
         if samples < 2 && self.defects.is_empty() {
             return Err(rows::too_few(self.path, self.last, samples));
         }
-        self.defects.into_result(super::columns::Columns::default()).map(|()| self.lists)
+        self.defects.into_result(crate::log::columns::Columns::default()).map(|()| self.lists)
     }
 }
 

@@ -72,11 +72,7 @@ impl Database {
     pub fn open(mut file: File) -> Result<Self, String> {
         let mut head = [0; 100];
         file.read_exact(&mut head).map_err(|_| "shorter than its header of 100 bytes".to_owned())?;
-        let page_size = match u16::from_be_bytes([head[16], head[17]]) {
-            1 => 65_536,
-            size if size.is_power_of_two() && size >= 512 => usize::from(size),
-            size => return Err(format!("a page size of {size}, expected a power of two from 512")),
-        };
+        let page_size = page_size(&head)?;
         if head[56..60] != [0, 0, 0, 1] && head[56..60] != [0; 4] {
             return Err("its texts are UTF-16, expected UTF-8".to_owned());
         }
@@ -87,8 +83,7 @@ impl Database {
         let length = file.seek(SeekFrom::End(0)).map_err(|error| error.to_string())?;
         let there = length / page_size as u64;
         let announced = u32::from_be_bytes([head[28], head[29], head[30], head[31]]);
-        // The count is valid only where the last writer knew of it.
-        let is_valid = head[24..28] == head[92..96] && announced > 0;
+        let is_valid = self::announced(&head).is_some();
         if is_valid && u64::from(announced) > there {
             return Err(format!("cut short: {announced} pages of {page_size} bytes announced, {there} are there"));
         }
@@ -217,6 +212,23 @@ impl Database {
         }
         Ok(row)
     }
+}
+
+/// Of a page \[bytes\].
+fn page_size(head: &[u8; 100]) -> Result<usize, String> {
+    match u16::from_be_bytes([head[16], head[17]]) {
+        1 => Ok(65_536),
+        size if size.is_power_of_two() && size >= 512 => Ok(usize::from(size)),
+        size => Err(format!("a page size of {size}, expected a power of two from 512")),
+    }
+}
+
+/// The size that a header of 100 bytes announces \[bytes\]; `None` where the last writer did not know of it.
+pub(super) fn announced(head: &[u8]) -> Option<u64> {
+    let head: &[u8; 100] = head.try_into().ok()?;
+    let pages = u32::from_be_bytes([head[28], head[29], head[30], head[31]]);
+    let is_valid = head[24..28] == head[92..96] && pages > 0;
+    is_valid.then_some(u64::from(pages) * page_size(head).ok()? as u64)
 }
 
 /// Where a cell of a page starts.

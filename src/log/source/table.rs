@@ -7,13 +7,14 @@ use std::path::Path;
 
 use csv::ByteRecord;
 
-use super::channel::{Channel, Format, Rows, Source};
-use super::columns::Columns;
+use super::channel::{Channel, Rows, Source};
 use super::defects::Defects;
 use super::heading::Heading;
-use super::read::Want;
+use super::want::Want;
+use crate::log::column::Column;
+use crate::log::columns::Columns;
 use crate::log::error::{CellFault, LogError};
-use crate::log::header::Column;
+use crate::log::format::Format;
 use crate::log::place::{Place, Subject};
 use crate::log::plausible::{LONGEST_GAP_S, Row, median_step};
 use crate::log::rows;

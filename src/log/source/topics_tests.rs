@@ -1,11 +1,12 @@
 use super::*;
+use crate::log::source::message::Point;
 
 fn point(after_ns: i64, position: &[f64]) -> Point {
     Point { after_ns, position: position.to_vec(), ..Point::default() }
 }
 
 fn message(stamp_ns: Option<i64>, points: Vec<Point>) -> Message<'static> {
-    Message { stamp_ns, names: Vec::new(), points }
+    Message { stamp_ns, points, ..Message::default() }
 }
 
 fn source(topics: Topics) -> Source {

@@ -1,10 +1,10 @@
 //! Whether the numbers of a source can be radians and seconds, and what they look like if not.
 
 use super::channel::{Channel, Source};
-use super::columns::{ColumnSpec, Columns, Unit};
 use super::defects::Defects;
+use crate::log::column::Column;
+use crate::log::columns::{ColumnSpec, Columns, Unit};
 use crate::log::error::{LogError, UnitFault};
-use crate::log::header::Column;
 use crate::log::plausible;
 use std::f64::consts::TAU;
 
@@ -17,7 +17,7 @@ impl Source {
         let mut units: Vec<(usize, Unit)> = Vec::new();
         let mut seen_clocks: Vec<usize> = Vec::new();
         for angle in self.channels.iter().filter(|channel| is_of(channel, Column::Angle)) {
-            let joint = angle.ours.as_deref().and_then(super::column_of).and_then(|(joint, _)| joint);
+            let joint = angle.ours.as_deref().and_then(crate::log::column::column_of).and_then(|(joint, _)| joint);
             let name = joint.map_or_else(|| Column::Setpoint.name().to_owned(), |joint| format!("{joint}.q_ref"));
             let setpoint = self.ours(&name);
             let q_ref = setpoint.map_or(&[][..], |channel| &channel.values);
@@ -50,7 +50,7 @@ impl Source {
         let mut columns = Columns::default();
         for angle in self.channels.iter().filter(|channel| is_of(channel, Column::Angle)) {
             for (column, _, fault) in plausible::faults(self.t_s(angle), &angle.values, &[]) {
-                let joint = angle.ours.as_deref().and_then(super::column_of).and_then(|(joint, _)| joint);
+                let joint = angle.ours.as_deref().and_then(crate::log::column::column_of).and_then(|(joint, _)| joint);
                 for name in [Column::Angle, Column::Setpoint].iter().filter(|_| column == Column::Angle) {
                     let ours = joint.map_or_else(|| name.name().to_owned(), |joint| format!("{joint}.{}", name.name()));
                     if let Some(channel) = self.ours(&ours) {
@@ -65,7 +65,7 @@ impl Source {
 }
 
 fn is_of(channel: &Channel, column: Column) -> bool {
-    channel.ours.as_deref().and_then(super::column_of).is_some_and(|(_, found)| found == column)
+    channel.ours.as_deref().and_then(crate::log::column::column_of).is_some_and(|(_, found)| found == column)
 }
 
 /// The unit that a fault suggests.

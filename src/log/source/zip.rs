@@ -6,8 +6,8 @@ use std::io::{self, Read, Seek, SeekFrom};
 use miniz_oxide::inflate::stream::{InflateState, inflate};
 use miniz_oxide::{DataFormat, MZError, MZFlush, MZStatus};
 
+use super::bytes::size;
 use super::crc::Crc;
-use super::npz::size;
 
 /// Where the end of the directory is looked for: its own length and the longest comment \[bytes\].
 const LONGEST_END: u64 = 22 + 65_535;

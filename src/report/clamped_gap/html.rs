@@ -4,12 +4,13 @@ use minijinja::{Value, context};
 
 use super::{ClampedGapReport, summary};
 use crate::gap::whole::WholeJoint;
+use crate::report::data_health::together;
 use crate::report::gap::plot::how_far::errors;
 use crate::report::gap::{gap_view, with_code};
-use crate::report::html::{figure_views, render};
+use crate::report::html::{figure_views, health_view, render};
 use crate::report::measure::{ANGLE, Measure};
 use crate::report::number::share;
-use crate::report::{Figure, GapReport, ReportError};
+use crate::report::{Figure, GapReport, LogHealthRow, ReportError};
 
 /// What probabilities are, by what is predicted.
 const RATE: &str = "the measured rate at which answers like this were right";
@@ -44,6 +45,8 @@ pub fn clamped_gap_html(report: &ClampedGapReport) -> Result<String, ReportError
     let (gap, answer) = (&diagnosis.gap, &diagnosis.answer);
     let measure = Measure::of(gap.unit);
     let still = diagnosis.joints.iter().filter(|joint| joint.diagnosis.is_none());
+    let (health, remarks) = together(&report.health());
+    let health = health.into_iter().map(|row| LogHealthRow { remarks: Vec::new(), ..row });
     let values = context! {
         robot => diagnosis.robot.as_str(),
         sentence => with_code(&answer.sentence),
@@ -52,6 +55,8 @@ pub fn clamped_gap_html(report: &ClampedGapReport) -> Result<String, ReportError
         what => measure.what,
         gap => gap_view(measure, [gap.before, gap.calibrated, gap.after, gap.after, gap.floor]),
         closed => gap.closed.map_or_else(|| "–".to_owned(), share),
+        health => health.map(|row| health_view(&row)).collect::<Vec<_>>(),
+        remarks => remarks.iter().map(|(of, said)| format!("{of}: {}.", said.join("; "))).collect::<Vec<_>>(),
         figures => figure_views(clamped_gap_figures(report)?),
         joints => joints.iter().map(|(folder, joint)| joint_view(folder, joint)).collect::<Vec<_>>(),
         still => still.map(|joint| joint.joint.clone()).collect::<Vec<_>>(),

@@ -10,7 +10,7 @@ pub use html::{clamped_gap_figures, clamped_gap_html};
 pub use json::clamped_gap_json;
 pub use text::clamped_gap_text;
 
-use super::{GapReport, Provenance};
+use super::{GapReport, LogHealthRow, Provenance};
 use crate::gap::clamped::{ClampedCase, ClampedDiagnosis, ClampedSetup};
 use crate::gap::inverse::{TorqueDiagnosis, TorqueTraces};
 use crate::gap::whole::{FoundRobot, Whole, found_robot, simulated};
@@ -74,6 +74,12 @@ impl ClampedGapReport {
         let numbers = found_robot(setup, Some(&found)).unwrap_or_default();
         let model = setup.study.model_path.clone();
         Self { diagnosis: found, joints, model, found: numbers, whole: None, provenance: provenance.clone() }
+    }
+
+    /// The health of the logs, joint by joint; none where torques are predicted.
+    fn health(&self) -> Vec<(&str, &[LogHealthRow])> {
+        let told = self.joints.iter().filter(|(_, report)| !report.health.is_empty());
+        told.map(|(_, report)| (report.diagnosis.joint.as_str(), &report.health[..])).collect()
     }
 
     /// What the logs leave open, joint by joint.

@@ -4,16 +4,22 @@ use comfy_table::Cell;
 
 use super::{ClampedGapReport, summary};
 use crate::gap::Diagnosis;
+use crate::report::data_health::robot_health_text;
 use crate::report::gap::text::{WIDTH, paragraph, undetermined};
 use crate::report::measure::Measure;
 use crate::report::number::share;
 use crate::report::text::{finish, number, one_line, table, wrap};
 
 /// Writes a robot's diagnosis as plain text, as a rule at most 100 columns wide, ending in a newline: what was found in
-/// short, the joints at a glance, every joint's own sentence, what cannot be determined, notes.
+/// short, the health of the logs, the joints at a glance, every joint's own sentence, what cannot be determined, notes.
 pub fn clamped_gap_text(report: &ClampedGapReport) -> String {
     let diagnosis = &report.diagnosis;
-    let mut blocks = vec![paragraph(&diagnosis.answer.sentence), joints(report)];
+    let mut blocks = vec![paragraph(&diagnosis.answer.sentence)];
+    let health = report.health();
+    if !health.is_empty() {
+        blocks.push(format!("Data health:\n{}", robot_health_text(&health)));
+    }
+    blocks.push(joints(report));
     blocks.extend(report.joints.iter().map(|(_, joint)| sentence(&joint.diagnosis)));
     blocks.extend(undetermined(&report.undetermined()));
     blocks.extend(report.whole_words().map(|words| paragraph(&words)));

@@ -1,6 +1,6 @@
 //! The study of one joint.
 
-use super::seen::{Seen, SeenJoint, drive_word, median};
+use super::seen::{Seen, SeenJoint, drive_word, is_hand, median};
 use super::{DraftError, digits, relative};
 use crate::log::{Columns, DriveMode, toml_string};
 use std::fmt::Write as _;
@@ -73,14 +73,14 @@ pub(super) fn study(seen: &[Seen], asked: Option<&str>, folder: &Path) -> Result
     Ok((text, untold))
 }
 
-/// The joint that was asked for, or the one that moves most and is driven.
+/// The joint that was asked for, or the one that moves most and is driven; a hand, which is no pendulum, last.
 fn chosen(seen: &[Seen], asked: Option<&str>) -> Option<String> {
     if let Some(asked) = asked {
         return Some(asked.to_owned());
     }
     let joints = seen.first()?.joints.iter().filter(|joint| joint.name.is_some());
-    let rank = |joint: &&SeenJoint| (joint.drive != DriveMode::Off, joint.span_rad());
-    let most = joints.max_by(|a, b| rank(a).0.cmp(&rank(b).0).then(rank(a).1.total_cmp(&rank(b).1)));
+    let rank = |joint: &SeenJoint| (joint.drive != DriveMode::Off, !joint.name.as_deref().is_some_and(is_hand));
+    let most = joints.max_by(|a, b| rank(a).cmp(&rank(b)).then(a.span_rad().total_cmp(&b.span_rad())));
     most.and_then(|joint| joint.name.clone())
 }
 

@@ -2,7 +2,7 @@
 
 use super::joint::{notes, sensor, why};
 use super::match_joints::{How, pairs};
-use super::seen::{Seen, SeenJoint, drive_word};
+use super::seen::{Seen, SeenJoint, drive_word, is_hand};
 use super::{DraftError, relative};
 use crate::log::{ColumnSpec, Columns, DriveMode, Unit, toml_string};
 use crate::robot::description::{ActuatorKind, Description, Mover};
@@ -116,9 +116,7 @@ pub(super) fn study(
 /// The range that a joint's readings are a fraction of \[rad\], and a note: a gripper from 0 to 1, or from 0 to 100.
 fn fraction(joint: &SeenJoint, mover: &Mover, log: &Seen) -> Option<((f64, [f64; 2]), &'static str)> {
     let name = joint.name.as_deref()?;
-    let lower = format!("{} {}", name, mover.name).to_lowercase();
-    let is_hand = ["jaw", "gripper", "finger", "hand"].iter().any(|word| lower.contains(word));
-    let range = mover.limit_rad.filter(|[low, high]| high > low && is_hand)?;
+    let range = mover.limit_rad.filter(|[low, high]| high > low && (is_hand(name) || is_hand(&mover.name)))?;
     let said = |words: &str| log.source.notes.iter().any(|note| note.starts_with(&format!("{name}: {words}")));
     if said("0 to 100") {
         return Some(((100.0, range), "from 0 to 100, taken to be percent of the description's range"));

@@ -72,6 +72,12 @@ fn joint(source: &Source, name: Option<String>) -> Result<SeenJoint, LogError> {
     })
 }
 
+/// Whether a joint is that of a hand, by its name.
+pub(super) fn is_hand(joint: &str) -> bool {
+    let lower = joint.to_lowercase();
+    ["jaw", "gripper", "finger", "hand"].iter().any(|word| lower.contains(word))
+}
+
 /// How the logs are driven, as a study says it.
 pub(super) fn drive_word(drive: DriveMode) -> &'static str {
     match drive {

@@ -147,7 +147,7 @@ fn candidate_view(diagnosis: &Diagnosis, candidate: &Candidate) -> Value {
     }
 }
 
-fn detectable_view(detectable: &Detectable) -> Value {
+pub(in crate::report) fn detectable_view(detectable: &Detectable) -> Value {
     context! {
         effect => detectable.effect.id(),
         stage => detectable.effect.stage().name(),

@@ -17,14 +17,14 @@ pub(super) mod words;
 
 pub(super) use fit::quantities;
 pub use html::render_gap_html;
-pub(super) use html::{gap_view, with_code};
+pub(super) use html::{detectable_view, gap_view, with_code};
 pub use json::gap_json;
 pub use plot::{gap_figures, law_figure};
 pub use text::gap_text;
 
 #[cfg(doc)]
 use super::FitFile;
-use super::assemble::health_rows;
+use super::data_health::health_rows;
 use super::{LogHealthRow, Provenance};
 use crate::gap::inverse::TorqueTraces;
 use crate::gap::{Diagnosis, GapOptions};

@@ -4,7 +4,7 @@ use super::GapReport;
 use crate::gap::*;
 use crate::identify::{Directives, Estimate, Status};
 use crate::joint::{EffectForm, EffectId, Stage};
-use crate::report::{LogHealthRow, Provenance};
+use crate::report::{HealthMore, LogHealthRow, Provenance};
 
 const STEP_RAD: f64 = 0.006;
 const PERIOD_S: f64 = 0.008;
@@ -76,6 +76,7 @@ fn health(log: &LogTraces) -> LogHealthRow {
         release_s: Some(0.4),
         rest_from_s: Some(3.2),
         remarks: Vec::new(),
+        more: HealthMore::default(),
     }
 }
 

@@ -7,6 +7,7 @@ use super::waterfall::{Step, closes_alone, explanation, heading, moved, steps};
 use super::words;
 use super::{GapReport, NEXT_FILE};
 use crate::gap::{Candidate, Detectable, Diagnosis, Gap, MapCell, Phase};
+use crate::report::data_health::health_text;
 use crate::report::measure::Measure;
 use crate::report::number::{UNKNOWN, share, significant};
 use crate::report::rows::shorten;
@@ -21,7 +22,7 @@ const BAR: usize = 24;
 
 /// Writes a diagnosis as plain text, as a rule at most 100 columns wide, ending in a newline.
 ///
-/// The sentence with its probability, the steps from as given to the floor, which numbers are not as believed, what the
+/// The sentence with its probability, the health of the logs, the steps from as given to the floor, which numbers are not as believed, what the
 /// logs cannot determine, where the gap lies, which effects were considered, how far the gap closes, the parameters, what
 /// the logs could not have shown, what to do next, then the notes.
 pub fn gap_text(report: &GapReport) -> String {
@@ -29,6 +30,7 @@ pub fn gap_text(report: &GapReport) -> String {
     let answer = &diagnosis.answer;
     let blocks = [
         Some(opening(&answer.sentence, answer.probability, &answer.probability_source)),
+        (!report.health.is_empty()).then(|| format!("Data health:\n{}", health_text(&report.health))),
         Some(waterfall(diagnosis)),
         beliefs(diagnosis),
         undetermined(&diagnosis.undetermined),

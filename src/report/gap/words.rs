@@ -12,7 +12,7 @@ pub(in crate::report) const UNTRUSTED: &str = "Something is left in these logs t
     for its correlation but not for the bias that comes with it, so do not trust them.";
 
 /// What stands above the sizes that would have been seen.
-pub(super) const DETECTABLE: &str = "Smallest size of each effect that these logs would have shown:";
+pub(in crate::report) const DETECTABLE: &str = "Smallest size of each effect that these logs would have shown:";
 
 /// What stands above the sentences about it.
 pub(in crate::report) const UNDETERMINED: &str = "What these logs cannot determine";
@@ -181,16 +181,9 @@ pub(super) fn part(share: f64) -> String {
     if share.is_finite() { crate::report::number::share(share) } else { String::new() }
 }
 
-/// The notes of the diagnosis, then what is odd about a log, then what was left out by demand.
+/// The notes of the diagnosis, then what was left out by demand.
 pub(super) fn notes(report: &GapReport) -> Vec<String> {
     let mut notes = report.diagnosis.notes.clone();
-    notes.extend(
-        report
-            .health
-            .iter()
-            .filter(|row| !row.remarks.is_empty())
-            .map(|row| format!("{}: {}.", row.file, row.remarks.join("; "))),
-    );
     if !report.diagnosis.withheld.is_empty() {
         let ids: Vec<&str> = report.diagnosis.withheld.iter().map(|effect| effect.id()).collect();
         notes.push(format!("Withheld from the catalogue on demand: {}.", ids.join(", ")));

@@ -1,11 +1,19 @@
 //! What can be wrong with a log or a study, said so that the user can mend it.
 
-use std::fmt;
+mod faults;
+mod words;
+
+pub use faults::{CellFault, FileKind, UnitFault};
+
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::columns::Columns;
+use super::format::Format;
 use super::place::Place;
-use super::source::{Columns, Format, more, tell_mend, tell_others};
+use words::{
+    count, joints_found, list, more, reading_fix, separator, tail, tell_mend, tell_others, time_fix, writing_fix,
+};
 
 /// Why a log or a study could not be read or written.
 ///
@@ -121,203 +129,5 @@ impl LogError {
             Self::Defects { first, .. } => first.is_io(),
             error => matches!(error, Self::Read { .. } | Self::Write { .. } | Self::NamedLog { .. }),
         }
-    }
-}
-
-/// What a file is that is not UTF-8 text.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum FileKind {
-    /// UTF-16, with or without a byte order mark.
-    Utf16,
-    /// A zip archive: also what spreadsheet programs save.
-    Zip,
-    /// A gzip file.
-    Gzip,
-    /// Bytes that no text has.
-    Binary,
-}
-
-impl FileKind {
-    fn fix(self) -> &'static str {
-        match self {
-            Self::Utf16 => "save it as `CSV UTF-8`",
-            Self::Zip => "a spreadsheet has to be exported as CSV",
-            Self::Gzip => "unpack it with gunzip first",
-            Self::Binary => "export the recording as CSV",
-        }
-    }
-}
-
-impl fmt::Display for FileKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Utf16 => "the file is UTF-16",
-            Self::Zip => "the file is a zip archive or a spreadsheet",
-            Self::Gzip => "the file is compressed (gzip)",
-            Self::Binary => "the file is binary",
-        })
-    }
-}
-
-/// What is wrong with a cell.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-#[expect(missing_docs, reason = "the fields are the words of the message above them")]
-pub enum CellFault {
-    /// Nothing in it.
-    Empty,
-    /// A comma where the decimal point belongs.
-    DecimalComma,
-    /// A typographic minus sign (U+2212) or dash.
-    Minus,
-    /// NaN or infinity.
-    NotFinite,
-    /// Text; in the first row after the header often units.
-    Text { first_row: bool, unit: &'static str },
-    /// Neither 0 nor 1 in column `drive`.
-    Drive,
-    /// No list of numbers, or one of another length.
-    List { expected: Option<usize> },
-    /// A magnitude that no joint has.
-    Absurd { limit: f64, unit: &'static str },
-}
-
-impl CellFault {
-    fn describe(self, found: &str) -> String {
-        match self {
-            Self::Empty => "the cell is empty, expected a number; delete the row or fill the cell".into(),
-            Self::DecimalComma => {
-                format!(
-                    "found `{found}`: a decimal comma, expected a decimal point, as in `{}`",
-                    found.replace(',', ".")
-                )
-            }
-            Self::Minus => format!("found `{found}`: a typographic minus sign, expected `-`"),
-            Self::NotFinite => format!("found `{found}`, expected a finite number; delete rows without a reading"),
-            Self::Text { first_row: true, unit } => {
-                format!("found `{found}`, expected a number [{unit}]; if this row holds units, delete it")
-            }
-            Self::Text { first_row: false, unit } => format!("found `{found}`, expected a number [{unit}]"),
-            Self::Drive => {
-                format!("found `{found}`, expected 0 (motor off, joint free) or 1 (motor on, or joint held)")
-            }
-            Self::List { expected: None } => {
-                format!("found `{found}`, expected a list of numbers such as `[0.1, 0.2]`")
-            }
-            Self::List { expected: Some(count) } => {
-                format!("found `{found}`, expected a list of {count} numbers as in the rows before")
-            }
-            Self::Absurd { limit, unit } => {
-                format!(
-                    "found `{found}`, expected at most {limit:e} {unit} in magnitude; is the column in another unit?"
-                )
-            }
-        }
-    }
-}
-
-/// A column that is in another unit than the format's.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-#[expect(missing_docs, reason = "the fields are the words of the message above them")]
-pub enum UnitFault {
-    /// The median step is longer than any joint logger's.
-    Time { step_s: f64, unit: &'static str },
-    /// Angles beyond two turns.
-    Angle { value: f64 },
-    /// Angles that are large whole numbers.
-    Counts { value: f64 },
-    /// Speeds that no joint reaches.
-    Speed { median_rad_s: f64 },
-    /// Setpoints that are in degrees while the angles are not.
-    Setpoint { value: f64, angle_rad: f64 },
-}
-
-impl fmt::Display for UnitFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Time { step_s, unit } => {
-                write!(f, "the median step is {step_s}: this looks like {unit}, expected seconds; convert the column")
-            }
-            Self::Angle { value } => write!(
-                f,
-                "found {value}, beyond 4 pi: this looks like degrees, expected radians; multiply the column by pi/180"
-            ),
-            Self::Counts { value } => write!(
-                f,
-                "found {value}, and whole numbers only: this looks like encoder counts (or degrees), expected radians"
-            ),
-            Self::Speed { median_rad_s } => write!(
-                f,
-                "the angle moves at {median_rad_s:.0} per second: this looks like degrees (or `t` in the wrong unit), expected radians and seconds"
-            ),
-            Self::Setpoint { value, angle_rad } => write!(
-                f,
-                "found {value} while `q` stays within {angle_rad} rad: this looks like degrees, expected radians; multiply the column by pi/180"
-            ),
-        }
-    }
-}
-
-fn reading_fix(source: &io::Error) -> &'static str {
-    match source.kind() {
-        io::ErrorKind::NotFound => "check the path and the folder you are in",
-        io::ErrorKind::IsADirectory => "expected the name of a file in it",
-        io::ErrorKind::PermissionDenied => "ask for permission to read it",
-        _ => "check the disk and the file",
-    }
-}
-
-fn writing_fix(source: &io::Error) -> &'static str {
-    match source.kind() {
-        io::ErrorKind::IsADirectory => "this is a folder, expected the name of a file",
-        io::ErrorKind::AlreadyExists | io::ErrorKind::NotADirectory => {
-            "a file stands where a folder is needed, choose another folder"
-        }
-        io::ErrorKind::StorageFull => "make room on the disk",
-        _ => "choose a folder that you may write to",
-    }
-}
-
-fn list(names: &[String]) -> String {
-    if names.is_empty() {
-        return "no other columns".into();
-    }
-    let more = if names.len() > 12 { format!(" and {} more", names.len() - 12) } else { String::new() };
-    let shown: Vec<String> = names.iter().take(12).map(|name| format!("`{name}`")).collect();
-    shown.join(", ") + &more
-}
-
-fn joints_found(joints: &[String]) -> String {
-    if joints.is_empty() {
-        "the log names no joint; read it without naming one".into()
-    } else {
-        format!("the log has {}", list(joints))
-    }
-}
-
-fn tail(hint: &Option<String>) -> String {
-    hint.as_ref().map_or_else(String::new, |hint| format!("; {hint}"))
-}
-
-fn count(samples: usize) -> &'static str {
-    if samples == 0 { "no samples" } else { "1 sample" }
-}
-
-fn separator(found: char) -> &'static str {
-    match found {
-        ';' => "semicolons",
-        '\t' => "tabs",
-        '|' => "bars",
-        _ => "blanks",
-    }
-}
-
-fn time_fix(time_s: f64, previous_s: f64) -> &'static str {
-    if time_s == previous_s {
-        "delete the doubled sample, or write `t` with more digits"
-    } else {
-        "sort the samples, or split the log where the clock was set back"
     }
 }

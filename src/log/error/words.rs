@@ -1,0 +1,94 @@
+//! The words of errors: what to do, lists of names, defects after the first.
+
+use std::io;
+
+use super::LogError;
+use crate::log::columns::Columns;
+
+pub(super) fn reading_fix(source: &io::Error) -> &'static str {
+    match source.kind() {
+        io::ErrorKind::NotFound => "check the path and the folder you are in",
+        io::ErrorKind::IsADirectory => "expected the name of a file in it",
+        io::ErrorKind::PermissionDenied => "ask for permission to read it",
+        _ => "check the disk and the file",
+    }
+}
+
+pub(super) fn writing_fix(source: &io::Error) -> &'static str {
+    match source.kind() {
+        io::ErrorKind::IsADirectory => "this is a folder, expected the name of a file",
+        io::ErrorKind::AlreadyExists | io::ErrorKind::NotADirectory => {
+            "a file stands where a folder is needed, choose another folder"
+        }
+        io::ErrorKind::StorageFull => "make room on the disk",
+        _ => "choose a folder that you may write to",
+    }
+}
+
+pub(super) fn list(names: &[String]) -> String {
+    if names.is_empty() {
+        return "no other columns".into();
+    }
+    let more = if names.len() > 12 { format!(" and {} more", names.len() - 12) } else { String::new() };
+    let shown: Vec<String> = names.iter().take(12).map(|name| format!("`{name}`")).collect();
+    shown.join(", ") + &more
+}
+
+pub(super) fn joints_found(joints: &[String]) -> String {
+    if joints.is_empty() {
+        "the log names no joint; read it without naming one".into()
+    } else {
+        format!("the log has {}", list(joints))
+    }
+}
+
+pub(super) fn tail(hint: &Option<String>) -> String {
+    hint.as_ref().map_or_else(String::new, |hint| format!("; {hint}"))
+}
+
+pub(super) fn count(samples: usize) -> &'static str {
+    if samples == 0 { "no samples" } else { "1 sample" }
+}
+
+pub(super) fn separator(found: char) -> &'static str {
+    match found {
+        ';' => "semicolons",
+        '\t' => "tabs",
+        '|' => "bars",
+        _ => "blanks",
+    }
+}
+
+pub(super) fn time_fix(time_s: f64, previous_s: f64) -> &'static str {
+    if time_s == previous_s {
+        "delete the doubled sample, or write `t` with more digits"
+    } else {
+        "sort the samples, or split the log where the clock was set back"
+    }
+}
+
+/// How often more a defect is there.
+pub(super) fn more(count: usize) -> String {
+    if count > 1 { format!("\n  and {} more of this kind", count - 1) } else { String::new() }
+}
+
+/// The defects after the first.
+pub(super) fn tell_others(others: &[(LogError, usize)], beyond: usize) -> String {
+    let mut text: String = others.iter().map(|(error, count)| format!("\nalso: {error}{}", more(*count))).collect();
+    if beyond > 0 {
+        text += &format!("\nand {beyond} of other kinds");
+    }
+    text
+}
+
+/// What would mend a file.
+pub(super) fn tell_mend(mend: &Columns) -> String {
+    if mend.0.is_empty() {
+        return String::new();
+    }
+    let lines = mend.toml();
+    format!(
+        "\nin a study, or in the sidecar NAME.toml of the log with `schema = 1`, these lines would read the file as it is (units are guesses, check them):\n{}",
+        lines.trim_end()
+    )
+}

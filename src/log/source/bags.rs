@@ -1,0 +1,97 @@
+//! Bags: files of ROS 1, of ROS 2 in SQLite and of MCAP, packed as a whole or not, and folders of them.
+
+use std::fs::{self, File};
+use std::io::{Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+
+use super::channel::Source;
+use super::topics::Topics;
+use super::{mcap, packed, ros1_bag, rosbag};
+use crate::log::error::LogError;
+use crate::log::format::Format;
+
+/// What stands beside the bags of a folder.
+pub(super) const ABOUT: &str = "metadata.yaml";
+
+/// The bags in a folder, in the order in which they were written. A packed one beside the same unpacked is none of its own.
+pub(super) fn bags_of(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path()));
+    let mut bags: Vec<PathBuf> = entries.filter(|path| is_bag(&bare(path))).collect();
+    bags.sort_by_cached_key(|path| parts(&path.to_string_lossy()));
+    let plain: Vec<PathBuf> = bags.iter().filter(|path| is_bag(path)).cloned().collect();
+    bags.retain(|path| is_bag(path) || !plain.contains(&bare(path)));
+    bags
+}
+
+fn is_bag(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending == "db3" || ending == "mcap" || ending == "bag")
+}
+
+/// A path without the ending that zstd adds.
+fn bare(path: &Path) -> PathBuf {
+    let is_packed = path.extension().is_some_and(|ending| ending == "zstd" || ending == "zst");
+    if is_packed { path.with_extension("") } else { path.to_path_buf() }
+}
+
+/// A name in parts, so that `bag_10` comes after `bag_9`.
+fn parts(name: &str) -> Vec<(String, u64)> {
+    let mut parts = Vec::new();
+    let mut rest = name;
+    while !rest.is_empty() {
+        let word = rest.find(|c: char| c.is_ascii_digit()).unwrap_or(rest.len());
+        let end = rest[word..].find(|c: char| !c.is_ascii_digit()).map_or(rest.len(), |length| word + length);
+        parts.push((rest[..word].to_owned(), rest[word..end].parse().unwrap_or(0)));
+        rest = &rest[end..];
+    }
+    parts
+}
+
+/// Reads bags that follow one another.
+///
+/// # Errors
+/// [`LogError`] where one cannot be read, is damaged, or none has a message of joints.
+pub(super) fn read_bags(path: &Path, files: &[PathBuf]) -> Result<Source, LogError> {
+    let mut topics = Topics::default();
+    let mut format = Format::Rosbag2;
+    for file in files {
+        let failed = |source| LogError::Read { file: file.clone(), source };
+        let mut opened = File::open(file).map_err(failed)?;
+        if packed::is_packed(&mut opened).map_err(failed)? {
+            let wrong = |what| LogError::Format { file: file.clone(), format: Format::Rosbag2, what };
+            opened = packed::unpack(opened).map_err(wrong)?;
+        }
+        let mut start = [0; 9];
+        // A file that is shorter is for its reader to refuse.
+        let is_whole = opened.read_exact(&mut start).is_ok();
+        opened.seek(SeekFrom::Start(0)).map_err(failed)?;
+        let ending = bare(file);
+        let is_mcap = is_whole && start.starts_with(mcap::MAGIC)
+            || !is_whole && ending.extension().is_some_and(|ending| ending == "mcap");
+        if is_mcap {
+            format = Format::Mcap;
+            mcap::read_mcap(file, opened, &mut topics)?;
+        } else if is_whole && start.starts_with(ros1_bag::MAGIC) {
+            format = Format::Rosbag1;
+            ros1_bag::read_ros1(file, opened, &mut topics)?;
+        } else {
+            rosbag::read_db3(file, opened, &mut topics)?;
+        }
+    }
+    topics.into_source(path, format)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bags_of_a_folder_come_in_the_order_of_their_numbers_and_once() {
+        let dir = tempfile::tempdir().unwrap();
+        for name in ["b_10.db3", "b_9.db3.zstd", "b_2.db3", "b_2.db3.zstd", "metadata.yaml"] {
+            fs::write(dir.path().join(name), b"").unwrap();
+        }
+        let found = bags_of(dir.path());
+        let names: Vec<_> = found.iter().map(|path| path.file_name().unwrap().to_str().unwrap()).collect();
+        assert_eq!(names, ["b_2.db3", "b_9.db3.zstd", "b_10.db3"]);
+    }
+}

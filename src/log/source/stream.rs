@@ -1,0 +1,156 @@
+//! Messages of one topic with one list of names, in columns.
+
+use super::message::{Kind, Point, is_command};
+
+/// Messages of one topic with one list of names.
+pub(super) struct Stream {
+    pub topic: String,
+    pub kind: Kind,
+    pub names: Vec<String>,
+    /// Of the header, or, where that has none, of the receipt \[ns\].
+    pub stamps_ns: Vec<i64>,
+    /// Messages whose header has a stamp.
+    stamped: usize,
+    pub received_ns: Vec<i64>,
+    pub position: Vec<Vec<f64>>,
+    pub velocity: Vec<Vec<f64>>,
+    pub effort: Vec<Vec<f64>>,
+}
+
+impl Stream {
+    /// Without a message yet.
+    pub fn new(topic: &str, kind: Kind, names: Vec<String>) -> Self {
+        let columns = || vec![Vec::new(); names.len()];
+        let [position, velocity, effort] = [columns(), columns(), columns()];
+        let topic = topic.to_owned();
+        Self {
+            topic,
+            kind,
+            names,
+            stamps_ns: Vec::new(),
+            stamped: 0,
+            received_ns: Vec::new(),
+            position,
+            velocity,
+            effort,
+        }
+    }
+
+    /// Adds a sample.
+    pub fn push(&mut self, stamp_ns: i64, received_ns: i64, is_stamped: bool, point: Point) {
+        self.stamps_ns.push(stamp_ns);
+        self.received_ns.push(received_ns);
+        self.stamped += usize::from(is_stamped);
+        let fields = [
+            (&mut self.position, point.position),
+            (&mut self.velocity, point.velocity),
+            (&mut self.effort, point.effort),
+        ];
+        for (columns, values) in fields {
+            if values.len() == columns.len() {
+                columns.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
+            }
+        }
+    }
+
+    /// Takes the last sample back.
+    pub fn pop(&mut self) {
+        self.stamps_ns.pop();
+        self.received_ns.pop();
+        let left = self.stamps_ns.len();
+        for column in self.position.iter_mut().chain(&mut self.velocity).chain(&mut self.effort) {
+            column.truncate(left);
+        }
+    }
+
+    /// Whether the headers have stamps: a first one may well be zero.
+    pub fn has_stamps(&self) -> bool {
+        self.stamped + 1 >= self.stamps_ns.len() && self.stamped > 0
+    }
+
+    /// Whether it says what is asked of the joints.
+    pub fn is_asked(&self) -> bool {
+        !matches!(self.kind, Kind::JointState | Kind::DynamicState) || is_command(&self.topic)
+    }
+
+    /// Puts messages in the order of their stamps, each stamp once; answers with what was done.
+    pub fn settle(&mut self, offset_ns: i64) -> Vec<String> {
+        let mut notes = Vec::new();
+        if !self.has_stamps() {
+            if self.stamped > 0 || self.kind != Kind::JointTrajectory {
+                self.stamps_ns.clone_from(&self.received_ns);
+            }
+            self.stamps_ns.iter_mut().for_each(|stamp| *stamp = stamp.saturating_sub(offset_ns));
+            let by = if offset_ns == 0 {
+                String::new()
+            } else {
+                format!(", less {:.3} s, by which the clocks differ", offset_ns as f64 * 1e-9)
+            };
+            notes.push(format!("{}: without stamps of its own, taken at its receipt{by}", self.topic));
+        } else if self.stamped < self.stamps_ns.len()
+            && let Some(first) = self.stamps_ns.first_mut()
+        {
+            // The one message without a stamp is one at zero.
+            *first = 0;
+        }
+        self.received_ns = Vec::new();
+        notes.extend(self.without_blanks());
+        if self.stamps_ns.windows(2).all(|pair| pair[0] < pair[1]) {
+            return notes;
+        }
+        let mut order: Vec<u32> = (0..self.stamps_ns.len() as u32).collect();
+        order.sort_by_key(|k| self.stamps_ns[*k as usize]);
+        let before = order.len();
+        order.dedup_by_key(|k| self.stamps_ns[*k as usize]);
+        if order.len() < before {
+            notes.push(format!("{}: {} messages repeat a stamp and are left out", self.topic, before - order.len()));
+        }
+        let in_order =
+            |values: &[f64]| order.iter().filter_map(|k| values.get(*k as usize).copied()).collect::<Vec<f64>>();
+        for column in self.position.iter_mut().chain(&mut self.velocity).chain(&mut self.effort) {
+            if column.len() == before {
+                *column = in_order(column);
+            }
+        }
+        self.stamps_ns = order.iter().map(|k| self.stamps_ns[*k as usize]).collect();
+        notes
+    }
+
+    /// Drops joints that never have a position, then messages in which one is not a number: a driver that starts says so.
+    fn without_blanks(&mut self) -> Vec<String> {
+        let mut notes = Vec::new();
+        let is_blank = |column: &Vec<f64>| column.iter().all(|value| !value.is_finite());
+        let blank: Vec<bool> = self.position.iter().map(is_blank).collect();
+        if blank.iter().any(|blank| *blank) && !blank.iter().all(|blank| *blank) {
+            let of = |is_blank: bool| blank.iter().enumerate().filter(move |(_, b)| **b == is_blank).map(|(k, _)| k);
+            let names: Vec<&str> = of(true).map(|k| self.names[k].as_str()).collect();
+            notes.push(format!("{}: no position of {}, left out", self.topic, names.join(", ")));
+            let kept: Vec<usize> = of(false).collect();
+            self.names = kept.iter().map(|k| std::mem::take(&mut self.names[*k])).collect();
+            for columns in [&mut self.position, &mut self.velocity, &mut self.effort] {
+                *columns = kept.iter().map(|k| std::mem::take(&mut columns[*k])).collect();
+            }
+        }
+        let samples = self.stamps_ns.len();
+        let is_whole: Vec<bool> =
+            (0..samples).map(|k| self.position.iter().all(|column| column[k].is_finite())).collect();
+        let left_out = is_whole.iter().filter(|whole| !**whole).count();
+        if left_out > 0 {
+            notes
+                .push(format!("{}: {left_out} messages with a position that is not a number are left out", self.topic));
+            for column in self.position.iter_mut().chain(&mut self.velocity).chain(&mut self.effort) {
+                if column.len() == samples {
+                    retain_at(column, &is_whole);
+                }
+            }
+            retain_at(&mut self.stamps_ns, &is_whole);
+        }
+        notes
+    }
+}
+
+/// Keeps the values that are marked.
+fn retain_at<T>(values: &mut Vec<T>, keep: &[bool]) {
+    let mut kept = keep.iter();
+    values.retain(|_| kept.next().copied().unwrap_or(true));
+}

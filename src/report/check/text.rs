@@ -1,0 +1,64 @@
+//! `check` as text for a terminal.
+
+use super::{CheckReport, LEFT, NO_STUDY, left, sizes};
+use crate::gap::Checkup;
+use crate::identify::BeliefFound;
+use crate::report::beliefs::belief_table;
+use crate::report::data_health::{health_text, motion_text};
+use crate::report::gap::text::{WIDTH, detectable, paragraph, undetermined};
+use crate::report::gap::words::UNDETERMINED;
+use crate::report::text::wrap;
+
+/// Writes a check as plain text, at most 100 columns wide where file names allow it, ending in a newline.
+pub fn check_text(report: &CheckReport) -> String {
+    let mut blocks = vec![health_text(&report.health), motion_text(&report.health)];
+    blocks.extend(report.doubts.iter().map(|doubt| paragraph(doubt)));
+    match &report.checkup {
+        None => blocks.push(paragraph(NO_STUDY)),
+        Some(checkup) => {
+            blocks.push(paragraph(&sizes(&report.joint, checkup)));
+            blocks.push(numbers(checkup));
+            blocks.push(undetermined(&checkup.undetermined).unwrap_or_else(|| {
+                paragraph(&format!("{UNDETERMINED}: nothing; of every number they say more than is believed of it."))
+            }));
+            blocks.extend(detectable(&checkup.detectable));
+            if left(checkup) {
+                blocks.push(paragraph(LEFT));
+            }
+        }
+    }
+    blocks.join("\n\n") + "\n"
+}
+
+/// The checks of several joints one after the other, each with its name above it; `None`: one that never moved.
+pub fn checks_text(joints: &[(&str, Option<&CheckReport>)], notes: &[String]) -> String {
+    let mut text = String::new();
+    for (name, report) in joints {
+        text += &format!("== {name} ==\n");
+        text += &match report {
+            None => "It never moved: nothing to check.\n".to_owned(),
+            Some(CheckReport { health: rows, checkup: None, .. }) => {
+                health_text(rows) + "\n\n" + &motion_text(rows) + "\n"
+            }
+            Some(report) => check_text(report),
+        };
+        text += "\n";
+    }
+    if joints.iter().any(|(_, report)| report.is_some_and(|report| report.checkup.is_none())) {
+        text += &paragraph(NO_STUDY);
+        text += "\n";
+    }
+    notes.iter().for_each(|note| text += &(wrap(WIDTH, note, "- ", "  ") + "\n"));
+    text
+}
+
+/// What is believed of each number, and what these logs make of it.
+fn numbers(checkup: &Checkup) -> String {
+    let table = belief_table(WIDTH, &checkup.beliefs, |belief| interval(checkup, belief));
+    let words = "No effect is added yet: these numbers also take up what one would explain.";
+    format!("{table}\n{}", paragraph(words))
+}
+
+fn interval(checkup: &Checkup, belief: &BeliefFound) -> Option<[f64; 2]> {
+    checkup.parameters.iter().find(|p| p.name == belief.name).and_then(|p| p.interval)
+}
