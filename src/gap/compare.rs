@@ -86,8 +86,9 @@ mod tests {
     #[test]
     fn what_stays_for_long_counts_as_few_draws() {
         // The same size in every block, by turns of one and of twenty blocks.
-        let alternating =
-            |length: usize| -> Vec<f64> { (0..400).map(|k| if k / length % 2 == 0 { 3.0 } else { -1.0 }).collect() };
+        let alternating = |length: usize| -> Vec<f64> {
+            (0..400_usize).map(|k| if (k / length).is_multiple_of(2) { 3.0 } else { -1.0 }).collect()
+        };
         let [short, long] = [1, 20].map(|length| Difference::of_a_whole(&alternating(length)));
         let independent = Difference::of(&alternating(20));
         assert_eq!((short.sum, long.sum), (400.0, 400.0));
