@@ -88,7 +88,8 @@ fn a_packed_file_that_is_no_bag_or_unpacks_to_more_than_it_announces_is_refused(
     // The same after the header of a bag of 16 pages.
     let head = &good("bag/bag.db3")[..100];
     let mut lying = bomb[..6].to_vec();
-    lying.extend(((100_u32 << 3) | 0b000).to_le_bytes()[..3].iter());
+    // A block as it is, of 100 bytes.
+    lying.extend(&(100_u32 << 3).to_le_bytes()[..3]);
     lying.extend(head);
     lying.extend(&bomb[6..]);
     let message = read("bag.db3.zstd", &lying).unwrap_err().to_string();
