@@ -4,7 +4,6 @@ use super::bench::Bench;
 use super::cause::{Cause, Change};
 use super::noise::Weighed;
 use super::place::Place;
-use super::scatter::Scatter;
 use super::screen::change;
 use crate::joint::{EffectParameter, Scan};
 use nalgebra::{DMatrix, DVector};
@@ -112,11 +111,10 @@ pub(super) fn refine(bench: &Bench<'_>, parts: Vec<Part>) -> Option<Hypothesis> 
             *value = value.clamp(parameter.lower, parameter.upper);
         }
     }
-    let none = Scatter::none(bench.case.model());
     let residual = |parts: &[Part]| -> Option<Weighed> {
         let changes: Vec<Change> =
             parts.iter().map(|part| change(bench, part.cause, &part.place, &part.values)).collect();
-        let difference = bench.difference(&none, &changes)?;
+        let difference = bench.difference(&bench.base, &changes)?;
         let given = bench.residual();
         Some(bench.noise.weigh(given.iter().zip(&difference).map(|(given, change)| given - change).collect()))
     };
