@@ -12,6 +12,7 @@ use super::scatter::Number;
 const STEPS: usize = 4;
 
 /// What a hypothesis leaves with its numbers.
+#[derive(Clone)]
 pub(super) struct Attained {
     /// The weighed sum of squares over the samples that fits see, the price of the numbers included.
     pub price: f64,
@@ -81,5 +82,9 @@ pub(super) fn attained(bench: &Bench<'_>, hypothesis: &Hypothesis) -> Attained {
         let undone: Vec<f64> = (0..wanted.len()).map(|k| if k < count { -wanted[k] } else { 0.0 }).collect();
         wanted = noise.sizes(&noise.less(left, &undone));
     }
-    best.unwrap_or_else(first_order)
+    let best = best.unwrap_or_else(first_order);
+    match &bench.recalibrated {
+        Some(recalibrated) if hypothesis.parts.is_empty() && recalibrated.price < best.price => recalibrated.clone(),
+        _ => best,
+    }
 }

@@ -1,5 +1,6 @@
 //! Where hypotheses about a robot are tried: the study, the vector of all samples, and simulations of them.
 
+use super::attained::Attained;
 use super::case::RobotCase;
 use super::cause::Change;
 use super::forward::{Predicted, floor_of, predict};
@@ -45,13 +46,13 @@ pub(super) struct Bench<'a> {
     pub measured: Vec<f64>,
     /// The study's robot as stated, at the fine step.
     pub stated: Vec<f64>,
-    /// The robot that causes are tried on: where the trunk is clamped with numbers recalibrated within their beliefs ...
+    /// The robot that changes are made to: as stated, once it is recalibrated ...
     pub base: Scatter,
-    /// ... what it reads at the fine and at the coarse step ...
-    pub given: Vec<f64>,
+    /// ... and what it reads at the fine and at the coarse step.
+    given: Vec<f64>,
     given_coarse: Vec<f64>,
-    /// ... and what the numbers that were moved made of it, to first order.
-    pub told: Vec<f64>,
+    /// Clamped: what numbers alone explain, within their beliefs.
+    pub recalibrated: Option<Attained>,
     pub given_logs: Vec<Predicted>,
     /// Joints that influence each other; one group where the trunk is free.
     pub groups: Vec<Vec<usize>>,
@@ -86,7 +87,7 @@ impl<'a> Bench<'a> {
         let reach: Vec<Reach> = (0..case.names.len()).map(|joint| reach_of(case, &given_logs, joint)).collect();
         let sigma_rad = sigma_rad(case, &layout, &measured, &stated);
         let blank = || Noise::new(Vec::new(), Vec::new()).expect("nothing is finite");
-        let (floor, len) = (floor_of(case), layout.len);
+        let floor = floor_of(case);
         let mut bench = Self {
             case,
             layout,
@@ -96,7 +97,7 @@ impl<'a> Bench<'a> {
             stated,
             base: none,
             given_coarse,
-            told: vec![0.0; len],
+            recalibrated: None,
             given_logs,
             groups,
             spreads: Spreads::of(case, &reach),
@@ -108,7 +109,7 @@ impl<'a> Bench<'a> {
             noise_of_all: blank(),
         };
         if case.is_clamped() {
-            recalibrated(&mut bench)?;
+            bench.recalibrated = Some(recalibrated(&mut bench)?);
         } else {
             let (columns, extra) = bench.drawn();
             bench.weigh_by(columns, &extra)?;
@@ -135,7 +136,7 @@ impl<'a> Bench<'a> {
         Ok(())
     }
 
-    /// Makes another robot the one that causes are tried on; `false` where it runs away.
+    /// Makes another robot the one that changes are made to; `false` where it runs away.
     pub fn rest_on(&mut self, base: Scatter) -> bool {
         let (fine, coarse) = rayon::join(
             || self.simulate(&base, &[], self.steps.fine, None),
@@ -158,7 +159,7 @@ impl<'a> Bench<'a> {
         Some(self.layout.predicted(self.case, &logs))
     }
 
-    /// What other numbers and changes make of the robot that causes are tried on.
+    /// What other numbers and changes make of the robot.
     pub fn difference(&self, scatter: &Scatter, changes: &[Change]) -> Option<Vec<f64>> {
         self.difference_at(scatter, changes, PLAY, None)
     }
@@ -188,14 +189,9 @@ impl<'a> Bench<'a> {
         self.measured.iter().zip(&self.stated).map(|(measured, stated)| measured - stated).collect()
     }
 
-    /// Measured less what the robot reads that causes are tried on.
+    /// Measured less what the robot reads that changes are made to.
     pub fn left(&self) -> Vec<f64> {
         self.measured.iter().zip(&self.given).map(|(measured, given)| measured - given).collect()
-    }
-
-    /// What numbers and causes are to explain: the same, with what the numbers that were moved explain to first order.
-    pub fn residual(&self) -> Vec<f64> {
-        self.left().iter().zip(&self.told).map(|(left, told)| left + told).collect()
     }
 
     /// Keeps the rows of some joints, all else 0.

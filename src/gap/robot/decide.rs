@@ -138,8 +138,8 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
         |lead: &Hypothesis| a.firsts.iter().take_while(|h| h.loss - lead.loss < limits.equal).any(|h| is_seen(&h));
     let best = a.firsts.first().filter(|lead| as_good(lead));
     let Some(best) = best else {
-        // What numbers explain to first order they may not explain in truth.
-        let excess = excess_of(&a.given).max(given.price / samples - 1.0);
+        // What numbers explain in truth is another matter than what they explain to first order.
+        let excess = if bench.case.is_clamped() { given.price / samples - 1.0 } else { excess_of(&a.given) };
         let allowed = limits.explained + LEFT_OVER * taken_out(bench, &a.given) / samples;
         let verdict = match (excess < allowed, given.is_believed(bench)) {
             (true, true) => Verdict::None,

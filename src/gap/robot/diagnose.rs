@@ -139,7 +139,7 @@ fn location(
     phases: &[Vec<Vec<GaitPhase>>],
     first: Option<&Found>,
 ) -> RobotWhere {
-    let left = bench.noise_of_all.adapted(&bench.residual());
+    let left = bench.noise_of_all.adapted(&bench.left());
     // What the map shows is the gap itself where a cause is named, for the uncertain numbers would take some of it.
     let shown = if first.is_some() { bench.gap() } else { left };
     let cells = cells(bench, phases, &shown);
@@ -152,7 +152,7 @@ fn location(
             (0..bench.case.names.len()).filter(place).collect()
         }
         (None, true) => {
-            let mut joints = Suspects::of(bench, &bench.residual()).joints;
+            let mut joints = Suspects::of(bench, &bench.left()).joints;
             joints.retain(|joint| of_joint(&bench.case.names[*joint]) > HAS_MUCH);
             joints.truncate(NAMED_AT_MOST);
             joints

@@ -1,9 +1,10 @@
-//! Masses and friction that explain most, within what is believed of them, before any cause is looked for.
+//! Masses and friction that explain most, within what is believed of them, without any cause.
 //!
 //! Numbers are found by steps of Gauss and Newton, the whole robot simulated at every one: friction that is three times
 //! the believed one is far from what it does to first order. What is far off is weighed by how far it is off: as if that
 //! were noise, so that no step trusts a first order that does not hold.
 
+use super::attained::Attained;
 use super::bench::{Bench, RanAway};
 use super::noise::Noise;
 use super::scatter::Scatter;
@@ -14,38 +15,51 @@ const HALVINGS: usize = 3;
 /// Numbers that would move by less, in their standard deviations, have arrived.
 const ARRIVED: f64 = 0.15;
 
-/// Rests a bench on the robot whose numbers explain most, and weighs by what each of them changes there.
-pub(super) fn recalibrated(bench: &mut Bench<'_>) -> Result<(), RanAway> {
+/// The robot with the numbers that explain most; the bench rests on the robot as stated again, and weighs by what each
+/// number changes there.
+pub(super) fn recalibrated(bench: &mut Bench<'_>) -> Result<Attained, RanAway> {
     let none = vec![0.0; bench.layout.len];
-    let mut sizes: Vec<f64> = Vec::new();
-    for step in 0..=STEPS {
-        let (columns, numbers) = bench.uncertain();
-        if step == 0 {
-            (sizes, bench.numbers) = (vec![0.0; numbers.len()], numbers);
-        } else if numbers != bench.numbers {
-            // A number beyond which the robot runs away has no column: the last robot that had them all stands.
-            return Err(RanAway);
-        }
-        bench.told.copy_from_slice(&none);
+    let (stated, numbers) = bench.uncertain();
+    bench.numbers = numbers;
+    bench.weigh_by(stated.clone(), &none)?;
+    let (mut sizes, mut columns) = (vec![0.0; bench.numbers.len()], stated.clone());
+    for _ in 0..STEPS {
+        let mut left = bench.left();
         for (size, column) in sizes.iter().zip(&columns) {
-            bench.told.iter_mut().zip(column).for_each(|(told, change)| *told += size * change);
+            left.iter_mut().zip(column).for_each(|(left, change)| *left += size * change);
         }
-        bench.weigh_by(columns, &none)?;
         let noise = bench.noise.tempered(temper(bench, &bench.left()));
-        let wanted = noise.sizes(&bench.residual());
+        let wanted = noise.sizes(&left);
         let farthest = sizes.iter().zip(&wanted).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        if step == STEPS || farthest < ARRIVED || !moved(bench, &noise, &mut sizes, &wanted) {
+        if farthest < ARRIVED || !moved(bench, &noise, &mut sizes, &wanted) {
             break;
         }
+        let (there, numbers) = bench.uncertain();
+        // A number at which the robot runs away has no column: the last ones are near enough.
+        if numbers == bench.numbers {
+            columns = there;
+            bench.weigh_by(columns.clone(), &none)?;
+        }
     }
-    Ok(())
+    let undone: Vec<f64> = sizes.iter().map(|size| -size).collect();
+    let wanted = bench.noise.sizes(&bench.noise.less(bench.left(), &undone));
+    let mut common = wanted.clone();
+    common[..sizes.len()].fill(0.0);
+    let price = price(&bench.noise, &bench.left(), &sizes, &wanted[sizes.len()..]);
+    let attained = Attained { price, residual: bench.noise.less(bench.left(), &common), sizes };
+    let none_moved = Scatter::none(bench.case.model());
+    if !bench.rest_on(none_moved) {
+        return Err(RanAway);
+    }
+    bench.weigh_by(stated, &none)?;
+    Ok(attained)
 }
 
 /// Goes towards the numbers that are wanted as far as that explains more; `false` where it does not.
 fn moved(bench: &mut Bench<'_>, noise: &Noise, sizes: &mut Vec<f64>, wanted: &[f64]) -> bool {
     let offset = &wanted[sizes.len()..];
     let here = price(noise, &bench.left(), sizes, offset);
-    let (base, given) = (bench.base.clone(), bench.given.clone());
+    let base = bench.base.clone();
     for halving in 0..=HALVINGS {
         let share = 0.5_f64.powi(halving as i32);
         let there: Vec<f64> = sizes.iter().zip(wanted).map(|(from, to)| from + share * (to - from)).collect();
@@ -54,7 +68,7 @@ fn moved(bench: &mut Bench<'_>, noise: &Noise, sizes: &mut Vec<f64>, wanted: &[f
             return true;
         }
     }
-    if bench.base != base || bench.given != given {
+    if bench.base != base {
         bench.rest_on(base);
     }
     false

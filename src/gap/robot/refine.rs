@@ -50,7 +50,7 @@ const HALVINGS: usize = 4;
 impl Hypothesis {
     /// The study's robot as given.
     pub fn given(bench: &Bench<'_>) -> Self {
-        Self::of(bench, Vec::new(), bench.residual())
+        Self::of(bench, Vec::new(), bench.left())
     }
 
     fn of(bench: &Bench<'_>, parts: Vec<Part>, residual: Vec<f64>) -> Self {
@@ -115,7 +115,7 @@ pub(super) fn refine(bench: &Bench<'_>, parts: Vec<Part>) -> Option<Hypothesis> 
         let changes: Vec<Change> =
             parts.iter().map(|part| change(bench, part.cause, &part.place, &part.values)).collect();
         let difference = bench.difference(&bench.base, &changes)?;
-        let given = bench.residual();
+        let given = bench.left();
         Some(bench.noise.weigh(given.iter().zip(&difference).map(|(given, change)| given - change).collect()))
     };
     let hunts = parts.iter().any(|part| part.cause.is_play());
