@@ -32,8 +32,66 @@ file = "trot.csv"
 duration = 5.0
 "#;
 
+/// A leg whose friction is three times the believed one, let go twice.
+const STIFF: &str = r#"
+schema = 1
+seed = 5
+[robot]
+model = "ers7"
+scenario = "drop"
+[friction]
+coulomb = [0.001, 0.007, 0.01]
+viscous = [0.017, 0.019, 0.01]
+[sensor]
+resolution = 0.006
+period = 0.008
+[truth]
+step = 1e-4
+scatter = 0.03
+[truth.friction.lf1]
+coulomb = 0.003
+viscous = 0.051
+[[log]]
+file = "far.csv"
+duration = 4.0
+released = "lf1"
+release_time = 0.4
+angles = { lf1 = 1.2 }
+[[log]]
+file = "near.csv"
+duration = 4.0
+released = "lf1"
+release_time = 0.4
+angles = { lf1 = 0.84 }
+"#;
+
+/// A trot on a slippery floor.
+const SLIPPERY: &str = r#"
+schema = 1
+seed = 7
+[robot]
+model = "ers7"
+scenario = "floor"
+[sensor]
+resolution = 0.006
+period = 0.008
+noise = 0.002
+[truth]
+step = 1e-4
+scatter = 0.03
+floor = { static = 0.2, coulomb = 0.15 }
+[[log]]
+file = "trot.csv"
+duration = 6.0
+forward = [2.0, 6.0]
+"#;
+
 fn made(folder: &Path) {
-    let made = make(&Spec::from_toml(Path::new("spec.toml"), WEAK).expect("a spec"), None).expect("logs");
+    made_of(folder, WEAK);
+}
+
+fn made_of(folder: &Path, spec: &str) {
+    let made = make(&Spec::from_toml(Path::new("spec.toml"), spec).expect("a spec"), None).expect("logs");
     for (name, text) in made.logs.into_iter().chain([("study.toml".to_owned(), made.study_toml)]) {
         fs::write(folder.join(name), text).expect("written");
     }
@@ -113,6 +171,39 @@ fn an_answer_has_every_key_is_the_same_on_any_number_of_threads_and_its_robot_cl
     fs::write(dir.path().join("study.toml"), study.replace("\"ers7\"", "\"out/repaired.toml\"")).unwrap();
     let closed = diagnosed(dir.path(), "closed", &[]);
     assert_eq!(closed["verdict"], "none", "{}", closed["sentence"]);
+}
+
+#[test]
+fn friction_three_times_the_believed_one_is_never_nothing() {
+    let dir = tempfile::tempdir().unwrap();
+    made_of(dir.path(), STIFF);
+    let only = "load_friction,asymmetric_friction,coulomb,viscous";
+    expect_code(dir.path(), &["gap", "study.toml", "--only", only, "--json", "gap.json", "--quiet"], 0);
+    let found = json(&dir.path().join("gap.json"));
+    assert_eq!((&found["verdict"], &found["where"]["joints"][0]), (&"calibration".into(), &"lf1".into()), "{found:#}");
+    for (number, tripled) in [("lf1.coulomb", 0.003), ("lf1.viscous", 0.051)] {
+        let belief = &found["beliefs"][number];
+        assert!(belief["moved_sd"].as_f64().unwrap() > 1.5, "{belief}");
+        let off = belief["found"].as_f64().unwrap() / tripled;
+        assert!((0.8..1.2).contains(&off), "{number} is {off} of the truth");
+    }
+    let gap = |key: &str| found["gap"][key].as_f64().unwrap();
+    assert!(gap("before") > 0.1 && gap("after") < 1.2 * gap("floor"), "{}", found["gap"]);
+    // Nothing but noise is left, whatever the numbers are believed to.
+    assert!(found["sentence"].as_str().unwrap().contains("numbers of the study are off"), "{}", found["sentence"]);
+}
+
+#[test]
+fn a_slippery_floor_is_the_floors() {
+    let dir = tempfile::tempdir().unwrap();
+    made_of(dir.path(), SLIPPERY);
+    let only = "floor_friction,floor_slope,payload";
+    expect_code(dir.path(), &["gap", "study.toml", "--only", only, "--json", "gap.json", "--quiet"], 0);
+    let found = json(&dir.path().join("gap.json"));
+    assert_eq!((&found["verdict"], &found["effect"]), (&"effect".into(), &"floor_friction".into()), "{found:#}");
+    let mu = &found["effects"][0]["parameters"]["mu"];
+    assert!((mu["value"].as_f64().unwrap() - 0.15).abs() < 0.05, "{mu}");
+    assert_eq!(found["where"]["stage"], "floor");
 }
 
 fn logged(path: &Path) -> RobotLog {

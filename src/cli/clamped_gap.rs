@@ -2,7 +2,7 @@
 
 use super::CliError;
 use super::common::{print, study_name, warn, write_outputs};
-use super::gap::{GapArgs, add_report, options};
+use super::gap::{GapArgs, add_report, options_of_clamped};
 use super::progress::Progress;
 use super::provenance::provenance;
 use crate::gap::clamped::ClampedSetup;
@@ -15,7 +15,7 @@ use std::path::Path;
 
 /// Runs the command.
 pub(super) fn run(args: &GapArgs, study: &Path) -> Result<u8, CliError> {
-    let options = options(args)?;
+    let options = options_of_clamped(args)?;
     let progress = Progress::new(args.common.quiet);
     progress.say("reading");
     let wrong = |error| CliError::ClampedCase(Box::new(error));

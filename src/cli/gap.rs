@@ -8,6 +8,7 @@ use super::progress::Progress;
 use super::provenance::provenance;
 use super::still::never_moved;
 use super::{CliError, clamped_gap, robot_gap};
+use crate::gap::clamped::BodyKind;
 use crate::gap::robot::{Cause, UnknownCause};
 use crate::gap::{GapError, GapOptions, diagnose};
 use crate::identify::Case;
@@ -38,11 +39,11 @@ pub(super) struct GapArgs {
     #[arg(long, value_name = "FILE")]
     pub mcap: Option<PathBuf>,
     /// Withhold effects from the catalogue, separated by commas [default: none]
-    #[arg(long, value_name = "IDS", value_delimiter = ',', value_parser = cause)]
-    pub without: Vec<Cause>,
+    #[arg(long, value_name = "IDS", value_delimiter = ',', value_parser = named)]
+    pub without: Vec<Named>,
     /// Consider these effects only, separated by commas [default: all]
-    #[arg(long, value_name = "IDS", value_delimiter = ',', value_parser = cause)]
-    pub only: Vec<Cause>,
+    #[arg(long, value_name = "IDS", value_delimiter = ',', value_parser = named)]
+    pub only: Vec<Named>,
     /// Measure the probabilities on so many twins of this joint study; 0: take the rates that come with the program
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=100_000))]
     pub twins: u32,
@@ -57,7 +58,8 @@ pub(super) struct GapArgs {
 
 fn after_help() -> String {
     let ids: Vec<&str> = EffectId::ALL.iter().map(|effect| effect.id()).collect();
-    let more: Vec<&str> = Cause::all().filter(|cause| !matches!(cause, Cause::Effect(_))).map(Cause::id).collect();
+    let more = Cause::all().filter(|cause| !matches!(cause, Cause::Effect(_))).map(Cause::id);
+    let more: Vec<&str> = more.chain([BodyKind::BodyMass, BodyKind::BodyCom].map(BodyKind::id)).collect();
     format!(
         "Effects: {}; of a robot also {}.\n\
          Names for --fix, --free, --bound and --start (of a joint): inertia, moment, coulomb, viscous, gain, kd, ki, rest, and \
@@ -72,26 +74,78 @@ fn after_help() -> String {
     )
 }
 
-fn cause(word: &str) -> Result<Cause, UnknownCause> {
-    word.trim().parse()
+/// What `--without` and `--only` name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Named {
+    Cause(Cause),
+    /// Another mass or centre of mass of a body; a payload is a cause of other robots too.
+    Body(BodyKind),
+}
+
+impl Named {
+    fn id(self) -> &'static str {
+        match self {
+            Self::Cause(cause) => cause.id(),
+            Self::Body(kind) => kind.id(),
+        }
+    }
+
+    /// What of a body it is, on a robot whose base is clamped.
+    fn body(self) -> Option<BodyKind> {
+        match self {
+            Self::Cause(Cause::Payload) => Some(BodyKind::Payload),
+            Self::Cause(_) => None,
+            Self::Body(kind) => Some(kind),
+        }
+    }
+}
+
+fn named(word: &str) -> Result<Named, UnknownCause> {
+    let word = word.trim();
+    let body = [BodyKind::BodyMass, BodyKind::BodyCom].into_iter().find(|kind| kind.id() == word);
+    body.map_or_else(|| word.parse().map(Named::Cause), |kind| Ok(Named::Body(kind)))
+}
+
+/// Causes of a robot that is simulated as a whole; those of bodies are looked for along the motion of clamped ones.
+pub(super) fn causes(named: &[Named]) -> Result<Vec<Cause>, CliError> {
+    let cause = |named: &Named| match named {
+        Named::Cause(cause) => Ok(*cause),
+        Named::Body(kind) => {
+            Err(CliError::Usage(format!("`{}` is looked for in studies with scenario = \"fixed\"", kind.id())))
+        }
+    };
+    named.iter().map(cause).collect()
 }
 
 /// Causes that a joint has; those of a robot alone are refused.
-fn effects(causes: &[Cause]) -> Result<Vec<EffectId>, CliError> {
-    let effect = |cause: &Cause| match cause {
-        Cause::Effect(effect) => Ok(*effect),
+fn effects(named: &[Named]) -> Result<Vec<EffectId>, CliError> {
+    let effect = |named: &Named| match named {
+        Named::Cause(Cause::Effect(effect)) => Ok(*effect),
         other => {
-            Err(CliError::Usage(format!("`{other}` is a cause of a whole robot, and this is the study of a joint")))
+            let id = other.id();
+            Err(CliError::Usage(format!("`{id}` is a cause of a whole robot, and this is the study of a joint")))
         }
     };
-    causes.iter().map(effect).collect()
+    named.iter().map(effect).collect()
+}
+
+/// What is asked of the diagnosis of a robot with a clamped base.
+pub(super) fn options_of_clamped(args: &GapArgs) -> Result<GapOptions, CliError> {
+    let without_bodies = args.without.iter().filter_map(|named| named.body()).collect();
+    let without: Vec<Named> = args.without.iter().copied().filter(|named| named.body().is_none()).collect();
+    Ok(GapOptions { without_bodies, ..options_without(args, &without)? })
 }
 
 /// What is asked of a joint's diagnosis.
 pub(super) fn options(args: &GapArgs) -> Result<GapOptions, CliError> {
+    options_without(args, &args.without)
+}
+
+fn options_without(args: &GapArgs, without: &[Named]) -> Result<GapOptions, CliError> {
     Ok(GapOptions {
-        without: effects(&args.without)?,
+        without: effects(without)?,
         only: effects(&args.only)?,
+        without_bodies: Vec::new(),
         twins: args.twins as usize,
         seed: args.seed,
         demands: args.demands.directives(),
@@ -101,7 +155,7 @@ pub(super) fn options(args: &GapArgs) -> Result<GapOptions, CliError> {
 /// Runs the command.
 pub(super) fn run(args: &GapArgs) -> Result<u8, CliError> {
     if let Some(both) = args.only.iter().find(|effect| args.without.contains(effect)) {
-        return Err(CliError::Usage(format!("`{both}` stands in --without and in --only; leave it out of one")));
+        return Err(CliError::Usage(format!("`{}` stands in --without and in --only; leave it out of one", both.id())));
     }
     if let Some(robot) = &args.robot {
         let study = drafted(&args.study, robot, &args.common)?;
@@ -180,15 +234,16 @@ mod tests {
 
     #[test]
     fn effects_are_read_with_blanks_or_refused_with_the_catalogue() {
-        assert_eq!(cause(" delay"), Ok(Cause::Effect(EffectId::Delay)));
-        let error = cause("friction").unwrap_err().to_string();
+        assert_eq!(named(" delay"), Ok(Named::Cause(Cause::Effect(EffectId::Delay))));
+        assert_eq!(named("body_com"), Ok(Named::Body(BodyKind::BodyCom)));
+        let error = named("friction").unwrap_err().to_string();
         assert!(error.contains("`friction`") && error.contains("stribeck, load_friction"), "{error}");
     }
 
     #[test]
     fn causes_of_a_robot_are_none_of_a_joint() {
-        assert_eq!(effects(&[Cause::Effect(EffectId::Delay)]).unwrap(), [EffectId::Delay]);
-        let error = effects(&[Cause::Payload]).unwrap_err();
+        assert_eq!(effects(&[Named::Cause(Cause::Effect(EffectId::Delay))]).unwrap(), [EffectId::Delay]);
+        let error = effects(&[Named::Cause(Cause::Payload)]).unwrap_err();
         assert_eq!(error.exit_code(), crate::cli::error::USAGE);
         assert!(error.to_string().contains("`payload` is a cause of a whole robot"), "{error}");
     }

@@ -3,7 +3,7 @@
 use super::CliError;
 use super::common::{CommonArgs, print, study_name, write_outputs};
 use super::error::NO;
-use super::gap::GapArgs;
+use super::gap::{GapArgs, causes};
 use super::progress::Progress;
 use super::provenance::provenance;
 use crate::gap::robot::{RobotCase, RobotGapError, RobotOptions, diagnose_robot};
@@ -34,7 +34,7 @@ pub(super) fn run(args: &GapArgs) -> Result<u8, CliError> {
                     its study, with 0 in [uncertain] for what is exact";
         return Err(CliError::Usage(what.to_owned()));
     }
-    let options = RobotOptions { without: args.without.clone(), only: args.only.clone() };
+    let options = RobotOptions { without: causes(&args.without)?, only: causes(&args.only)? };
     let progress = Progress::new(args.common.quiet);
     progress.say("reading");
     let case = RobotCase::of_study(&args.study).map_err(|error| CliError::RobotCase(Box::new(error)))?;

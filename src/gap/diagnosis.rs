@@ -1,5 +1,6 @@
 //! What a diagnosis says, as plain data: the engine fills it, reports and JSON show it.
 
+use super::body_kind::BodyKind;
 use super::differs::Differs;
 use super::logs::LogSet;
 use crate::identify::{BeliefFound, Directives, Estimate};
@@ -13,6 +14,8 @@ pub struct GapOptions {
     pub without: Vec<EffectId>,
     /// The only effects that are considered; empty: all.
     pub only: Vec<EffectId>,
+    /// Of a robot with a clamped base what of bodies is withheld.
+    pub without_bodies: Vec<BodyKind>,
     /// Twins of the study on which the probabilities are measured; 0: the shipped rates are used.
     pub twins: usize,
     /// Seed of the twins.

@@ -9,6 +9,7 @@ mod along;
 mod attribute;
 mod binned;
 mod blocks;
+mod body_kind;
 mod calibrate;
 mod chance;
 mod check;
@@ -68,6 +69,7 @@ pub mod whole;
 mod within;
 
 pub use crate::identify::BeliefFound;
+pub use body_kind::BodyKind;
 pub use check::{Checkup, check};
 pub use diagnose::{GapError, diagnose};
 pub use diagnosis::{

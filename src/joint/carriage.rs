@@ -48,6 +48,8 @@ pub(super) struct CarriedNow<T> {
 pub struct Carriage {
     t_s: Arc<[f64]>,
     carried: Arc<[Carried]>,
+    /// Samples per second, on average.
+    rate_1_s: f64,
 }
 
 impl Carriage {
@@ -59,13 +61,27 @@ impl Carriage {
             && t_s.len() == carried.len()
             && t_s.windows(2).all(|pair| pair[1] > pair[0])
             && carried.iter().all(|c| finite(c) && c.inertia > 0.0);
-        sound.then(|| Self { t_s: t_s.into(), carried: carried.into() })
+        let span_s = t_s.last().zip(t_s.first()).map_or(0.0, |(last, first)| last - first);
+        let rate_1_s = if span_s > 0.0 { (t_s.len() - 1) as f64 / span_s } else { 0.0 };
+        sound.then(|| Self { t_s: t_s.into(), carried: carried.into(), rate_1_s })
+    }
+
+    /// The first sample after an instant. Where samples come evenly it is looked for only beside where it should be.
+    #[inline]
+    fn first_after(&self, t_s: f64) -> usize {
+        let all = &*self.t_s;
+        let near = (((t_s - all[0]) * self.rate_1_s) as usize).min(all.len() - 1);
+        let is_first = |k: usize| (k == 0 || all[k - 1] <= t_s) && (k == all.len() || all[k] > t_s);
+        match [near + 1, near, near + 2].into_iter().find(|k| *k <= all.len() && is_first(*k)) {
+            Some(found) => found,
+            None => all.partition_point(|t| *t <= t_s),
+        }
     }
 
     /// What is carried at an instant.
     #[inline(never)]
     pub(super) fn at<T: Real>(&self, t_s: T) -> CarriedNow<T> {
-        let after = self.t_s.partition_point(|t| *t <= t_s.re());
+        let after = self.first_after(t_s.re());
         let (from, to) = (after.saturating_sub(1), after.min(self.t_s.len() - 1));
         let span_s = self.t_s[to] - self.t_s[from];
         let inside = span_s > 0.0 && t_s.re() >= self.t_s[from];

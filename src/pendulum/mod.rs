@@ -19,6 +19,7 @@ pub mod ratios;
 mod rollout;
 mod schedule;
 mod simple;
+mod stiff;
 
 pub(crate) use play::LINK_SHARE;
 

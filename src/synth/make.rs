@@ -36,11 +36,13 @@ pub struct Alteration<'a> {
     pub robot: &'a (dyn Fn(&mut Nominal) + Sync),
     /// The setpoints on their way to the controllers; the log says what was asked.
     pub setpoints: &'a (dyn Fn(&mut Setpoints) + Sync),
+    /// What the study of a robot says.
+    pub study: &'a (dyn Fn(&mut RobotStudy) + Sync),
 }
 
 impl Alteration<'_> {
     /// Changes nothing.
-    pub const NONE: Alteration<'static> = Alteration { robot: &|_| {}, setpoints: &|_| {} };
+    pub const NONE: Alteration<'static> = Alteration { robot: &|_| {}, setpoints: &|_| {}, study: &|_| {} };
 }
 
 /// Makes logs, study and truth; the same spec gives the same bytes on any number of threads (`None`: all cores).
@@ -86,7 +88,11 @@ fn made(spec: &Spec, alteration: Alteration<'_>) -> Result<Made, SynthError> {
     let (entries, texts): (Vec<RobotStudyLog>, Vec<String>) = made.into_iter().unzip();
     let logs = entries.iter().map(|entry| entry.file.clone()).zip(texts).collect();
     let study_toml = match &spec.believed {
-        Believed::Robot(study) => write::robot_study(study, text.as_ref().map(|(name, _)| name.as_str()), &entries),
+        Believed::Robot(study) => {
+            let mut said = study.clone();
+            (alteration.study)(&mut said);
+            write::robot_study(&said, text.as_ref().map(|(name, _)| name.as_str()), &entries)
+        }
         Believed::Joint(_, bench) => write::joint_study(&joint::believed(&blame, bench)?, study, &entries),
     };
     Ok(Made { study_toml, robot: text, logs, truth })

@@ -71,6 +71,8 @@ pub struct TruthSpec {
     pub slope: f64,
     /// Relative standard deviation of masses, friction and floor.
     pub scatter: f64,
+    /// Of friction, where it is another.
+    pub friction_scatter: Option<f64>,
     /// How it is integrated: `stiff` unless stated; `rk2`, `rk4`, `dormand_prince`, `adams`, `bdf`.
     pub method: Option<String>,
     /// Longest step of stiff, rk2 and rk4 \[s\]; 1e-4, and 1e-5 for rk2 and rk4, unless stated.

@@ -96,6 +96,9 @@ pub(super) fn of(spec: &Spec, robot: &Model, study: &RobotStudy) -> Result<(Nomi
     let stated = &spec.truth;
     let in_range = |x: f64| (0.0..=LARGEST_SCATTER).contains(&x);
     let scatter = blame.number("[truth] scatter", stated.scatter, in_range, "a relative deviation from 0 to 0.3")?;
+    let of_friction = stated.friction_scatter.unwrap_or(scatter);
+    let key = "[truth] friction_scatter";
+    let of_friction = blame.number(key, of_friction, in_range, "a relative deviation from 0 to 0.3")?;
     let mut scatter = Scatter { rng: ChaCha8Rng::seed_from_u64(spec.seed), scatter };
     let model = masses(&blame, stated, robot, &mut scatter)?;
     let mut nominal = Nominal::on(&model, study).map_err(|error| blame.refused("[robot]", error))?;
@@ -104,7 +107,9 @@ pub(super) fn of(spec: &Spec, robot: &Model, study: &RobotStudy) -> Result<(Nomi
         let prepared = joint::prepare(&mut nominal, bench, &believed.nominal);
         prepared.map_err(|error| blame.refused("[joint] name", error))?;
     }
+    let of_rest = std::mem::replace(&mut scatter.scatter, of_friction);
     friction(&blame, stated, &mut nominal, &mut scatter)?;
+    scatter.scatter = of_rest;
     let floor = floor(&blame, stated, study, &mut nominal, &mut scatter)?;
     let effects = effects(&blame, &spec.effects, bench, &mut nominal)?;
     let method = method(&blame, stated)?;

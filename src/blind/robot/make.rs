@@ -2,7 +2,7 @@
 
 use super::cause::{RobotFilter, RobotOutside, RobotTrueCause};
 use super::fault::{Fault, Kind};
-use super::scene::{SCATTER, Scene, draw_scenario, noise_rad};
+use super::scene::{Scene, draw_scenario};
 use super::size::{ONE, PLAIN, Readings, make_with, readings, searched, strength};
 use super::truth::{RobotTruth, TrueFault};
 use crate::blind::dice::Dice;
@@ -168,11 +168,11 @@ fn finish(
     };
     (spec.truth.method, spec.truth.step, spec.truth.tolerance) = (Some(method.to_owned()), step, tolerance);
     let all: Vec<(&Fault, f64)> = faults.iter().map(|(fault, at)| (fault, *at)).collect();
-    let made = make_with(&spec, &all)?;
+    let made = make_with(&spec, &all, scene.states_noise)?;
 
     let moving = seen(&scene, plain);
     let whole = readings(&spec, &all)?;
-    let ratio = |other: &Readings, fault: &Fault| whole.rms_rad(other, fault.seen_in(&moving)) / noise_rad();
+    let ratio = |other: &Readings, fault: &Fault| whole.rms_rad(other, fault.seen_in(&moving)) / scene.noise_rad();
     let mut true_faults = Vec::with_capacity(faults.len());
     for (k, (fault, at)) in faults.iter().enumerate() {
         let others: Vec<(&Fault, f64)> = all.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, f)| *f).collect();
@@ -187,11 +187,6 @@ fn finish(
         Some((first, _)) => ratio(&readings(&spec, &[])?, first),
         None => 0.0,
     };
-    let mut study_toml = made.study_toml;
-    if !scene.states_noise {
-        study_toml =
-            study_toml.lines().filter(|line| !line.starts_with("noise = ")).map(|l| format!("{l}\n")).collect();
-    }
     let outside = faults.iter().find_map(|(fault, _)| match fault.kind {
         Kind::Outside(outside) => Some(outside),
         Kind::Catalogue(_) => None,
@@ -218,11 +213,12 @@ fn finish(
         outside,
         faults: true_faults,
         ratio: total,
-        noise_rad: noise_rad(),
-        scatter: SCATTER,
+        noise_rad: scene.noise_rad(),
+        scatter: spec.truth.scatter,
+        friction_scatter: spec.truth.friction_scatter.unwrap_or(spec.truth.scatter),
         method: made.truth.method,
         motions: scene.motions,
     };
-    let study = std::iter::once(("study.toml".to_owned(), study_toml)).chain(made.logs).collect();
+    let study = std::iter::once(("study.toml".to_owned(), made.study_toml)).chain(made.logs).collect();
     Some(RobotMade { study, truth })
 }

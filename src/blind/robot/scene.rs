@@ -6,12 +6,15 @@ use crate::synth::{Believed, LogSpec, Spec, TruthSpec};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// The encoders of section B.1: their step \[rad\], period \[s\] and the noise before rounding \[rad\].
-const STEP_RAD: f64 = 0.006;
-const PERIOD_S: f64 = 0.008;
-const NOISE_RAD: f64 = 0.002;
-/// Relative standard deviation of masses, friction and floor.
-pub(super) const SCATTER: f64 = 0.03;
+/// Encoders to draw from, that of section B.1 among them: their step \[rad\] and period \[s\].
+const STEPS_RAD: [f64; 4] = [0.006, 0.006, 0.003, 0.0015];
+const PERIODS_S: [f64; 3] = [0.008, 0.008, 0.016];
+/// Least and greatest standard deviation of the noise before rounding \[rad\].
+const NOISE_RAD: [f64; 2] = [0.001, 0.004];
+/// Least and greatest relative standard deviation of masses and floor, and of friction. Beliefs are narrower or wider:
+/// an exam may not be what the diagnosis assumes.
+const SCATTER: [f64; 2] = [0.05, 0.10];
+const FRICTION_SCATTER: [f64; 2] = [0.10, 0.30];
 
 /// A study to be made.
 pub(super) struct Scene {
@@ -23,11 +26,6 @@ pub(super) struct Scene {
     pub released: Option<String>,
     /// The study says how large the noise is.
     pub states_noise: bool,
-}
-
-/// Standard deviation of a reading \[rad\].
-pub(super) fn noise_rad() -> f64 {
-    NOISE_RAD.hypot(STEP_RAD / 12f64.sqrt())
 }
 
 /// Of a hundred studies 60 are in the air, 25 on the floor, 15 drops.
@@ -55,15 +53,21 @@ impl Scene {
             control: ControlSpec::default(),
             floor: FloorSpec::default(),
             sensor: RobotSensorSpec {
-                resolution_rad: Some(STEP_RAD),
-                period_s: Some(PERIOD_S),
-                noise_rad: Some(NOISE_RAD),
+                resolution_rad: Some(dice.pick(&STEPS_RAD)),
+                period_s: Some(dice.pick(&PERIODS_S)),
+                noise_rad: Some(significant(dice.log_uniform(NOISE_RAD[0], NOISE_RAD[1]), 2)),
             },
             uncertain: Uncertain::default(),
             columns: crate::log::Columns::default(),
             logs: Vec::new(),
         };
-        let truth = TruthSpec { scatter: SCATTER, ..TruthSpec::default() };
+        let [least, most] = SCATTER;
+        let [low, high] = FRICTION_SCATTER;
+        let truth = TruthSpec {
+            scatter: significant(dice.uniform(least, most), 2),
+            friction_scatter: Some(significant(dice.uniform(low, high), 2)),
+            ..TruthSpec::default()
+        };
         let (logs, motions, released) = match scenario {
             RobotScenario::Air => walks(&AIR, 2, dice),
             RobotScenario::Floor => walks(&FLOOR, 1, dice),
@@ -78,6 +82,13 @@ impl Scene {
             logs,
         };
         Self { spec, scenario, motions, released, states_noise: dice.chance(0.7) }
+    }
+
+    /// Standard deviation of a reading \[rad\].
+    pub fn noise_rad(&self) -> f64 {
+        let (Believed::Robot(study) | Believed::Joint(study, _)) = &self.spec.believed;
+        let step_rad = study.sensor.resolution_rad.unwrap_or(0.0);
+        study.sensor.noise_rad.unwrap_or(0.0).hypot(step_rad / 12f64.sqrt())
     }
 }
 

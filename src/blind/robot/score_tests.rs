@@ -29,7 +29,8 @@ fn truth(verdict: Verdict, causes: &[(Cause, &[&str])]) -> RobotTruth {
         faults: causes.iter().map(fault).collect(),
         ratio: 6.0,
         noise_rad: 0.0026,
-        scatter: 0.03,
+        scatter: 0.07,
+        friction_scatter: 0.2,
         method: String::new(),
         motions: vec![],
     }

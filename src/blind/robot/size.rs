@@ -1,9 +1,9 @@
 //! How much a fault changes what the logs read.
 
 use super::fault::Fault;
-use super::scene::{Scene, noise_rad};
+use super::scene::Scene;
 use crate::blind::dice::Dice;
-use crate::log::RobotScenario;
+use crate::log::{RobotScenario, RobotStudy};
 use crate::synth::{Believed, Spec, make_altered};
 use std::collections::BTreeMap;
 
@@ -55,7 +55,7 @@ pub(super) fn readings(spec: &Spec, faults: &[(&Fault, f64)]) -> Option<Readings
         (study.sensor.resolution_rad, study.sensor.noise_rad) = (None, None);
     }
     let mut found = Readings { angle_rad: BTreeMap::new(), setpoint_rad: BTreeMap::new() };
-    let made = make_with(&spec, faults)?;
+    let made = make_with(&spec, faults, false)?;
     for (_, text) in made.logs {
         let mut lines = text.lines();
         let names: Vec<&str> = lines.next()?.split(',').collect();
@@ -77,8 +77,8 @@ pub(super) fn readings(spec: &Spec, faults: &[(&Fault, f64)]) -> Option<Readings
 /// A joint that turns farther ran away \[rad\].
 const WIDEST_RAD: f64 = 20.0;
 
-/// Makes a study with faults of some strengths.
-pub(super) fn make_with(spec: &Spec, faults: &[(&Fault, f64)]) -> Option<crate::synth::Made> {
+/// Makes a study with faults of some strengths, which says how large the noise is or does not.
+pub(super) fn make_with(spec: &Spec, faults: &[(&Fault, f64)], states_noise: bool) -> Option<crate::synth::Made> {
     let mut spec = spec.clone();
     for (fault, strength) in faults {
         fault.install(*strength, &mut spec);
@@ -86,7 +86,9 @@ pub(super) fn make_with(spec: &Spec, faults: &[(&Fault, f64)]) -> Option<crate::
     let alterations: Vec<_> = faults.iter().filter_map(|(fault, strength)| fault.alteration(*strength)).collect();
     let robot = |robot: &mut _| alterations.iter().for_each(|alteration| alteration.robot(robot));
     let setpoints = |setpoints: &mut _| alterations.iter().for_each(|alteration| alteration.setpoints(setpoints));
-    let made = make_altered(&spec, None, crate::synth::Alteration { robot: &robot, setpoints: &setpoints });
+    let study = |study: &mut RobotStudy| study.sensor.noise_rad = study.sensor.noise_rad.filter(|_| states_noise);
+    let alteration = crate::synth::Alteration { robot: &robot, setpoints: &setpoints, study: &study };
+    let made = make_altered(&spec, None, alteration);
     made.ok()
 }
 
@@ -126,7 +128,8 @@ pub(super) fn strength(
     let joints = fault.seen_in(moving);
     let ratio = |strength: f64| {
         // A robot that runs away shows too much.
-        readings(&spec, &[(fault, strength)]).map_or(f64::INFINITY, |with| with.rms_rad(&plain, joints) / noise_rad())
+        readings(&spec, &[(fault, strength)])
+            .map_or(f64::INFINITY, |with| with.rms_rad(&plain, joints) / scene.noise_rad())
     };
     let wanted = dice.log_uniform(least, most);
     let is_taken = |ratio: f64| ratio >= least / OFF && ratio <= most * OFF;

@@ -40,8 +40,10 @@ pub struct RobotTruth {
     pub ratio: f64,
     /// Standard deviation of a reading \[rad\].
     pub noise_rad: f64,
-    /// Relative standard deviation of masses, friction and floor.
+    /// Relative standard deviation of masses and floor.
     pub scatter: f64,
+    /// Of friction.
+    pub friction_scatter: f64,
     /// How the maker integrated.
     pub method: String,
     /// What was asked in each log: a gait with its frequency, or the joint that was let go.

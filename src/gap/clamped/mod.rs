@@ -13,7 +13,8 @@ mod setup;
 #[cfg(test)]
 mod tests;
 
-pub use body::{BodyCause, BodyKind};
+pub use super::BodyKind;
+pub use body::BodyCause;
 pub use case::{ClampedCase, ClampedJoint};
 pub use diagnose::{ClampedAnswer, ClampedDiagnosis, ClampedGap, JointAnswer, SharedCause, diagnose_clamped};
 pub(super) use diagnose::{before_of, concluded};

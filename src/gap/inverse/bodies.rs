@@ -78,13 +78,25 @@ struct Fitted {
     numbers: Vec<Estimated>,
 }
 
+impl Fitted {
+    /// Whether its 95 % interval leaves out a body as described.
+    fn is_told(&self) -> bool {
+        let is_told = |number: &Estimated| number.value.abs() > HALF_95 * number.sd;
+        match self.hypothesis.kind {
+            BodyKind::Payload | BodyKind::BodyMass => self.numbers.first().is_some_and(is_told),
+            BodyKind::BodyCom => self.numbers.iter().any(is_told),
+        }
+    }
+}
+
 /// The body cause that explains most, if any explains enough; `None` else. `founds` are the joints' own answers, in the
-/// case's order; bodies that are `taken` were changed already.
+/// case's order; bodies that are `taken` were changed already, kinds `without` are withheld.
 pub(super) fn find(
     setup: &ClampedSetup,
     case: &TorqueCase,
     founds: &[Found],
     taken: &[LinkId],
+    without: &[BodyKind],
 ) -> Result<Option<BodyCause>, ClampedCaseError> {
     let bench = Bench::new(setup, case, founds)?;
     let nothing = Choice::default();
@@ -93,10 +105,11 @@ pub(super) fn find(
     let causes: usize = founds.iter().map(|found| found.causes.len()).sum();
     let own = own + PRICE_OF_CAUSE * causes as f64;
     let mut tried: Vec<Fitted> = Vec::new();
-    for hypothesis in hypotheses(setup).into_iter().filter(|hypothesis| !taken.contains(&hypothesis.link)) {
+    let is_asked = |h: &Hypothesis| !taken.contains(&h.link) && !without.contains(&h.kind);
+    for hypothesis in hypotheses(setup).into_iter().filter(is_asked) {
         tried.push(bench.fitted(hypothesis)?);
     }
-    tried.retain(|fitted| !bench.is_believed(fitted));
+    tried.retain(|fitted| !bench.is_believed(fitted) && fitted.is_told());
     let priced = |fitted: &Fitted| fitted.criterion + PRICE * fitted.x.len() as f64;
     tried.sort_by(|a, b| priced(a).total_cmp(&priced(b)));
     let Some(best) = tried.first() else { return Ok(None) };

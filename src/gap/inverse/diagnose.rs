@@ -64,7 +64,7 @@ pub fn diagnose_torques(
     while options.only.is_empty() && !founds.is_empty() && bodies.len() < MOST_BODIES {
         progress.go_on(Step::stage("payload and masses"))?;
         let taken: Vec<LinkId> = bodies.iter().map(|body| body.link).collect();
-        let Some(body) = find(&changed, &case, &founds, &taken)? else { break };
+        let Some(body) = find(&changed, &case, &founds, &taken, &options.without_bodies)? else { break };
         changed = changed.with_change(body.link, &body.change)?;
         bodies.push(body);
         let (mut then, found, moving) = searched(&TorqueCase::of(&changed)?, &allows);

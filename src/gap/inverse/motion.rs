@@ -38,9 +38,9 @@ pub fn diagnose_motion(
     let late_s: BTreeMap<String, f64> = found().filter_map(|d| Some((d.joint.clone(), late_s(d)?))).collect();
     let commanded = TorqueCase::commanded(setup, &late_s)?;
     let (_, founds, moving) = searched(&commanded, &|effect| is_asked(effect, options));
-    let Some(body) = (!founds.is_empty()).then(|| find(setup, &moving, &founds, &[])).transpose()?.flatten() else {
-        return Ok((case, first));
-    };
+    let without = &options.without_bodies;
+    let body = (!founds.is_empty()).then(|| find(setup, &moving, &founds, &[], without)).transpose()?.flatten();
+    let Some(body) = body else { return Ok((case, first)) };
     let changed = setup.with_change(body.link, &body.change)?;
     let changed_case = ClampedCase::of(&changed)?;
     let mut then = diagnose_clamped(&changed_case, options, progress)?;

@@ -4,36 +4,87 @@
 //! such numbers does it.
 
 use super::bench::Bench;
+use super::recalibrate::{price, scattered};
 use super::refine::Hypothesis;
-use super::scatter::Scatter;
+use super::scatter::Number;
 
 /// Simulations for one hypothesis.
 const STEPS: usize = 4;
 
-/// The weighed sum of squares that a hypothesis attains on a clamped robot, the price of its numbers included: the
-/// least of a few Gauss-Newton steps. On the floor, where the numbers are drawn, what is known to first order.
-pub(super) fn attained(bench: &Bench<'_>, hypothesis: &Hypothesis) -> f64 {
+/// What a hypothesis leaves with its numbers.
+#[derive(Clone)]
+pub(super) struct Attained {
+    /// The weighed sum of squares over the samples that fits see, the price of the numbers included.
+    pub price: f64,
+    /// Measured less simulated, what the sensors have in common taken out \[rad\].
+    pub residual: Vec<f64>,
+    /// How far the uncertain numbers are off, in their standard deviations.
+    pub sizes: Vec<f64>,
+}
+
+/// A number that had to move by more of its standard deviations is not as the study believes.
+const BELIEVED_SD: f64 = 3.0;
+
+/// A joint whose gap is so many times what its numbers leave of it shows that they are off, if one of them moved by so many
+/// of its standard deviations.
+const SHOWS: f64 = 1.25;
+const MOVED_SD: f64 = 1.5;
+
+impl Attained {
+    /// Whether every number is as the study believes, and none is seen to be another.
+    pub fn is_believed(&self, bench: &Bench<'_>) -> bool {
+        let rms = |residual: &[f64], joint: usize| {
+            let rows = bench.layout.joints().filter(|(of, _)| *of == joint);
+            let samples = rows.flat_map(|(_, row)| row.range.clone()).filter(|k| bench.layout.compared[*k]);
+            samples.map(|k| residual[k].powi(2)).sum::<f64>().sqrt()
+        };
+        let gap = bench.gap();
+        let shows = |number: &Number| match number {
+            Number::Mass(_) => false,
+            Number::Coulomb(joint) | Number::Viscous(joint) => rms(&gap, *joint) > SHOWS * rms(&self.residual, *joint),
+        };
+        bench
+            .numbers
+            .iter()
+            .zip(&self.sizes)
+            .all(|(number, size)| size.abs() <= MOVED_SD || size.abs() <= BELIEVED_SD && !shows(number))
+    }
+
+    /// Numbers that are not as the study believes, or are seen to be others.
+    pub fn is_off(size: f64) -> bool {
+        size.abs() > MOVED_SD
+    }
+}
+
+/// What a hypothesis attains on a clamped robot: the least of a few Gauss-Newton steps. On the floor, where the numbers
+/// are drawn, what is known to first order; so where the robot runs away with its numbers.
+pub(super) fn attained(bench: &Bench<'_>, hypothesis: &Hypothesis) -> Attained {
+    let noise = &bench.noise;
+    let mut wanted = noise.sizes(&hypothesis.residual);
+    let first_order =
+        || Attained { price: hypothesis.loss, residual: noise.adapted(&hypothesis.residual), sizes: Vec::new() };
     if !bench.case.is_clamped() {
-        return hypothesis.loss;
+        return first_order();
     }
-    let (changes, given, noise) = (hypothesis.changes(bench), bench.residual(), &bench.noise);
-    let count = bench.numbers.len();
-    let mut sizes = noise.sizes(&hypothesis.residual);
-    let mut least = f64::INFINITY;
+    let (changes, left, count) = (hypothesis.changes(bench), bench.left(), bench.numbers.len());
+    let mut best: Option<Attained> = None;
     for _ in 0..STEPS {
-        let mut scatter = Scatter::none(bench.case.model());
-        bench.numbers.iter().zip(&sizes).for_each(|(number, size)| scatter.put(*number, *size));
-        let Some(difference) = bench.difference(&scatter, &changes) else { break };
-        let left: Vec<f64> = given.iter().zip(&difference).map(|(given, difference)| given - difference).collect();
-        // The sensor's common offset is linear.
-        let mut offset = sizes.clone();
-        offset[..count].fill(0.0);
-        let read = noise.less(left.clone(), &offset);
-        let squares: f64 = noise.weight.iter().zip(&read).map(|(weight, left)| weight * left.powi(2)).sum();
-        least = least.min(squares + sizes.iter().map(|size| size.powi(2)).sum::<f64>());
+        let (sizes, offset) = wanted.split_at(count);
+        let Some(difference) = bench.difference(&scattered(bench, sizes), &changes) else { break };
+        let left: Vec<f64> = left.iter().zip(&difference).map(|(left, difference)| left - difference).collect();
+        let price = price(noise, &left, sizes, offset);
+        let mut common = wanted.clone();
+        common[..count].fill(0.0);
+        if best.as_ref().is_none_or(|best| price < best.price) {
+            best = Some(Attained { price, residual: noise.less(left.clone(), &common), sizes: sizes.to_vec() });
+        }
         // The next step starts from what the numbers would leave as the study has them.
-        let undone: Vec<f64> = sizes.iter().enumerate().map(|(k, size)| if k < count { -size } else { 0.0 }).collect();
-        sizes = noise.sizes(&noise.less(left, &undone));
+        let undone: Vec<f64> = (0..wanted.len()).map(|k| if k < count { -wanted[k] } else { 0.0 }).collect();
+        wanted = noise.sizes(&noise.less(left, &undone));
     }
-    least
+    let best = best.unwrap_or_else(first_order);
+    match &bench.recalibrated {
+        Some(recalibrated) if hypothesis.parts.is_empty() && recalibrated.price < best.price => recalibrated.clone(),
+        _ => best,
+    }
 }

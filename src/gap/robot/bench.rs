@@ -1,12 +1,14 @@
 //! Where hypotheses about a robot are tried: the study, the vector of all samples, and simulations of them.
 
+use super::attained::Attained;
 use super::case::RobotCase;
 use super::cause::Change;
 use super::forward::{Predicted, floor_of, predict};
 use super::layout::{Channel, FORWARD_SD_M, Layout};
 use super::noise::Noise;
 use super::reach::reach_of;
-use super::scatter::{Number, Scatter};
+use super::recalibrate::recalibrated;
+use super::scatter::{Number, Scatter, Spreads};
 use crate::joint::Reach;
 use crate::robot::FloorParameters;
 use rayon::prelude::*;
@@ -27,6 +29,8 @@ const ON_THE_FLOOR: Steps = Steps { coarse: 5e-4, fine: 2.5e-4 };
 /// look at what play would change does with the longer of the two.
 const PLAY: f64 = 5e-5;
 const PLAY_AT_A_GLANCE: f64 = 1e-4;
+/// Differences by which columns of uncertain numbers are taken, in their standard deviations.
+const NUDGE: f64 = 0.2;
 /// Robots that are drawn to see how much a walk changes with numbers that are never quite right.
 const DRAWN: u64 = 24;
 /// Share of their variance that is taken as common shapes; the rest, and more, is taken as each sample's own.
@@ -40,9 +44,15 @@ pub(super) struct Bench<'a> {
     pub steps: Steps,
     /// What the logs read.
     pub measured: Vec<f64>,
-    /// The study's robot as given, at the fine and at the coarse step.
-    pub given: Vec<f64>,
-    pub given_coarse: Vec<f64>,
+    /// The study's robot as stated, at the fine step.
+    pub stated: Vec<f64>,
+    /// The robot that changes are made to: as stated, once it is recalibrated ...
+    pub base: Scatter,
+    /// ... and what it reads at the fine and at the coarse step.
+    given: Vec<f64>,
+    given_coarse: Vec<f64>,
+    /// Clamped: what numbers alone explain, within their beliefs.
+    pub recalibrated: Option<Attained>,
     pub given_logs: Vec<Predicted>,
     /// Joints that influence each other; one group where the trunk is free.
     pub groups: Vec<Vec<usize>>,
@@ -51,8 +61,9 @@ pub(super) struct Bench<'a> {
     pub floor: FloorParameters,
     /// Standard deviation of a joint's reading \[rad\].
     pub sigma_rad: f64,
-    /// Clamped: the uncertain numbers, as the first columns of the noise have them.
+    /// Clamped: the uncertain numbers, as the first columns of the noise have them, and their standard deviations.
     pub numbers: Vec<Number>,
+    pub spreads: Spreads,
     /// Samples that fits see, weighed.
     pub noise: Noise,
     /// All of them.
@@ -70,11 +81,11 @@ impl<'a> Bench<'a> {
         let none = Scatter::none(case.model());
         let given_logs = simulate_all(case, &none, &[], steps.fine, None).ok_or(RanAway)?;
         let coarse = simulate_all(case, &none, &[], steps.coarse, None).ok_or(RanAway)?;
-        let (measured, given) = (layout.measured(case), layout.predicted(case, &given_logs));
+        let (measured, stated) = (layout.measured(case), layout.predicted(case, &given_logs));
         let given_coarse = layout.predicted(case, &coarse);
         let groups = groups(case, &layout.moving());
-        let reach = (0..case.names.len()).map(|joint| reach_of(case, &given_logs, joint)).collect();
-        let sigma_rad = sigma_rad(case, &layout, &measured, &given);
+        let reach: Vec<Reach> = (0..case.names.len()).map(|joint| reach_of(case, &given_logs, joint)).collect();
+        let sigma_rad = sigma_rad(case, &layout, &measured, &stated);
         let blank = || Noise::new(Vec::new(), Vec::new()).expect("nothing is finite");
         let floor = floor_of(case);
         let mut bench = Self {
@@ -82,10 +93,14 @@ impl<'a> Bench<'a> {
             layout,
             steps,
             measured,
-            given,
+            given: stated.clone(),
+            stated,
+            base: none,
             given_coarse,
+            recalibrated: None,
             given_logs,
             groups,
+            spreads: Spreads::of(case, &reach),
             reach,
             floor,
             sigma_rad,
@@ -93,28 +108,43 @@ impl<'a> Bench<'a> {
             noise: blank(),
             noise_of_all: blank(),
         };
-        let (columns, extra) = if case.is_clamped() {
-            let (columns, numbers) = bench.uncertain();
-            bench.numbers = numbers;
-            (columns, vec![0.0; bench.layout.len])
+        if case.is_clamped() {
+            bench.recalibrated = Some(recalibrated(&mut bench)?);
         } else {
-            bench.drawn()
-        };
+            let (columns, extra) = bench.drawn();
+            bench.weigh_by(columns, &extra)?;
+        }
+        Ok(bench)
+    }
+
+    /// Takes columns of what is uncertain, and what each sample's variance has more, for the noise.
+    pub fn weigh_by(&mut self, columns: Vec<Vec<f64>>, extra: &[f64]) -> Result<(), RanAway> {
         let variance = |row: &super::layout::Row| match row.channel {
-            Channel::Joint(_) => sigma_rad.powi(2),
-            Channel::Base(_) => rough(&bench.measured[row.range.clone()]).max(1e-4).powi(2),
+            Channel::Joint(_) => self.sigma_rad.powi(2),
+            Channel::Base(_) => rough(&self.measured[row.range.clone()]).max(1e-4).powi(2),
             Channel::Forward => FORWARD_SD_M.powi(2),
         };
-        let mut weight = vec![0.0; bench.layout.len];
-        for row in &bench.layout.rows {
+        let mut weight = vec![0.0; self.layout.len];
+        for row in &self.layout.rows {
             let own = variance(row);
             for k in row.range.clone() {
-                weight[k] = if bench.layout.compared[k] { 1.0 / (own + extra[k]) } else { 0.0 };
+                weight[k] = if self.layout.compared[k] { 1.0 / (own + extra[k]) } else { 0.0 };
             }
         }
-        bench.noise_of_all = Noise::new(weight, columns).ok_or(RanAway)?;
-        bench.noise = bench.noise_of_all.only(|k| !bench.layout.held[k]);
-        Ok(bench)
+        self.noise_of_all = Noise::new(weight, columns).ok_or(RanAway)?;
+        self.noise = self.noise_of_all.only(|k| !self.layout.held[k]);
+        Ok(())
+    }
+
+    /// Makes another robot the one that changes are made to; `false` where it runs away.
+    pub fn rest_on(&mut self, base: Scatter) -> bool {
+        let (fine, coarse) = rayon::join(
+            || self.simulate(&base, &[], self.steps.fine, None),
+            || self.simulate(&base, &[], self.steps.coarse, None),
+        );
+        let Some((fine, coarse)) = fine.zip(coarse) else { return false };
+        (self.base, self.given, self.given_coarse) = (base, fine, coarse);
+        true
     }
 
     /// Readings with changes; NaN beyond `until_s`, `None` where the motion runs away.
@@ -129,14 +159,14 @@ impl<'a> Bench<'a> {
         Some(self.layout.predicted(self.case, &logs))
     }
 
-    /// Difference that changes make to the study's robot.
+    /// What other numbers and changes make of the robot.
     pub fn difference(&self, scatter: &Scatter, changes: &[Change]) -> Option<Vec<f64>> {
         self.difference_at(scatter, changes, PLAY, None)
     }
 
     /// The same, roughly where there is free play; 0 beyond `until_s`.
     pub fn glance(&self, changes: &[Change], until_s: Option<f64>) -> Option<Vec<f64>> {
-        self.difference_at(&Scatter::none(self.case.model()), changes, PLAY_AT_A_GLANCE, until_s)
+        self.difference_at(&self.base, changes, PLAY_AT_A_GLANCE, until_s)
     }
 
     /// At the coarse step against the coarse step, so that errors cancel; at that for play against the fine one.
@@ -154,8 +184,13 @@ impl<'a> Bench<'a> {
         Some(pairs.map(|(there, given)| if there.is_finite() { there - given } else { 0.0 }).collect())
     }
 
-    /// Measured less given.
-    pub fn residual(&self) -> Vec<f64> {
+    /// Measured less stated.
+    pub fn gap(&self) -> Vec<f64> {
+        self.measured.iter().zip(&self.stated).map(|(measured, stated)| measured - stated).collect()
+    }
+
+    /// Measured less what the robot reads that changes are made to.
+    pub fn left(&self) -> Vec<f64> {
         self.measured.iter().zip(&self.given).map(|(measured, given)| measured - given).collect()
     }
 
@@ -169,8 +204,8 @@ impl<'a> Bench<'a> {
         column
     }
 
-    /// Clamped: what each mass and friction changes, at one standard deviation.
-    fn uncertain(&self) -> (Vec<Vec<f64>>, Vec<Number>) {
+    /// Clamped: what each mass and friction changes, per standard deviation, and what the sensors may have in common.
+    pub fn uncertain(&self) -> (Vec<Vec<f64>>, Vec<Number>) {
         let model = self.case.model();
         let root = |joint: usize| root_of(self.case, joint);
         let mut by_group: Vec<Vec<Number>> = Vec::new();
@@ -185,11 +220,12 @@ impl<'a> Bench<'a> {
         }
         let longest = by_group.iter().map(Vec::len).max().unwrap_or(0);
         let together = |k: usize| -> Vec<(Vec<f64>, Number)> {
-            let mut scatter = Scatter::none(model);
+            let mut scatter = self.base.clone();
             for number in by_group.iter().filter_map(|numbers| numbers.get(k)) {
-                scatter.put(*number, 1.0);
+                scatter.put(*number, NUDGE * self.spreads.sd(*number));
             }
-            let Some(column) = self.difference(&scatter, &[]) else { return Vec::new() };
+            let Some(mut column) = self.difference(&scatter, &[]) else { return Vec::new() };
+            column.iter_mut().for_each(|change| *change /= NUDGE);
             let groups = self.groups.iter().zip(&by_group).filter(|(_, numbers)| numbers.len() > k);
             groups.map(|(group, numbers)| (self.restricted(column.clone(), group), numbers[k])).collect()
         };
@@ -201,7 +237,12 @@ impl<'a> Bench<'a> {
 
     /// On the floor: robots drawn at random. Where and when feet land changes with anything, and not in proportion.
     fn drawn(&self) -> (Vec<Vec<f64>>, Vec<f64>) {
-        let one = |number: u64| self.difference(&Scatter::drawn(self.case.model(), number), &[]);
+        let law = |id| {
+            let law = &self.case.nominal.joints.drive(id).chain.friction;
+            [law.coulomb_nm, law.viscous_nm_s_rad]
+        };
+        let friction: Vec<[f64; 2]> = self.case.model().joint_ids().map(law).collect();
+        let one = |number: u64| self.difference(&Scatter::drawn(self.case.model(), &friction, number), &[]);
         let robots: Vec<Vec<f64>> = (0..DRAWN).into_par_iter().filter_map(one).collect();
         let count = robots.len().max(1) as f64;
         let mean_square = |k: usize| robots.iter().map(|robot: &Vec<f64>| robot[k].powi(2)).sum::<f64>() / count;

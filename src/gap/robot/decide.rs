@@ -1,6 +1,6 @@
 //! From everything that was tried to one answer.
 
-use super::attained::attained;
+use super::attained::{Attained, attained};
 use super::attribute::Attribution;
 use super::bench::Bench;
 use super::cause::Cause;
@@ -71,7 +71,9 @@ pub(super) struct Decision<'a> {
     pub verdict: Verdict,
     /// What the answer adds to the robot; as given where nothing is named and nothing comes near.
     pub answer: &'a Hypothesis,
-    /// Its first cause alone.
+    /// What it leaves with the uncertain numbers as they are best beside it.
+    pub attained: Attained,
+    /// Its leading cause alone.
     pub first: &'a Hypothesis,
     /// Which part of the answer is named first, where there are two.
     pub leading: usize,
@@ -100,6 +102,11 @@ fn limits(bench: &Bench<'_>) -> &'static Limits {
     if bench.case.is_clamped() { &CLAMPED } else { &ON_THE_FLOOR }
 }
 
+/// How far two causes must be apart to be told from each other.
+pub(super) fn told_apart(bench: &Bench<'_>) -> f64 {
+    limits(bench).equal
+}
+
 /// Gain from which on a first cause is named. On the floor what the uncertain numbers take out is known to first order
 /// only: the more they take, the more a cause must gain.
 pub(super) fn needed(bench: &Bench<'_>, given: &Hypothesis) -> f64 {
@@ -119,23 +126,30 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
     let samples = bench.noise.count().max(1) as f64;
     let excess_of = |hypothesis: &Hypothesis| hypothesis.loss / samples - 1.0;
     let held = HeldOut::new(bench);
+    let given = attained(bench, &a.given);
     let is_seen = |first: &&Hypothesis| {
         let gained = a.given.loss - first.loss;
         gained > needed(bench, &a.given).max(material(bench, &first.parts[0].place))
             && held.shows(first, &a.given)
-            && (!bench.case.is_clamped() || attained(bench, &a.given) - attained(bench, first) > limits.first)
+            && (!bench.case.is_clamped() || given.price - attained(bench, first).price > limits.first)
     };
     // It is one of those that stand equally well that has to be seen: which of them is best is chance.
     let as_good =
         |lead: &Hypothesis| a.firsts.iter().take_while(|h| h.loss - lead.loss < limits.equal).any(|h| is_seen(&h));
     let best = a.firsts.first().filter(|lead| as_good(lead));
     let Some(best) = best else {
-        let excess = excess_of(&a.given);
+        // What numbers explain in truth is another matter than what they explain to first order.
+        let excess = if bench.case.is_clamped() { given.price / samples - 1.0 } else { excess_of(&a.given) };
         let allowed = limits.explained + LEFT_OVER * taken_out(bench, &a.given) / samples;
-        let verdict = if excess < allowed { Verdict::None } else { Verdict::Unexplained };
+        let verdict = match (excess < allowed, given.is_believed(bench)) {
+            (true, true) => Verdict::None,
+            (true, false) => Verdict::Calibration,
+            (false, _) => Verdict::Unexplained,
+        };
         return Decision {
             verdict,
             answer: &a.given,
+            attained: given,
             first: &a.given,
             leading: 0,
             equivalent: Vec::new(),
@@ -164,6 +178,11 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
         [a, b] if a.cause.is_calibration() && !b.cause.is_calibration() => 1,
         _ => 0,
     };
+    // The leading cause alone, and not the one beside which it was found.
+    let is_leading = |h: &&Hypothesis| {
+        (h.parts[0].cause, &h.parts[0].place) == (answer.parts[leading].cause, &answer.parts[leading].place)
+    };
+    let first = if second.is_some() { a.firsts.iter().find(is_leading).unwrap_or(first) } else { first };
     let (mut equivalent, mut places) = (Vec::new(), Vec::new());
     if second.is_none() {
         let mut equal = equal.clone();
@@ -200,6 +219,7 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
             (true, false) => Verdict::Effect,
         },
         answer,
+        attained: attained(bench, answer),
         first,
         leading,
         equivalent,

@@ -1,7 +1,8 @@
 //! A diagnosis of a robot from beginning to end.
 
 use super::attribute::{Attribution, attribute};
-use super::bench::Bench;
+use super::beliefs::{beliefs, broken, changes, off};
+use super::bench::{Bench, followed_s};
 use super::case::RobotCase;
 use super::cause::Cause;
 use super::decide::{Decision, decide, needed};
@@ -14,6 +15,7 @@ use super::measure::{gap, held_out_rms_rad};
 use super::next::next;
 use super::numbers::found;
 use super::phases::phases;
+use super::scatter::Scatter;
 use super::screen::detectable;
 use super::sentence::{Said, sentence};
 use super::standing::standing;
@@ -68,9 +70,11 @@ pub fn diagnose_robot(
     let (leading, other) = (part(decision.leading), part(1 - decision.leading));
     let is_named = matches!(decision.verdict, Verdict::Effect | Verdict::Calibration);
     let (first, second) = if is_named { (leading.clone(), other) } else { (None, None) };
+    let first = first.or_else(|| off(&bench, &decision).filter(|_| decision.verdict == Verdict::Calibration));
     let partial = if decision.verdict == Verdict::Unexplained { leading } else { None };
+    let beliefs = beliefs(&bench, &decision);
     let equivalent = if is_named { decision.equivalent.clone() } else { Vec::new() };
-    let places: Vec<Vec<String>> = if is_named && !decision.answer.parts[decision.leading].cause.is_of_robot() {
+    let places: Vec<Vec<String>> = if is_named && first.as_ref().is_some_and(|first| !first.cause.is_of_robot()) {
         decision.places.iter().map(|place| place.names(&case.names)).collect()
     } else {
         Vec::new()
@@ -83,6 +87,7 @@ pub fn diagnose_robot(
         partial: partial.as_ref(),
         equivalent: &equivalent,
         places: &places,
+        broken: &broken(&beliefs),
     };
     let sentence = sentence(&said, &gap);
     let phases: Vec<_> = case.logs.iter().map(|log| phases(case, log)).collect();
@@ -118,8 +123,9 @@ pub fn diagnose_robot(
         ranking,
         detectable,
         next,
-        changes: decision.answer.changes(&bench),
         traces: traces(&bench, &decision, &phases),
+        changes: changes(&bench, &decision),
+        beliefs,
         notes: notes(&bench, &decision, &gap),
         withheld: options.without.clone(),
         gap,
@@ -133,17 +139,20 @@ fn location(
     phases: &[Vec<Vec<GaitPhase>>],
     first: Option<&Found>,
 ) -> RobotWhere {
-    let left = bench.noise_of_all.adapted(&bench.residual());
+    let left = bench.noise_of_all.adapted(&bench.left());
     // What the map shows is the gap itself where a cause is named, for the uncertain numbers would take some of it.
-    let shown = if first.is_some() { bench.residual() } else { left };
+    let shown = if first.is_some() { bench.gap() } else { left };
     let cells = cells(bench, phases, &shown);
     let of_joint = |name: &str| cells.iter().filter(|cell| cell.joint == name).map(|cell| cell.share).sum::<f64>();
     let has_gap = decision.verdict != Verdict::None;
     let joints: Vec<usize> = match (first, has_gap) {
         (_, false) => Vec::new(),
-        (Some(_), _) => decision.answer.parts[decision.leading].place.joints.clone(),
+        (Some(first), _) => {
+            let place = |joint: &usize| first.joints.contains(&bench.case.names[*joint]);
+            (0..bench.case.names.len()).filter(place).collect()
+        }
         (None, true) => {
-            let mut joints = Suspects::of(bench, &bench.residual()).joints;
+            let mut joints = Suspects::of(bench, &bench.left()).joints;
             joints.retain(|joint| of_joint(&bench.case.names[*joint]) > HAS_MUCH);
             joints.truncate(NAMED_AT_MOST);
             joints
@@ -212,8 +221,13 @@ fn traces(bench: &Bench<'_>, decision: &Decision<'_>, phases: &[Vec<Vec<GaitPhas
         true => (0..bench.case.logs.len()).map(|index| residual_torque_nm(bench, index)).collect(),
         false => Vec::new(),
     };
-    let after: Vec<f64> =
-        bench.measured.iter().zip(&decision.answer.residual).map(|(measured, left)| measured - left).collect();
+    let less = |left: &[f64]| bench.measured.iter().zip(left).map(|(measured, left)| measured - left).collect();
+    let changes = changes(bench, decision);
+    let repaired = || bench.simulate(&Scatter::none(model), &changes, followed_s(bench.steps.fine, &changes), None);
+    let after: Vec<f64> = match bench.case.is_clamped() {
+        true => repaired().unwrap_or_else(|| less(&decision.attained.residual)),
+        false => less(&decision.answer.residual),
+    };
     let trace = |(joint, row): (usize, &super::layout::Row)| {
         let log = &bench.case.logs[row.log];
         let id = model.joint_ids().nth(joint);
@@ -228,7 +242,7 @@ fn traces(bench: &Bench<'_>, decision: &Decision<'_>, phases: &[Vec<Vec<GaitPhas
             t_s: log.log.t_s.clone(),
             measured_rad: bench.measured[row.range.clone()].to_vec(),
             setpoint_rad: log.log.t_s.iter().map(setpoint).collect(),
-            before_rad: bench.given[row.range.clone()].to_vec(),
+            before_rad: bench.stated[row.range.clone()].to_vec(),
             after_rad: after[row.range.clone()].to_vec(),
             residual_torque_nm: torques.get(row.log).map_or_else(Vec::new, |of| of[joint].clone()),
             phase: phases[row.log][joint].clone(),

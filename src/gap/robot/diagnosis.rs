@@ -1,7 +1,7 @@
 //! What a diagnosis of a robot says, as plain data: the engine fills it, reports and JSON show it.
 
 use super::cause::{Cause, Change, RobotStage};
-use crate::gap::{LogGap, Next, Number, Variable, Verdict};
+use crate::gap::{BeliefFound, LogGap, Next, Number, Variable, Verdict};
 use crate::log::RobotScenario;
 use serde::Serialize;
 
@@ -251,7 +251,9 @@ pub struct RobotDiagnosis {
     pub detectable: Vec<RobotDetectable>,
     /// What to do next where causes cannot be told apart.
     pub next: Option<Next>,
-    /// The robot's changes by the answer (for an unexplained gap: by what comes nearest).
+    /// Of a clamped robot the masses and frictions that are uncertain, the one that moved farthest first.
+    pub beliefs: Vec<BeliefFound>,
+    /// The robot's changes by the answer (for an unexplained gap: by what comes nearest), friction that moved among them.
     pub changes: Vec<Change>,
     /// Curves, log after log, joint after joint.
     pub traces: Vec<JointTrace>,

@@ -69,10 +69,10 @@ pub(super) fn changed(
         }
     }
     let mut joints = joints_of(&model, &case.study.friction, &case.study.control, &case.study.file)?;
-    for (id, factors) in model.joint_ids().zip(&scatter.friction) {
+    for (id, more) in model.joint_ids().zip(&scatter.friction) {
         let law = &mut joints.drive_mut(id).chain.friction;
-        law.coulomb_nm *= factors[0];
-        law.viscous_nm_s_rad *= factors[1];
+        law.coulomb_nm = (law.coulomb_nm + more[0]).max(0.0);
+        law.viscous_nm_s_rad = (law.viscous_nm_s_rad + more[1]).max(0.0);
     }
     // Friction first: effects are counted from it.
     for calibrates in [true, false] {

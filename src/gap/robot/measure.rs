@@ -1,12 +1,12 @@
 //! How far the gap closes, over the samples that no fit saw.
 
+use super::attained::attained;
 use super::bench::{Bench, followed_s};
 use super::decide::Decision;
 use super::diagnosis::{Displacement, JointGap, RobotGap};
 use super::forward::predict;
 use super::layout::{Channel, displacement_m};
 use super::refine::Hypothesis;
-use super::scatter::Scatter;
 use crate::gap::LogGap;
 use crate::gap::held_out::closed;
 use rand::{Rng, SeedableRng};
@@ -43,8 +43,8 @@ pub(super) fn held_out_rms_rad(bench: &Bench<'_>, hypothesis: &Hypothesis) -> f6
 
 /// The numbers of a decision.
 pub(super) fn gap(bench: &Bench<'_>, given: &Hypothesis, decision: &Decision<'_>) -> RobotGap {
-    let adapted = |hypothesis: &Hypothesis| bench.noise.adapted(&hypothesis.residual);
-    let left = Left { before: given.residual.clone(), calibrated: adapted(given), after: adapted(decision.answer) };
+    let with = |hypothesis: &Hypothesis| attained(bench, hypothesis).residual;
+    let left = Left { before: bench.gap(), calibrated: with(given), after: decision.attained.residual.clone() };
     let all = |left: &[f64]| rms(bench, left, |_, _| true);
     let floor = bench.sigma_rad;
     let (before, after) = (all(&left.before), all(&left.after));
@@ -73,7 +73,7 @@ pub(super) fn gap(bench: &Bench<'_>, given: &Hypothesis, decision: &Decision<'_>
         unit: "rad",
         before,
         calibrated: all(&left.calibrated),
-        after_first: all(&adapted(decision.first)),
+        after_first: all(&with(decision.first)),
         after,
         floor,
         closed: closed(before, after, floor),
@@ -122,13 +122,13 @@ fn interval(bench: &Bench<'_>, left: &Left) -> Option<[f64; 2]> {
 
 fn displacement(bench: &Bench<'_>, decision: &Decision<'_>) -> Vec<Displacement> {
     let changes = decision.answer.changes(bench);
-    let none = Scatter::none(bench.case.model());
     let has_forward =
         |index: usize| bench.layout.rows.iter().any(|row| row.log == index && row.channel == Channel::Forward);
     let of = |(index, log): (usize, &super::case::CaseLog)| {
-        let after = predict(bench.case, log, &none, &changes, followed_s(bench.steps.fine, &changes), f64::INFINITY)
-            .ok()
-            .flatten()?;
+        let after =
+            predict(bench.case, log, &bench.base, &changes, followed_s(bench.steps.fine, &changes), f64::INFINITY)
+                .ok()
+                .flatten()?;
         Some(Displacement {
             file: log.file.clone(),
             measured: log.forward?.distance_m,

@@ -10,6 +10,7 @@
 
 mod attained;
 mod attribute;
+mod beliefs;
 mod bench;
 mod case;
 mod cause;
@@ -26,6 +27,7 @@ mod numbers;
 mod phases;
 mod place;
 mod reach;
+mod recalibrate;
 mod refine;
 mod scatter;
 mod screen;

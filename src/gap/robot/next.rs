@@ -2,15 +2,13 @@
 
 use super::attribute::Attribution;
 use super::bench::{Bench, followed_s};
-use super::decide::Decision;
+use super::case::CaseLog;
+use super::decide::{Decision, told_apart};
 use super::forward::predict;
 use super::refine::Hypothesis;
-use super::scatter::Scatter;
 use crate::gap::{Next, Verdict};
 use statrs::distribution::{ContinuousCDF, Normal};
 
-/// Deviance by which two hypotheses must differ to be told apart.
-const TOLD_APART: f64 = 40.0;
 /// Motions that are proposed: so many times as wide, and in words.
 const WIDER: [(f64, &str); 4] = [
     (1.5, "the same motion with amplitudes 1.5 times as wide"),
@@ -47,22 +45,18 @@ pub(super) fn next(bench: &Bench<'_>, tried: &Attribution, decision: &Decision<'
 
 /// Probability that a motion with wider amplitudes tells two hypotheses apart.
 fn power(bench: &Bench<'_>, answer: &Hypothesis, rival: &Hypothesis, factor: f64) -> Option<f64> {
-    let none = Scatter::none(bench.case.model());
-    let mut apart = 0.0;
-    for log in &bench.case.logs {
-        let wide = log.widened(factor);
-        let of = |h: &Hypothesis| {
-            let changes = h.changes(bench);
-            let step_s = followed_s(bench.steps.coarse, &changes);
-            predict(bench.case, &wide, &none, &changes, step_s, f64::INFINITY).ok().flatten()
-        };
-        let (a, b) = (of(answer)?, of(rival)?);
-        for joint in bench.layout.moving() {
-            let pairs = a.reading_rad[joint].iter().zip(&b.reading_rad[joint]);
-            apart += pairs.map(|(a, b)| (a - b).powi(2)).sum::<f64>() / bench.sigma_rad.powi(2);
-        }
-    }
+    let wide: Vec<CaseLog> = bench.case.logs.iter().map(|log| log.widened(factor)).collect();
+    let readings = |h: &Hypothesis| {
+        let changes = h.changes(bench);
+        let step_s = followed_s(bench.steps.coarse, &changes);
+        let one = |log| predict(bench.case, log, &bench.base, &changes, step_s, f64::INFINITY).ok().flatten();
+        Some(bench.layout.predicted(bench.case, &wide.iter().map(one).collect::<Option<Vec<_>>>()?))
+    };
+    let (a, b) = (readings(answer)?, readings(rival)?);
+    // What the uncertain numbers could imitate counts for nothing, as in the decision.
+    let between = bench.noise_of_all.weigh(a.iter().zip(&b).map(|(a, b)| a - b).collect());
+    let apart = bench.noise_of_all.dot(&between, &between);
     // The statistic has the mean `apart` and four times that as variance.
     let normal = Normal::new(apart, 2.0 * apart.sqrt().max(1e-9)).ok()?;
-    Some(1.0 - normal.cdf(TOLD_APART))
+    Some(1.0 - normal.cdf(told_apart(bench)))
 }

@@ -41,6 +41,12 @@ impl Noise {
         Self::new(weight, self.columns.clone()).expect("fewer samples of finite columns are finite")
     }
 
+    /// The same of readings that are so much noisier.
+    pub fn tempered(&self, times: f64) -> Self {
+        let weight = self.weight.iter().map(|w| w / times).collect();
+        Self::new(weight, self.columns.clone()).expect("smaller weights of finite columns are finite")
+    }
+
     fn along(&self, column: &[f64]) -> DVector<f64> {
         DVector::from_iterator(self.columns.len(), self.columns.iter().map(|u| weighted(&self.weight, u, column)))
     }
@@ -64,6 +70,13 @@ impl Noise {
     /// How far the uncertain numbers are off, in their standard deviations, as the samples that count tell.
     pub fn sizes(&self, residual: &[f64]) -> Vec<f64> {
         self.inner.solve(&self.along(residual)).iter().copied().collect()
+    }
+
+    /// Standard deviation of such a number where the samples that count tell of it; 1 where they do not.
+    pub fn spread(&self, number: usize) -> f64 {
+        let mut unit = DVector::zeros(self.columns.len());
+        unit[number] = 1.0;
+        self.inner.solve(&unit)[number].max(0.0).sqrt()
     }
 
     /// A residual less what numbers make of it that are so far off, to first order.

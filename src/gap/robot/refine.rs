@@ -4,7 +4,6 @@ use super::bench::Bench;
 use super::cause::{Cause, Change};
 use super::noise::Weighed;
 use super::place::Place;
-use super::scatter::Scatter;
 use super::screen::change;
 use crate::joint::{EffectParameter, Scan};
 use nalgebra::{DMatrix, DVector};
@@ -51,7 +50,7 @@ const HALVINGS: usize = 4;
 impl Hypothesis {
     /// The study's robot as given.
     pub fn given(bench: &Bench<'_>) -> Self {
-        Self::of(bench, Vec::new(), bench.residual())
+        Self::of(bench, Vec::new(), bench.left())
     }
 
     fn of(bench: &Bench<'_>, parts: Vec<Part>, residual: Vec<f64>) -> Self {
@@ -112,12 +111,11 @@ pub(super) fn refine(bench: &Bench<'_>, parts: Vec<Part>) -> Option<Hypothesis> 
             *value = value.clamp(parameter.lower, parameter.upper);
         }
     }
-    let none = Scatter::none(bench.case.model());
     let residual = |parts: &[Part]| -> Option<Weighed> {
         let changes: Vec<Change> =
             parts.iter().map(|part| change(bench, part.cause, &part.place, &part.values)).collect();
-        let difference = bench.difference(&none, &changes)?;
-        let given = bench.residual();
+        let difference = bench.difference(&bench.base, &changes)?;
+        let given = bench.left();
         Some(bench.noise.weigh(given.iter().zip(&difference).map(|(given, change)| given - change).collect()))
     };
     let hunts = parts.iter().any(|part| part.cause.is_play());

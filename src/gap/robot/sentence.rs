@@ -2,8 +2,8 @@
 
 use super::cause::Cause;
 use super::diagnosis::{Found, RobotGap};
-use crate::gap::Verdict;
 use crate::gap::sentence::words as effect_words;
+use crate::gap::{BeliefFound, Verdict};
 use crate::number::quantity;
 
 /// Words for a cause.
@@ -62,16 +62,38 @@ pub(super) struct Said<'a> {
     pub partial: Option<&'a Found>,
     pub equivalent: &'a [Cause],
     pub places: &'a [Vec<String>],
+    /// Numbers that moved far in units of their standard deviations, the farthest first.
+    pub broken: &'a [&'a BeliefFound],
+}
+
+/// Numbers that are said.
+const SAID: usize = 3;
+
+/// `lf3.coulomb 0.030 N m for 0.010 N m (4.0 standard deviations)`
+fn moved(beliefs: &[&BeliefFound]) -> String {
+    let of = |belief: &&BeliefFound| {
+        let [found, believed] = [belief.found, belief.believed].map(|value| quantity(value, None, &belief.unit));
+        format!("{} {found} for {believed} ({:.1} standard deviations)", belief.name, belief.moved_sd.abs())
+    };
+    let more = beliefs.len().saturating_sub(SAID);
+    let said = beliefs.iter().take(SAID).map(of).collect::<Vec<_>>().join(", ");
+    if more > 0 { format!("{said} and {more} more") } else { said }
 }
 
 /// The sentence of an answer.
 pub(super) fn sentence(said: &Said<'_>, gap: &RobotGap) -> String {
-    let Said { robot, verdict, first, second, partial, equivalent, places } = said;
+    let Said { robot, verdict, first, second, partial, equivalent, places, broken } = said;
     match (verdict, first) {
         (Verdict::None, _) => format!(
-            "{robot}: nothing is missing. With masses, friction and floor off by no more than some percent it explains the held-out samples ({} against the sensor's {}).",
+            "{robot}: nothing is missing. With masses, friction and floor within what is believed of them it explains the held-out samples ({} against the sensor's {}).",
             mrad(gap.calibrated),
             mrad(gap.floor)
+        ),
+        (Verdict::Calibration, _) if !broken.is_empty() => format!(
+            "{robot}: the structure is right and numbers of the study are off: {}. Recalibrated, {} become {}.",
+            moved(broken),
+            mrad(gap.before),
+            mrad(gap.after)
         ),
         (Verdict::Effect | Verdict::Calibration, Some(first)) => {
             let mut text = format!("{robot}: the gap is {}", sized(first));
@@ -99,8 +121,12 @@ pub(super) fn sentence(said: &Said<'_>, gap: &RobotGap) -> String {
                     share(gap)
                 )
             });
+            let far = match broken.is_empty() {
+                true => String::new(),
+                false => format!(" Numbers of the study would have to move far: {}.", moved(broken)),
+            };
             format!(
-                "{robot}: none of the causes I know explains this gap; {} stay above the sensor's {}.{nearest}",
+                "{robot}: none of the causes I know explains this gap; {} stay above the sensor's {}.{nearest}{far}",
                 mrad(gap.after),
                 mrad(gap.floor)
             )

@@ -85,6 +85,8 @@ fn legs_hold_then_swing_about_half_of_the_time() {
 #[test]
 fn a_robot_is_drawn_from_its_number_alone() {
     let model = crate::robot::Model::ers7();
-    assert_eq!(Scatter::drawn(model, 4), Scatter::drawn(model, 4));
-    assert_ne!(Scatter::drawn(model, 4), Scatter::drawn(model, 5));
+    let friction = vec![[0.01; 2]; model.joints().len()];
+    let drawn = |number| Scatter::drawn(model, &friction, number);
+    assert_eq!(drawn(4), drawn(4));
+    assert_ne!(drawn(4), drawn(5));
 }

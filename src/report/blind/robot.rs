@@ -264,7 +264,8 @@ mod tests {
             outside: None,
             ratio: 6.0,
             noise_rad: 0.0026,
-            scatter: 0.03,
+            scatter: 0.07,
+            friction_scatter: 0.2,
             method: String::new(),
             motions: vec!["trot at 1 Hz".to_owned()],
         };

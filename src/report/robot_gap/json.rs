@@ -5,7 +5,7 @@ use super::RobotGapReport;
 use crate::gap::robot::{
     Cause, Change, Found, GaitCell, GaitPhase, RobotCandidate, RobotDetectable, RobotGap, RobotStage, RobotWhere,
 };
-use crate::gap::{Variable, Verdict};
+use crate::gap::{BeliefFound, Variable, Verdict};
 use crate::report::gap::json::{Proposal, Threshold};
 use crate::report::gap::quantities;
 use crate::report::{HashedInput, JointFit, Quantity, SCHEMA};
@@ -48,6 +48,7 @@ pub fn robot_gap_json(report: &RobotGapReport) -> impl Serialize + '_ {
         partial_joints: answer.partial.as_ref().map(|found| found.joints.as_slice()),
         intervals_trusted: answer.intervals_trusted,
         effects: answer.first.iter().chain(&answer.second).map(Effect::of).collect(),
+        beliefs: diagnosis.beliefs.iter().map(|belief| (belief.name.as_str(), belief)).collect(),
         changes: diagnosis.changes.iter().map(|change| Changed::of(change, joints)).collect(),
         repaired: Repaired { file: super::REPAIRED_FILE, rms: super::words::repaired_rms_rad(diagnosis) },
         confusion: None,
@@ -93,6 +94,7 @@ struct Document<'a> {
     partial_joints: Option<&'a [String]>,
     intervals_trusted: bool,
     effects: Vec<Effect<'a>>,
+    beliefs: BTreeMap<&'a str, &'a BeliefFound>,
     changes: Vec<Changed<'a>>,
     repaired: Repaired,
     /// Twins are of joint studies.

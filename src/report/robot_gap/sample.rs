@@ -135,6 +135,7 @@ pub(super) fn effect() -> RobotGapReport {
             .map(|value| RobotDetectable { cause: Cause::Payload, value, name: "mass", unit: "kg" })
             .to_vec(),
         next: Some(Next { what: "the same motion, wider".into(), power: 0.9, motion: None }),
+        beliefs: Vec::new(),
         changes: vec![Change { cause: weak().cause, place: Place { joints: vec![1, 4, 7, 10] }, values: vec![0.12] }],
         traces: JOINTS.map(trace).to_vec(),
         notes: vec!["On the floor a foot lands a little earlier or later with anything that changes.".into()],
