@@ -47,10 +47,6 @@ pub struct Chain<T: Real> {
 /// A spring between motor side and link is rigid where the two would swing faster than this against each other
 /// \[rad/s\]: no log shows it.
 const RIGID_RAD_S: f64 = 3e3;
-/// A method that damps what decays fast takes at least so many steps a second, and pays where another takes so many times
-/// more of its own.
-const LEAST_DAMPING_STEPS_1_S: f64 = 500.0;
-const DAMPING_PAYS: f64 = 6.0;
 
 /// Motor side and link apart.
 #[derive(Clone, Copy)]
@@ -295,38 +291,15 @@ impl<T: Real> Chain<T> {
             true => 1.0 / rate_1_s.max(self.steps_for_laws_1_s(4.0 * decay_1_s, speed_rad_s, driven)),
             false => 1.0 / rate_1_s,
         };
-        self.up_to_the_stop_s(step_s, angle_rad, speed_rad_s)
-    }
-
-    /// The step \[s\] of a method that damps whatever decays fast; `None` where it would not be many times the longest of
-    /// Runge and Kutta's, which is better then.
-    pub(crate) fn longest_damping_step_s(
-        &self,
-        fastest_rad_s: f64,
-        angle_rad: f64,
-        rate_rad_s: f64,
-        driven: Driven,
-    ) -> Option<f64> {
-        let (_, kd) = self.stiffness_and_damping(driven);
-        let speed_rad_s = rate_rad_s.abs();
-        let decay_1_s = (self.friction.slope_nm_s_rad(speed_rad_s) + kd) / self.inertia_kg_m2().re();
-        // What is left when the speed has decayed: the setpoint is approached.
-        let approach_1_s = fastest_rad_s.powi(2) / decay_1_s;
-        let rate_1_s = (10.0 * approach_1_s).max(2.0 * speed_rad_s).max(LEAST_DAMPING_STEPS_1_S);
-        let rate_1_s = match self.has_laws() {
-            true => rate_1_s.max(self.steps_for_laws_1_s(0.0, speed_rad_s, driven)),
-            false => rate_1_s,
-        };
-        let is_longer = 4.0 * decay_1_s > DAMPING_PAYS * rate_1_s && decay_1_s > fastest_rad_s;
-        is_longer.then(|| self.up_to_the_stop_s(1.0 / rate_1_s, angle_rad, speed_rad_s))
-    }
-
-    /// A step that does not run into a stop by more than the contact's own would.
-    fn up_to_the_stop_s(&self, step_s: f64, angle_rad: f64, speed_rad_s: f64) -> f64 {
-        let Some(stop) = &self.stop else { return step_s };
-        let contact_s = stop.longest_step_s(self.inertia_kg_m2().re());
-        let distance_s = stop.distance_rad(angle_rad) / speed_rad_s.max(1e-9);
-        if distance_s <= 0.0 { step_s.min(contact_s) } else { step_s.min(distance_s.max(contact_s)) }
+        match &self.stop {
+            Some(stop) => {
+                let contact_s = stop.longest_step_s(inertia);
+                // Away from the stop a step may not run into it by more than a contact's step would.
+                let distance_s = stop.distance_rad(angle_rad) / speed_rad_s.max(1e-9);
+                if distance_s <= 0.0 { step_s.min(contact_s) } else { step_s.min(distance_s.max(contact_s)) }
+            }
+            None => step_s,
+        }
     }
 
     pub(super) fn stiffness_and_damping(&self, driven: Driven) -> (f64, f64) {

@@ -19,7 +19,6 @@ pub mod ratios;
 mod rollout;
 mod schedule;
 mod simple;
-mod stiff;
 
 pub(crate) use play::LINK_SHARE;
 

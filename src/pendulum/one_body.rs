@@ -4,7 +4,6 @@ use super::events::{dip, halved, zero_of};
 use super::history::History;
 use super::rollout::{Diverged, Mechanism, Start, State};
 use super::schedule::Command;
-use super::stiff::{self, Slopes};
 use crate::integrate::rk4;
 use crate::joint::{Chain, Driven, Real};
 use std::ops::{Add, Mul};
@@ -144,21 +143,11 @@ impl<T: Real> OneBody<'_, T> {
     }
 
     /// The state after `dt` of slipping, of which the rate at the beginning is known.
-    fn slipped<S>(
-        &self,
-        command: &Command<T>,
-        direction: f64,
-        (first, slopes): (&[T; 3], Option<&Slopes>),
-        dt: S,
-    ) -> [T; 3]
+    fn slipped<S>(&self, command: &Command<T>, direction: f64, first: &[T; 3], dt: S) -> [T; 3]
     where
         T: Add<S, Output = T> + Mul<S, Output = T>,
         S: Copy + Mul<f64, Output = S>,
     {
-        if let Some(slopes) = slopes {
-            let rate = |t_s, y: &[T; 3]| self.rate(command, direction, t_s, y);
-            return stiff::step(rate, self.t_s, &self.y, first, slopes, T::nought() + dt);
-        }
         if self.winds_up {
             return rk4(|t_s, y| self.rate(command, direction, t_s, y), self.t_s, &self.y, first, dt);
         }
@@ -228,34 +217,19 @@ impl<T: Real> OneBody<'_, T> {
         let whole = until - self.t_s;
         let fastest_rad_s = if driven == Driven::ByLaw { self.driven_rad_s } else { self.swinging_rad_s };
         let [angle, rate, _] = self.y;
-        let explicit_s = self.chain.longest_step_s(fastest_rad_s, angle.re(), rate.re(), driven) / self.refinement;
-        let damping_s = match explicit_s < whole.re() {
-            true => self.chain.longest_damping_step_s(fastest_rad_s, angle.re(), rate.re(), driven),
-            false => None,
-        };
-        let longest_s = damping_s.map_or(explicit_s, |damping_s| damping_s / self.refinement);
+        let longest_s = self.chain.longest_step_s(fastest_rad_s, angle.re(), rate.re(), driven) / self.refinement;
         let parts = (whole.re() / longest_s).ceil().max(1.0);
         if !(parts <= self.steps_left as f64) {
             return Err(Diverged { at_s: self.t_s.re() });
         }
         self.steps_left -= 1;
         let rate = |t_s: T, y: &[T; 3]| self.rate(command, direction, t_s, y);
-        let slopes_at = |t_s: T, y: &[T; 3]| Slopes::of(|y: &[T; 3]| rate(t_s, y)[1], y, direction);
-        let slopes = damping_s.map(|_| slopes_at(self.t_s, &self.y));
-        let mut is_last = parts <= 1.0;
-        let mut step = if is_last { whole } else { whole * (1.0 / parts) };
+        let step = if parts > 1.0 { whole * (1.0 / parts) } else { whole };
         let first = rate(self.t_s, &self.y);
-        let from = (&first, slopes.as_ref());
-        let stop_at = |dt: f64| self.slipped(command, direction, from, dt);
-        let stop = |dt: T| if dt.is_constant() { stop_at(dt.re()) } else { self.slipped(command, direction, from, dt) };
-        let mut y1 = stop(step);
-        if let Some(slopes) = &slopes {
-            // A motor that runs into its limit, or a stop that is met, is approached in shorter steps.
-            while step.re() > explicit_s && !slopes.are_near(&slopes_at(self.t_s + step, &y1), step.re()) {
-                (step, is_last) = (step * 0.5, false);
-                y1 = stop(step);
-            }
-        }
+        let stop_at = |dt: f64| self.slipped(command, direction, &first, dt);
+        let stop =
+            |dt: T| if dt.is_constant() { stop_at(dt.re()) } else { self.slipped(command, direction, &first, dt) };
+        let y1 = stop(step);
         let speed = |y: &[T; 3]| y[1].re() * direction;
         let (before, after) = (speed(&self.y), speed(&y1));
         let bracket = if after <= 0.0 {
@@ -267,13 +241,13 @@ impl<T: Real> OneBody<'_, T> {
         };
         let Some(bracket) = bracket else {
             self.y = y1;
-            self.t_s = if is_last { until } else { self.t_s + step };
+            self.t_s = if parts > 1.0 { self.t_s + step } else { until };
             return Ok(());
         };
         let Some(dt) = zero_of(|dt| speed(&stop_at(dt)), before, bracket) else {
             // It never got going within this step: it rests.
             self.y[1] = T::nought();
-            self.t_s = if is_last { until } else { self.t_s + step };
+            self.t_s = if parts > 1.0 { self.t_s + step } else { until };
             self.mode = Mode::Stuck;
             return Ok(());
         };

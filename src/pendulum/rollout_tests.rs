@@ -264,19 +264,3 @@ proptest! {
         }).expect("does not diverge");
     }
 }
-
-/// A leg's knee under its controller: what decays within half a millisecond is damped in steps of three.
-#[test]
-fn a_joint_that_its_controller_damps_is_followed_in_long_steps() {
-    let spec = |limit| MotorSpec { torque_limit_nm: limit, ki_nm_rad_s: 0.5, ..MotorSpec::pd(7.0, 0.5) };
-    let t = times(700, 0.008);
-    let setpoint: Vec<f64> = t.iter().map(|t| 0.4 * (9.0 * t).sin() + 0.1 * (31.0 * t).cos()).collect();
-    for (limit, coulomb, apart_rad) in [(None, 0.01, 2e-5), (None, 0.3, 4e-5), (Some(0.5), 0.1, 4e-5)] {
-        let mut joint = chain(3e-4, 4e-3, coulomb, 0.01);
-        joint.motor = Some(Motor::new(spec(limit)));
-        let input = Input::Position { setpoint_rad: &setpoint, hold: Hold::Linear, on: None };
-        let (coarse, fine) = (angles(&joint, input, &t, free(0.1), 1.0), angles(&joint, input, &t, free(0.1), 60.0));
-        assert!(largest_difference(&coarse, &fine) < apart_rad, "{limit:?} {}", largest_difference(&coarse, &fine));
-        assert!(joint.longest_damping_step_s(150.0, 0.0, 1.0, crate::joint::Driven::ByLaw).is_some());
-    }
-}

@@ -49,11 +49,12 @@ impl Attained {
             .zip(&self.sizes)
             .all(|(number, size)| size.abs() <= MOVED_SD || size.abs() <= BELIEVED_SD && !shows(number))
     }
+}
 
-    /// Numbers that are not as the study believes, or are seen to be others.
-    pub fn is_off(size: f64) -> bool {
-        size.abs() > MOVED_SD
-    }
+/// From how many of its standard deviations on a number counts as another than believed, where the farthest one moved so
+/// many: beside a number that is not as believed those that may be are not told.
+pub(super) fn counts_from_sd(farthest_sd: f64) -> f64 {
+    if farthest_sd.abs() > BELIEVED_SD { BELIEVED_SD } else { MOVED_SD }
 }
 
 /// What a hypothesis attains on a clamped robot: the least of a few Gauss-Newton steps. On the floor, where the numbers

@@ -1,6 +1,6 @@
 //! What became of the numbers that a study believes: which of them had to move, and how far.
 
-use super::attained::Attained;
+use super::attained::counts_from_sd;
 use super::bench::Bench;
 use super::cause::{Cause, Change};
 use super::decide::Decision;
@@ -86,13 +86,15 @@ pub(super) fn beliefs(bench: &Bench<'_>, decision: &Decision<'_>) -> Vec<BeliefF
 
 /// Numbers that are others than the study believes.
 pub(super) fn broken(beliefs: &[BeliefFound]) -> Vec<&BeliefFound> {
-    beliefs.iter().filter(|belief| Attained::is_off(belief.moved_sd)).collect()
+    let from_sd = counts_from_sd(beliefs.first().map_or(0.0, |farthest| farthest.moved_sd));
+    beliefs.iter().filter(|belief| belief.moved_sd.abs() > from_sd).collect()
 }
 
 /// The friction that moved farthest, on all joints on which it moved far.
 pub(super) fn off(bench: &Bench<'_>, decision: &Decision<'_>) -> Option<Found> {
     let moved = moved(bench, decision);
-    let far: Vec<_> = moved.iter().filter(|(_, _, size)| Attained::is_off(*size)).collect();
+    let from_sd = counts_from_sd(moved.iter().find(|(_, number, _)| number.friction().is_some())?.2);
+    let far: Vec<_> = moved.iter().filter(|(_, _, size)| size.abs() > from_sd).collect();
     let (k, number, size) = **far.iter().find(|(_, number, _)| number.friction().is_some())?;
     let (cause, _) = number.friction()?;
     let (name, unit) = cause.named()[0];
