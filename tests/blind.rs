@@ -107,7 +107,10 @@ fn robot_studies_are_the_same_on_one_thread_or_two_and_say_nothing_of_their_caus
         assert!(!WORDS_OF_CAUSES.iter().any(|word| text.contains(word)), "{name}");
     }
     let truth = json(&dir.path().join("one/truth/000.json"));
-    assert_eq!((&truth["scenario"], &truth["scatter"]), (&"drop".into(), &0.03.into()));
+    assert_eq!(truth["scenario"], "drop");
+    // Masses and friction are drawn off by more than the diagnosis once assumed.
+    let within = |key: &str, range: std::ops::RangeInclusive<f64>| range.contains(&truth[key].as_f64().unwrap());
+    assert!(within("scatter", 0.05..=0.10) && within("friction_scatter", 0.10..=0.30), "{truth}");
 }
 
 #[test]
