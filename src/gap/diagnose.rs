@@ -177,8 +177,11 @@ fn attributed(
     let mut attribution = Attribution::of(&evidence, effects, progress)?;
     if let Some(normal) = soundly_believed(&evidence, &attribution.best) {
         progress.go_on(Step::stage("numbers held to their beliefs"))?;
-        evidence = normal;
-        attribution = Attribution::of(&evidence, effects, progress)?;
+        let held_back = Attribution::of(&normal, effects, progress)?;
+        // What is found with other beliefs may be other causes, that predict no better.
+        if held_back.best.held_loss(&normal) < attribution.best.held_loss(&evidence) {
+            (evidence, attribution) = (normal, held_back);
+        }
     }
     if !attribution.held_out_shows_more(&evidence) {
         return Ok((evidence, attribution));
