@@ -198,7 +198,7 @@ impl Growth<'_> {
                 best = other;
             }
             if !best.model.forms()[k].is_default() {
-                let plain = self.in_form(&best, k, best.effects()[k].into());
+                let plain = best.in_form(self.evidence, k, best.effects()[k].into(), FORMING);
                 if !self.predicts(&best, &plain) {
                     best = plain;
                 }
@@ -225,16 +225,11 @@ impl Growth<'_> {
         let measure = Measure::by(self.evidence, best);
         let own = best.model.forms()[k];
         let others: Vec<EffectForm> = best.effects()[k].forms().filter(|form| *form != own).collect();
-        let tried: Vec<Trial> = others.into_par_iter().map(|form| self.in_form(best, k, form)).collect();
+        let tried: Vec<Trial> =
+            others.into_par_iter().map(|form| best.in_form(self.evidence, k, form, FORMING)).collect();
         let score = |t: &Trial| measure.score(self.evidence, t);
         let other = tried.into_iter().min_by(|a, b| score(a).total_cmp(&score(b)))?;
         (score(&other) < score(best) - FORM).then_some(other)
-    }
-
-    fn in_form(&self, best: &Trial, k: usize, form: EffectForm) -> Trial {
-        let (model, values) =
-            best.model.reformed(&best.found.values, (k, form), self.evidence.baseline(), &self.evidence.reach);
-        Trial::solved(self.evidence, model, &values, best.found.starts.clone(), FORMING)
     }
 
     /// Whether one form predicts parts of the logs, and whole logs, better than another.

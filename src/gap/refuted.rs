@@ -5,7 +5,7 @@ use super::compare::{Difference, blocks};
 use super::evidence::{Evidence, counts};
 use super::trial::Trial;
 use crate::fit::Budget;
-use crate::joint::EffectId;
+use crate::joint::{EffectForm, EffectId};
 use rayon::prelude::*;
 
 /// Held-out logs refute what they are predicted better without: their squares by this factor, and by so many standard
@@ -42,13 +42,12 @@ pub(super) fn unrefuted(coarse: &Evidence, evidence: &Evidence, best: Trial) -> 
     }
     let mut whole = best.clone();
     whole.begin_as(coarse, evidence);
-    let (left, refuted) = unrefuted_on(evidence, whole.on(evidence, AGAIN));
-    if refuted.is_empty() {
+    let (mut left, refuted) = unrefuted_on(evidence, whole.on(evidence, AGAIN));
+    if left.model.forms() == best.model.forms() {
         return (best, refuted);
     }
-    let holds = |k: &usize| left.effects().contains(&best.effects()[*k]);
-    let kept: Vec<usize> = (0..best.effects().len()).filter(holds).collect();
-    (best.keeping(coarse, &kept, AGAIN), refuted)
+    left.begin_as(evidence, coarse);
+    (left.on(coarse, AGAIN), refuted)
 }
 
 fn unrefuted_on(evidence: &Evidence, mut best: Trial) -> (Trial, Vec<EffectId>) {
@@ -76,11 +75,31 @@ fn unrefuted_on(evidence: &Evidence, mut best: Trial) -> (Trial, Vec<EffectId>) 
             };
             least.filter(goes).cloned()
         };
-        let Some(less) = better(singly).or_else(|| better(at_once)) else { break };
+        let Some(less) = better(singly).or_else(|| better(at_once)).or_else(|| in_simpler_form(evidence, &best)) else {
+            break;
+        };
         refuted.extend(best.effects().iter().filter(|e| !less.effects().contains(e)));
         best = less;
     }
     (best, refuted)
+}
+
+/// With one of its causes in a form that has fewer values, where the held-out logs refute its own for it.
+fn in_simpler_form(evidence: &Evidence, best: &Trial) -> Option<Trial> {
+    let values = |form: EffectForm| form.parameters(&evidence.reach).len();
+    let simpler = |k: usize| {
+        let own = best.model.forms()[k];
+        own.id.forms().filter(move |form| values(*form) < values(own)).map(move |form| (k, form))
+    };
+    let others: Vec<(usize, EffectForm)> = (0..best.effects().len()).flat_map(simpler).collect();
+    let tried = others.into_par_iter().map(|(k, form)| {
+        let mut simpler = best.in_form(evidence, k, form, AGAIN);
+        simpler.predict(evidence, Some(best));
+        simpler
+    });
+    let tried: Vec<Trial> = tried.collect();
+    let least = tried.into_iter().min_by(|a, b| a.held_loss(evidence).total_cmp(&b.held_loss(evidence)));
+    least.filter(|simpler| refutes(evidence, best, simpler))
 }
 
 /// Whether what a hypothesis has more than another does nothing for held-out logs, and little for fitted ones.

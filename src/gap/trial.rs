@@ -4,7 +4,7 @@ use super::evidence::{Evidence, counts};
 use super::model::{BASELINE, GapModel};
 use crate::fit::{Budget, Solution, approach};
 use crate::identify::{self, Experiment, Found, JointModel, Parameter, Problem};
-use crate::joint::EffectId;
+use crate::joint::{EffectForm, EffectId};
 
 /// Distance from its optimum, in variances of the residuals, at which a fit is close enough to be judged.
 const CLOSE: f64 = 0.01;
@@ -99,6 +99,13 @@ impl Trial {
     pub fn without(&self, evidence: &Evidence, k: usize, budget: Budget) -> Self {
         let kept: Vec<usize> = (0..self.effects().len()).filter(|i| *i != k).collect();
         self.keeping(evidence, &kept, budget)
+    }
+
+    /// With its effect number `k` in another form, fitted again from where it stands.
+    pub fn in_form(&self, evidence: &Evidence, k: usize, form: EffectForm, budget: Budget) -> Self {
+        let change = (k, form);
+        let (model, values) = self.model.reformed(&self.found.values, change, evidence.baseline(), &evidence.reach);
+        Self::solved(evidence, model, &values, self.found.starts.clone(), budget)
     }
 
     /// The search carried on with beliefs in the unit that its own residuals set.
