@@ -8,7 +8,7 @@ use super::explore::{explore, one_of_each};
 use super::floor::noise_rad;
 use super::folds::Folds;
 use super::grow::Growth;
-use super::held_out::Elsewhere;
+use super::held_out::{Elsewhere, FEW_LOGS};
 use super::laws::lawful;
 use super::refuted::{refutes_law, unrefuted};
 use super::score::Measure;
@@ -74,8 +74,6 @@ const WORTH_A_LAW: f64 = 0.3;
 const NEAR: f64 = 60.0;
 /// Standard deviations by which a cause has to predict logs better that were not fitted.
 const PREDICTS: f64 = 0.5;
-/// Up to so many logs each is also predicted whole by the others, and a cause may not do that worse.
-const FEW_LOGS: usize = 4;
 /// Standard deviations from which on it clearly does.
 const CLEARLY: f64 = 2.0;
 
@@ -138,7 +136,7 @@ impl Attribution {
         let members = exchanged.effects().to_vec();
         let best = growth.formed(proven(&coarse, exchanged, without, chance));
         stage("looking at single sessions")?;
-        let (best, refuted) = unrefuted(&coarse, evidence, within_logs(&growth, best, chance));
+        let (best, refuted) = unrefuted(&coarse, evidence, within_logs(&growth, best, chance), &firsts);
         stage("looking for a law in what is left")?;
         let step_rad = coarse.reach.resolution_rad;
         let worth_a_law = best.fit_loss(&coarse) > samples * step_rad.max(noise_of_law(noise)).powi(2);
@@ -213,6 +211,13 @@ impl Attribution {
         self.firsts.par_iter_mut().for_each(there);
         self.rivals.par_iter_mut().for_each(|rivals| rivals.iter_mut().for_each(there));
         self.alone.par_iter_mut().for_each(|t| t.predict(evidence, Some(near)));
+        // What was fitted with one cause from the beginning may have found a better place.
+        for alone in &mut self.alone {
+            let better = |t: &&Trial| t.effects() == alone.effects() && t.criterion() < alone.criterion();
+            if let Some(first) = self.firsts.iter().find(better) {
+                *alone = first.clone();
+            }
+        }
         self.in_order(evidence);
         let all: Vec<&Trial> =
             [&self.given, &self.calibrated, &self.best].into_iter().chain(&self.law).chain(&self.firsts).collect();

@@ -29,6 +29,9 @@ enum From {
     Pooled(usize),
 }
 
+/// Up to so many logs each is also predicted whole by the others, and a cause may not do that worse.
+pub(super) const FEW_LOGS: usize = 4;
+
 /// Evaluations of a fit without the held-out log; it begins where the fit with it ended.
 const AGAIN: Budget = Budget { evaluations: 10 };
 

@@ -1,8 +1,10 @@
 //! Causes that held-out logs refute, or do not know: the fitted logs ask for them, and with them logs that were not fitted
-//! are predicted clearly worse, or no better. Two or three logs seldom show more than they were made to show.
+//! are predicted clearly worse, or no better. Two or three logs seldom show more than they were made to show. Where the
+//! study holds none out, a few logs are held out in turn.
 
 use super::compare::{Difference, blocks};
 use super::evidence::{Evidence, counts};
+use super::held_out::{FEW_LOGS, HeldOut};
 use super::trial::Trial;
 use crate::fit::Budget;
 use crate::joint::{EffectForm, EffectId};
@@ -35,37 +37,70 @@ pub(super) fn soundly_believed(evidence: &Evidence, best: &Trial) -> Option<Evid
 }
 
 /// A hypothesis without the causes that the held-out logs refute or do not know, and these; everything else refitted.
-/// What was found on a choice of the samples is judged on all.
-pub(super) fn unrefuted(coarse: &Evidence, evidence: &Evidence, best: Trial) -> (Trial, Vec<EffectId>) {
-    if evidence.held.is_empty() || best.effects().is_empty() {
+/// What was found on a choice of the samples is judged on all. Of the `known` hypotheses those with fewer of its causes are
+/// judged as well: they may have found a better place than it leads to without the others.
+pub(super) fn unrefuted(
+    coarse: &Evidence,
+    evidence: &Evidence,
+    best: Trial,
+    known: &[Trial],
+) -> (Trial, Vec<EffectId>) {
+    let in_turn = evidence.held.is_empty();
+    if best.effects().is_empty() || in_turn && !(2..=FEW_LOGS).contains(&evidence.fit.len()) {
         return (best, Vec::new());
     }
-    let mut whole = best.clone();
-    whole.begin_as(coarse, evidence);
-    let (mut left, refuted) = unrefuted_on(evidence, whole.on(evidence, AGAIN));
+    let on_all = |t: &Trial| {
+        let mut whole = t.clone();
+        whole.begin_as(coarse, evidence);
+        whole.on(evidence, AGAIN)
+    };
+    let whole = on_all(&best);
+    let fewer = |t: &&Trial| {
+        (1..best.effects().len()).contains(&t.effects().len()) && t.effects().iter().all(|e| best.effects().contains(e))
+    };
+    let known: Vec<Trial> = known.iter().filter(fewer).map(on_all).collect();
+    let (mut left, refuted) = if in_turn {
+        let held = HeldOut::in_turn(evidence);
+        let judged = evidence.with_logs(evidence.fit.clone(), evidence.fit.clone());
+        unrefuted_on(&judged, whole, known, &|t, _| t.held = held.residuals(evidence, t))
+    } else {
+        unrefuted_on(evidence, whole, known, &|t, near| t.predict(evidence, near))
+    };
     if left.model.forms() == best.model.forms() {
         return (best, refuted);
     }
+    left.held.clear();
+    left.held_starts.clear();
     left.begin_as(evidence, coarse);
     (left.on(coarse, AGAIN), refuted)
 }
 
-fn unrefuted_on(evidence: &Evidence, mut best: Trial) -> (Trial, Vec<EffectId>) {
+/// Lets a hypothesis predict the held-out logs; their starts may be near another's.
+type Predict<'a> = &'a (dyn Fn(&mut Trial, Option<&Trial>) + Sync);
+
+fn unrefuted_on(
+    evidence: &Evidence,
+    mut best: Trial,
+    mut known: Vec<Trial>,
+    predict: Predict<'_>,
+) -> (Trial, Vec<EffectId>) {
     let mut refuted = Vec::new();
-    best.predict(evidence, None);
+    predict(&mut best, None);
+    known.par_iter_mut().for_each(|t| predict(t, Some(&best)));
     while !best.effects().is_empty() {
         let causes = best.effects().len();
         // One after the other; and all at once, where none is refuted alone.
         let sets = (0..causes).map(|k| (0..causes).filter(|i| *i != k).collect::<Vec<_>>()).chain([Vec::new()]);
         let tried = sets.collect::<Vec<_>>().into_par_iter().map(|kept| {
             let mut less = best.keeping(evidence, &kept, AGAIN);
-            less.predict(evidence, Some(&best));
+            predict(&mut less, Some(&best));
             less
         });
         let tried: Vec<Trial> = tried.collect();
         let (singly, at_once) = tried.split_at(causes);
         // What all of them close: beside it a cause may be negligible.
         let all_rad = at_once.iter().map(|bare| held_rms_rad(evidence, bare) - held_rms_rad(evidence, &best)).sum();
+        known.retain(|t| t.effects().len() < causes && t.effects().iter().all(|e| best.effects().contains(e)));
         let better = |tried: &[Trial]| {
             let least = tried.iter().min_by(|a, b| a.held_loss(evidence).total_cmp(&b.held_loss(evidence)));
             let goes = |less: &&Trial| {
@@ -75,7 +110,11 @@ fn unrefuted_on(evidence: &Evidence, mut best: Trial) -> (Trial, Vec<EffectId>) 
             };
             least.filter(goes).cloned()
         };
-        let Some(less) = better(singly).or_else(|| better(at_once)).or_else(|| in_simpler_form(evidence, &best)) else {
+        let Some(less) = [singly, at_once, &known]
+            .into_iter()
+            .find_map(better)
+            .or_else(|| in_simpler_form(evidence, &best, predict))
+        else {
             break;
         };
         refuted.extend(best.effects().iter().filter(|e| !less.effects().contains(e)));
@@ -85,7 +124,7 @@ fn unrefuted_on(evidence: &Evidence, mut best: Trial) -> (Trial, Vec<EffectId>) 
 }
 
 /// With one of its causes in a form that has fewer values, where the held-out logs refute its own for it.
-fn in_simpler_form(evidence: &Evidence, best: &Trial) -> Option<Trial> {
+fn in_simpler_form(evidence: &Evidence, best: &Trial, predict: Predict<'_>) -> Option<Trial> {
     let values = |form: EffectForm| form.parameters(&evidence.reach).len();
     let simpler = |k: usize| {
         let own = best.model.forms()[k];
@@ -94,7 +133,7 @@ fn in_simpler_form(evidence: &Evidence, best: &Trial) -> Option<Trial> {
     let others: Vec<(usize, EffectForm)> = (0..best.effects().len()).flat_map(simpler).collect();
     let tried = others.into_par_iter().map(|(k, form)| {
         let mut simpler = best.in_form(evidence, k, form, AGAIN);
-        simpler.predict(evidence, Some(best));
+        predict(&mut simpler, Some(best));
         simpler
     });
     let tried: Vec<Trial> = tried.collect();
