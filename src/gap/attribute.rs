@@ -7,7 +7,7 @@ use super::evidence::{Evidence, counts};
 use super::explore::{explore, one_of_each};
 use super::floor::noise_rad;
 use super::folds::Folds;
-use super::grow::Growth;
+use super::grow::{Growth, Looked};
 use super::held_out::{Elsewhere, FEW_LOGS};
 use super::laws::lawful;
 use super::refuted::{refutes_law, unrefuted};
@@ -97,7 +97,7 @@ impl Attribution {
         let growth = Growth { evidence: &coarse, effects, as_given: &as_given, enough: enough(rough), progress };
         let beyond =
             |t: &Trial, share: f64, noise_rad: f64| t.fit_loss(&coarse) > samples * noise_rad.powi(2) * (1.0 + share);
-        let (mut best, mut firsts) = (calibrated.clone(), Vec::new());
+        let (mut best, mut looked) = (calibrated.clone(), Looked::default());
         if beyond(&calibrated, VERY_FAR, rough) {
             stage("looking at short parts of the logs")?;
             let carried = in_short_parts(&coarse, &growth, &calibrated);
@@ -112,8 +112,8 @@ impl Attribution {
         }
         if best.effects().is_empty() || beyond(&best, FAR, noise) {
             stage("looking at whole logs")?;
-            let (other, singles) = growth.from(&calibrated);
-            firsts = singles;
+            let (other, here) = growth.from(&calibrated);
+            looked = here;
             best = better(&coarse, best, other);
         }
         let noise = noise_rad(&coarse, &[&given, &calibrated, &best]);
@@ -123,11 +123,15 @@ impl Attribution {
             let bare = best.keeping(&coarse, &[], AGAIN);
             if bare.criterion() < 0.999 * calibrated.criterion() {
                 calibrated = bare;
+                looked.sights.clear();
             }
         }
         stage("exchanging causes")?;
         let best = growth.pruned(best);
-        let sights = growth.sights(&calibrated, effects);
+        let Looked { singles: mut firsts, mut sights } = looked;
+        if sights.is_empty() {
+            sights = growth.sights(&calibrated, effects);
+        }
         let chance = chance::threshold(&coarse, &sights, &best);
         if firsts.is_empty() {
             firsts = explore(&coarse, &calibrated, &sights);
@@ -334,7 +338,7 @@ fn in_short_parts(coarse: &Evidence, growth: &Growth<'_>, calibrated: &Trial) ->
     // Fitted starts hide what is missing; those that the readings show do not.
     base.found.starts = short.fit.iter().map(|e| e.start_coordinates(&e.start)).collect();
     let inside = Growth { evidence: &short, ..*growth };
-    let (best, mut found) = inside.from(&base);
+    let (best, Looked { singles: mut found, .. }) = inside.from(&base);
     found.truncate(CARRIED - 1);
     found.insert(0, best);
     found.retain(|t| !t.effects().is_empty());

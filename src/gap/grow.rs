@@ -50,12 +50,21 @@ pub(super) struct Growth<'a> {
     pub progress: &'a dyn Progress,
 }
 
+/// What is seen of single effects from a hypothesis.
+#[derive(Default)]
+pub(super) struct Looked {
+    /// Each that promises something fitted with it, best first.
+    pub singles: Vec<Trial>,
+    /// All of them from afar.
+    pub sights: Vec<Sight>,
+}
+
 impl Growth<'_> {
-    /// The set that explains most, grown from a hypothesis; and each effect fitted on its own, where the hypothesis had
-    /// none and a step was made.
-    pub fn from(&self, start: &Trial) -> (Trial, Vec<Trial>) {
+    /// The set that explains most, grown from a hypothesis; and what was seen on the way, where the hypothesis had no effects
+    /// and a step was made.
+    pub fn from(&self, start: &Trial) -> (Trial, Looked) {
         let mut best = start.clone();
-        let mut singles = Vec::new();
+        let mut looked = Looked::default();
         let mut apart = 0;
         while best.effects().len() < MOST && best.fit_loss(self.evidence) > self.enough && apart < APART {
             let done = best.effects().len();
@@ -63,15 +72,15 @@ impl Growth<'_> {
                 break;
             }
             apart += usize::from(best.model.has_two_bodies());
-            let (grown, others) = self.step(&best);
+            let (grown, here) = self.step(&best);
             if best.effects().is_empty() {
-                singles = others;
+                looked = here;
             }
             let Some(grown) = grown.filter(|grown| self.lowers(&best, grown)) else { break };
             let settled = self.shaken(grown.settled(self.evidence, SETTLE));
             best = self.reshaped(settled, done);
         }
-        (best, singles)
+        (best, looked)
     }
 
     /// The best of a fit and of those that begin with other friction: where a joint sticks the criterion has a kink for
@@ -89,8 +98,8 @@ impl Growth<'_> {
         others.into_iter().fold(fitted, |best, t| if t.criterion() < best.criterion() { t } else { best })
     }
 
-    /// The best hypothesis with one effect more, or two, and all that were tried with one more.
-    fn step(&self, from: &Trial) -> (Option<Trial>, Vec<Trial>) {
+    /// The best hypothesis with one effect more, or two, and what was seen of all with one more.
+    fn step(&self, from: &Trial) -> (Option<Trial>, Looked) {
         let others = self.others(from);
         let sights = self.sights(from, &others);
         let singles = explore(self.evidence, from, &sights);
@@ -113,7 +122,7 @@ impl Growth<'_> {
             (apart * loss(t) / before).max(1e-12).ln() / added.sqrt()
         };
         let best = singles.iter().chain(&together).min_by(|a, b| worth(a).total_cmp(&worth(b))).cloned();
-        (best, singles)
+        (best, Looked { singles, sights })
     }
 
     fn others(&self, from: &Trial) -> Vec<EffectId> {

@@ -101,30 +101,31 @@ fn unrefuted_on(
         // What all of them close: beside it a cause may be negligible.
         let all_rad = at_once.iter().map(|bare| held_rms_rad(evidence, bare) - held_rms_rad(evidence, &best)).sum();
         known.retain(|t| t.effects().len() < causes && t.effects().iter().all(|e| best.effects().contains(e)));
-        let better = |tried: &[Trial]| {
+        let least = |tried: &[Trial]| {
             let least = tried.iter().min_by(|a, b| a.held_loss(evidence).total_cmp(&b.held_loss(evidence)));
-            let goes = |less: &&Trial| {
+            least.cloned()
+        };
+        let better = |tried: &[Trial]| {
+            let goes = |less: &Trial| {
                 refutes(evidence, &best, less)
                     || is_idle(evidence, &best, less)
                     || causes > 1 && is_negligible(evidence, &best, less, all_rad)
             };
-            least.filter(goes).cloned()
+            least(tried).filter(goes)
         };
-        let Some(less) = [singly, at_once, &known]
-            .into_iter()
-            .find_map(better)
-            .or_else(|| in_simpler_form(evidence, &best, predict))
-        else {
-            break;
+        let otherwise = || {
+            let others = [in_simpler_forms(evidence, &best, predict), known.clone()].concat();
+            least(&others).filter(|less| refutes(evidence, &best, less))
         };
+        let Some(less) = better(singly).or_else(|| better(at_once)).or_else(otherwise) else { break };
         refuted.extend(best.effects().iter().filter(|e| !less.effects().contains(e)));
         best = less;
     }
     (best, refuted)
 }
 
-/// With one of its causes in a form that has fewer values, where the held-out logs refute its own for it.
-fn in_simpler_form(evidence: &Evidence, best: &Trial, predict: Predict<'_>) -> Option<Trial> {
+/// With one of its causes in a form that has fewer values.
+fn in_simpler_forms(evidence: &Evidence, best: &Trial, predict: Predict<'_>) -> Vec<Trial> {
     let values = |form: EffectForm| form.parameters(&evidence.reach).len();
     let simpler = |k: usize| {
         let own = best.model.forms()[k];
@@ -136,9 +137,7 @@ fn in_simpler_form(evidence: &Evidence, best: &Trial, predict: Predict<'_>) -> O
         predict(&mut simpler, Some(best));
         simpler
     });
-    let tried: Vec<Trial> = tried.collect();
-    let least = tried.into_iter().min_by(|a, b| a.held_loss(evidence).total_cmp(&b.held_loss(evidence)));
-    least.filter(|simpler| refutes(evidence, best, simpler))
+    tried.collect()
 }
 
 /// Whether what a hypothesis has more than another does nothing for held-out logs, and little for fitted ones.

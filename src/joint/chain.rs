@@ -107,6 +107,16 @@ impl<T: Real> Chain<T> {
         }
     }
 
+    /// What a function makes of the link at an instant, and of what the motion of other joints pushes \[N m\].
+    #[inline(always)]
+    fn with_link<R>(&self, t_s: T, f: impl FnOnce(&Link<T>, Option<T>) -> R) -> R {
+        if self.carriage.is_none() {
+            return f(&self.link, None);
+        }
+        let (link, pushed_nm) = self.link_at(t_s);
+        f(&link, Some(pushed_nm))
+    }
+
     /// Inertia of all that turns with the joint at an instant \[kg m^2\].
     #[inline]
     pub fn inertia_at_kg_m2(&self, t_s: T) -> T {
@@ -152,13 +162,31 @@ impl<T: Real> Chain<T> {
     /// Torque of all that acts on the link beside motor and friction \[N m\].
     #[inline]
     pub fn acting_nm(&self, t_s: T, angle_rad: T, rate_rad_s: T) -> T {
-        let (link, pushed_nm) = self.link_at(t_s);
+        self.with_link(t_s, |link, pushed_nm| self.beside_drive_nm(link, pushed_nm, [t_s, angle_rad, rate_rad_s]).0)
+    }
+
+    /// The same of a link that is pushed, at an instant, angle and rate; and gravity's share.
+    #[inline(always)]
+    fn beside_drive_nm(&self, link: &Link<T>, pushed_nm: Option<T>, at: [T; 3]) -> (T, T) {
+        let [t_s, angle_rad, rate_rad_s] = at;
         let gravity_nm = link.gravity_nm(angle_rad);
-        let mut torque_nm = gravity_nm + pushed_nm + self.elastic_nm(angle_rad, rate_rad_s, gravity_nm);
+        let mut torque_nm = gravity_nm;
+        if let Some(pushed_nm) = pushed_nm {
+            torque_nm += pushed_nm;
+        }
+        if self.is_elastic() {
+            torque_nm += self.elastic_nm(angle_rad, rate_rad_s, gravity_nm);
+        }
         if self.has_laws() {
             self.add_laws_of_time(t_s, &mut torque_nm);
         }
-        torque_nm
+        (torque_nm, gravity_nm)
+    }
+
+    /// Whether anything but gravity and friction acts on the link by its state.
+    #[inline(always)]
+    fn is_elastic(&self) -> bool {
+        self.spring.is_some() || self.stop.is_some() || self.has_laws()
     }
 
     /// Net torque on a resting joint without friction \[N m\] at an angle, for a motor torque.
@@ -170,23 +198,20 @@ impl<T: Real> Chain<T> {
     /// Torque that resists motion in `direction` \[N m\].
     #[inline]
     pub fn resistance_nm(&self, t_s: T, angle_rad: T, speed_rad_s: T, direction: f64, motor_nm: T) -> T {
-        let gravity_nm = self.link_at(t_s).0.gravity_nm(angle_rad);
+        let gravity_nm = self.with_link(t_s, |link, _| link.gravity_nm(angle_rad));
         self.friction.resistance_nm(&Contact { t_s, angle_rad, speed_rad_s, direction, gravity_nm, motor_nm })
     }
 
     /// Angular acceleration \[rad/s^2\] of a joint that slips in `direction` (3.12).
     #[inline]
     pub fn slip_rate_rad_s2(&self, t_s: T, angle_rad: T, rate_rad_s: T, direction: f64, motor_nm: T) -> T {
-        let (link, pushed_nm) = self.link_at(t_s);
-        let gravity_nm = link.gravity_nm(angle_rad);
-        let speed_rad_s = rate_rad_s * direction;
-        let at = Contact { t_s, angle_rad, speed_rad_s, direction, gravity_nm, motor_nm };
-        let mut passive_nm = gravity_nm + pushed_nm + self.elastic_nm(angle_rad, rate_rad_s, gravity_nm);
-        if self.has_laws() {
-            self.add_laws_of_time(t_s, &mut passive_nm);
-        }
-        (motor_nm + passive_nm - self.friction.resistance_nm(&at) * direction)
-            / (link.inertia_kg_m2 + self.armature_kg_m2)
+        self.with_link(t_s, |link, pushed_nm| {
+            let (passive_nm, gravity_nm) = self.beside_drive_nm(link, pushed_nm, [t_s, angle_rad, rate_rad_s]);
+            let speed_rad_s = rate_rad_s * direction;
+            let at = Contact { t_s, angle_rad, speed_rad_s, direction, gravity_nm, motor_nm };
+            (motor_nm + passive_nm - self.friction.resistance_nm(&at) * direction)
+                / (link.inertia_kg_m2 + self.armature_kg_m2)
+        })
     }
 
     /// What the encoder makes of a true angle and rate on its side of the gearing.

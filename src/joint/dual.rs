@@ -103,7 +103,7 @@ impl<const N: usize> Real for Dual<N> {
 
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        let (sin, cos) = self.re.sin_cos();
+        let (sin, cos) = crate::number::sin_cos(self.re);
         (self.along(sin, cos), self.along(cos, -sin))
     }
 

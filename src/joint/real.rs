@@ -104,7 +104,7 @@ impl Real for f64 {
 
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        f64::sin_cos(self)
+        crate::number::sin_cos(self)
     }
 
     #[inline(always)]

@@ -1,8 +1,11 @@
-//! Numbers for people: as many digits as the uncertainty allows, never more.
+//! Numbers: for people, with as many digits as the uncertainty allows and never more; and sines and cosines that are the
+//! same bits everywhere.
 
 mod said;
+mod sincos;
 
 pub(crate) use said::{between, quantity, share, shares, spoken, stands_out};
+pub(crate) use sincos::{LARGEST_RAD, Lanes, in_quadrant, of_rest, sin_cos};
 
 /// Shown where there is no number to show.
 pub(crate) const UNKNOWN: &str = "unknown";
