@@ -49,7 +49,7 @@ pub(super) use assemble::{joint_log, robot_log};
 pub(super) use cdr_write::JointStateForm;
 pub(super) use crc::Crc;
 pub(super) use kind::is_log_folder;
-pub(super) use read::read_wanted;
+pub(super) use read::{checked, read_wanted};
 pub(super) use want::Want;
 
 pub use channel::{Channel, Source};
