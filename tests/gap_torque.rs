@@ -32,6 +32,14 @@ fn an_arm_as_described_lacks_nothing() {
     let found = of(&Truth::default());
     assert_eq!((&found["verdict"], &found["gap"]["unit"]), (&"none".into(), &"N m".into()), "{}", found["sentence"]);
     assert!(found["effects"].as_array().unwrap().is_empty(), "{:#?}", found["effects"]);
+    for joint in JOINTS {
+        let health = &found["joints"][joint]["health"];
+        assert_eq!(
+            (health.as_array().unwrap().len() > 1, &health[0]["period_s"]),
+            (true, &0.004.into()),
+            "{health:#?}"
+        );
+    }
 }
 
 #[test]

@@ -12,6 +12,7 @@ mod error;
 mod export;
 mod full_drop;
 mod gap;
+mod gate;
 mod init;
 mod progress;
 mod provenance;
@@ -49,6 +50,7 @@ enum Command {
     Dynamics(dynamics::DynamicsArgs),
     Export(export::ExportArgs),
     Gap(gap::GapArgs),
+    Gate(gate::GateArgs),
     Init(init::InitArgs),
     SensorTest(sensor_test::SensorTestArgs),
     Simulate(simulate::SimulateArgs),
@@ -82,6 +84,7 @@ pub fn run_with(words: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Dynamics(args) => dynamics::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Gap(args) => gap::run(&args),
+        Command::Gate(args) => gate::run(&args),
         Command::Init(args) => init::run(&args),
         Command::SensorTest(args) => sensor_test::run(&args),
         Command::Simulate(args) => simulate::run(&args),
