@@ -19,7 +19,7 @@
 //! [`robot`] moves a whole tree of bodies · [`blind`] tests the diagnosis on sealed studies · [`synth`] makes logs from a known truth · [`thesis`] repeats the
 //! thesis's chapter 3 · `report` draws (feature `report`) · the program (feature `cli`) is on top.
 //!
-//! With `default-features = false` there are neither pages nor the program, and none of what they depend on: logs as
+//! With `default-features = false` there are neither pages, exams nor the program, and none of what they depend on: logs as
 //! arrays or files go in, diagnoses come out, which serialise (`examples/from_arrays.rs`). The feature `parquet` reads
 //! LeRobot datasets.
 //!
@@ -46,6 +46,7 @@
 // What only pages use is idle without them.
 #![cfg_attr(not(feature = "report"), allow(dead_code, unused_imports))]
 
+#[cfg(feature = "report")]
 pub mod blind;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
@@ -64,6 +65,7 @@ pub mod progress;
 pub mod report;
 pub mod robot;
 pub mod synth;
+#[cfg(feature = "report")]
 pub mod thesis;
 
 pub use fit::{Budget, Method, Stop};

@@ -8,8 +8,10 @@ use support::*;
 
 const STUDY: &str = "data/examples/delay/study.toml";
 
+/// What it prints, on one line.
 fn gate(words: &[&str], code: i32) -> String {
-    expect_code(root(), &[&["gate", STUDY], words].concat(), code)
+    let text = expect_code(root(), &[&["gate", STUDY], words].concat(), code);
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 #[test]

@@ -40,20 +40,20 @@ def test_check_is_the_same_document(program, tmp_path, study):
 
 
 WRONG = [
-    ("schema = 1\n[joint]\nname = 'a'\ninertia = -1.0\nmoment = 0.1\ncoulomb = 0.0\nviscous = 0.0\n", "inertia"),
-    ("schema = 1\n[joint\n", "line 2"),
-    ("schema = 1\n[robot]\nmodel = 'absent.urdf'\nscenario = 'fixed'\n[[log]]\nfile = 'a.csv'\nrole = 'fit'\n", "a.csv"),
+    ("schema = 1\n[joint]\nname = 'a'\ninertia = -1.0\nmoment = 0.1\ncoulomb = 0.0\nviscous = 0.0\n", "inertia", 3),
+    ("schema = 1\n[joint\n", "line 2", 3),
+    ("schema = 1\n[robot]\nmodel = 'absent.urdf'\nscenario = 'fixed'\n[[log]]\nfile = 'a.csv'\nrole = 'fit'\n", "a.csv", 5),
 ]
 
 
-@pytest.mark.parametrize("text, named", WRONG)
-def test_errors_have_the_words_of_the_program(program, tmp_path, text, named):
+@pytest.mark.parametrize("text, named, code", WRONG)
+def test_errors_have_the_words_of_the_program(program, tmp_path, text, named, code):
     study = tmp_path / "study.toml"
     study.write_text(text)
     with pytest.raises(aibo_fit.Error) as raised:
         aibo_fit.gap(study)
     assert named in str(raised.value)
-    said = program("gap", study, "--out", tmp_path / "out", code=3).stderr
+    said = program("gap", study, "--out", tmp_path / "out", code=code).stderr
     assert said == f"error: {raised.value}\n"
     assert isinstance(raised.value, ValueError)
 
