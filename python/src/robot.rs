@@ -24,7 +24,7 @@ impl Robot {
     #[staticmethod]
     #[pyo3(signature = (path, base=None, gravity=None))]
     fn from_file(py: Python<'_>, path: PathBuf, base: Option<&str>, gravity: Option<[f64; 3]>) -> PyResult<Self> {
-        let description = py.detach(|| Description::read(&path)).map_err(Failed::of)?;
+        let description = py.detach(|| Description::read(&path).map_err(Failed::of))?;
         let base = match base {
             None => Tree::base_of(&description),
             Some("fixed") => TreeBase::Fixed,
