@@ -34,11 +34,9 @@ fn an_arm_as_described_lacks_nothing() {
     assert!(found["effects"].as_array().unwrap().is_empty(), "{:#?}", found["effects"]);
     for joint in JOINTS {
         let health = &found["joints"][joint]["health"];
-        assert_eq!(
-            (health.as_array().unwrap().len() > 1, &health[0]["period_s"]),
-            (true, &0.004.into()),
-            "{health:#?}"
-        );
+        assert!(health.as_array().unwrap().len() > 1, "{health:#?}");
+        // Stamps are sums; their differences round.
+        assert!((health[0]["period_s"].as_f64().unwrap() - 0.004).abs() < 1e-9, "{health:#?}");
     }
 }
 
