@@ -17,7 +17,11 @@
 //! [`log`] reads and checks · [`geometry`] lumps a leg into a pendulum · [`joint`] has the stages · [`integrate`] and
 //! [`pendulum`] move them · [`fit`] minimises and says how sure it is · [`identify`] brings logs and models together ·
 //! [`robot`] moves a whole tree of bodies · [`blind`] tests the diagnosis on sealed studies · [`synth`] makes logs from a known truth · [`thesis`] repeats the
-//! thesis's chapter 3 · [`report`] draws · [`cli`] is the program.
+//! thesis's chapter 3 · `report` draws (feature `report`) · the program (feature `cli`) is on top.
+//!
+//! With `default-features = false` there are neither pages, exams nor the program, and none of what they depend on: logs as
+//! arrays or files go in, diagnoses come out, which serialise (`examples/from_arrays.rs`). The feature `parquet` reads
+//! LeRobot datasets.
 //!
 //! # A swing, fitted
 //! ```
@@ -39,7 +43,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+// What only pages use is idle without them.
+#![cfg_attr(not(feature = "report"), allow(dead_code, unused_imports))]
+
+#[cfg(feature = "report")]
 pub mod blind;
+#[cfg(feature = "cli")]
+#[doc(hidden)]
 pub mod cli;
 pub mod fit;
 pub mod gap;
@@ -51,9 +61,11 @@ pub mod log;
 mod number;
 pub mod pendulum;
 pub mod progress;
+#[cfg(feature = "report")]
 pub mod report;
 pub mod robot;
 pub mod synth;
+#[cfg(feature = "report")]
 pub mod thesis;
 
 pub use fit::{Budget, Method, Stop};

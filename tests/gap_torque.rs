@@ -32,6 +32,12 @@ fn an_arm_as_described_lacks_nothing() {
     let found = of(&Truth::default());
     assert_eq!((&found["verdict"], &found["gap"]["unit"]), (&"none".into(), &"N m".into()), "{}", found["sentence"]);
     assert!(found["effects"].as_array().unwrap().is_empty(), "{:#?}", found["effects"]);
+    for joint in JOINTS {
+        let health = &found["joints"][joint]["health"];
+        assert!(health.as_array().unwrap().len() > 1, "{health:#?}");
+        // Stamps are sums; their differences round.
+        assert!((health[0]["period_s"].as_f64().unwrap() - 0.004).abs() < 1e-9, "{health:#?}");
+    }
 }
 
 #[test]

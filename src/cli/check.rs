@@ -12,9 +12,12 @@ use crate::identify::Case;
 use crate::log::{
     ArrayLog, Columns, JointSpec, Outputs, SensorSpec, Source, StudyKind, Uncertain, read_source, study_kind,
 };
-use crate::report::{CheckReport, check_html, check_json, check_text, checks_json, checks_text};
+use crate::report::{CheckReport, Provenance, check_html, check_json, check_text, checks_json, checks_text};
 use clap::Args;
+use rayon::prelude::*;
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 /// Look at logs before any diagnosis: their health, what they can and cannot determine, what they would show
 ///
@@ -44,7 +47,9 @@ enum Checked {
     /// One joint; with a study what the logs can tell, too.
     Joint { case: Box<Case>, inputs: Vec<PathBuf>, is_study: bool },
     /// The joints of a robot, and what its reader has to know.
-    Joints { name: String, cases: Vec<Case>, inputs: Vec<PathBuf>, notes: Vec<String>, is_study: bool },
+    Joints { name: String, cases: Vec<Case>, inputs: Vec<PathBuf>, notes: Vec<String> },
+    /// The joints of a log, of which nothing is believed.
+    Log { source: Source, names: Vec<String>, inputs: Vec<PathBuf> },
 }
 
 /// Runs the command.
@@ -58,9 +63,18 @@ pub(super) fn run(args: &CheckArgs) -> Result<u8, CliError> {
         None => log(&args.path)?,
     };
     match checked {
-        Checked::Joint { case, inputs, is_study } => joint(args, &progress, &case, inputs, is_study),
-        Checked::Joints { name, cases, inputs, notes, is_study } => {
-            joints(args, &progress, &name, &cases, (inputs, notes, is_study))
+        Checked::Joint { case, inputs, is_study } => Check::new(args, &progress, inputs, is_study)?.joint(&case),
+        Checked::Joints { name, cases, inputs, notes } => {
+            let names: Vec<String> = cases.iter().map(|case| case.joint.name.clone()).collect();
+            let case = |k: usize| Ok(Cow::Borrowed(&cases[k]));
+            Check::new(args, &progress, inputs, true)?.joints(&name, &names, &case, &notes)
+        }
+        Checked::Log { source, names, inputs } => {
+            let (name, notes) = (log_name(&args.path), source.notes.clone());
+            // A long log is held once: each joint takes its samples out, and they are gone when it is done.
+            let source = Mutex::new(source);
+            let case = |k: usize| joint_of(&source, Some(&names[k])).map(|case| Cow::Owned(*case));
+            Check::new(args, &progress, inputs, false)?.joints(&name, &names, &case, &notes)
         }
     }
 }
@@ -69,62 +83,82 @@ fn moves(case: &Case) -> bool {
     case.items.iter().any(|item| !item.experiments.is_empty())
 }
 
-fn joint(
-    args: &CheckArgs,
-    progress: &Progress,
-    case: &Case,
+/// What makes a joint's case, by the joint's number.
+type OfJoint<'a> = &'a (dyn Fn(usize) -> Result<Cow<'a, Case>, CliError> + Sync);
+
+/// What is checked for whom.
+struct Check<'a> {
+    args: &'a CheckArgs,
+    progress: &'a Progress,
     inputs: Vec<PathBuf>,
     is_study: bool,
-) -> Result<u8, CliError> {
-    if !moves(case) {
-        return never_moved(&args.common, case, "nothing to check");
-    }
-    let report = report(args, progress, case, is_study, inputs.clone())?;
-    let text = check_text(&report);
-    let mut outputs = Outputs::default();
-    args.common.add_json(&mut outputs, &check_json(&report))?;
-    let name = report.joint.clone();
-    tell(args, outputs, (&name, &[report], &[]), &text, &inputs)
+    provenance: Provenance,
 }
 
-fn joints(
-    args: &CheckArgs,
-    progress: &Progress,
-    name: &str,
-    cases: &[Case],
-    (inputs, notes, is_study): (Vec<PathBuf>, Vec<String>, bool),
-) -> Result<u8, CliError> {
-    if let Some(case) = cases.first().filter(|_| !cases.iter().any(moves)) {
-        return never_moved(&args.common, case, "nothing to check");
+impl<'a> Check<'a> {
+    fn new(
+        args: &'a CheckArgs,
+        progress: &'a Progress,
+        inputs: Vec<PathBuf>,
+        is_study: bool,
+    ) -> Result<Self, CliError> {
+        // The text on a terminal does not say what the inputs hash to.
+        let hashed = if args.common.json.is_some() || args.common.out.is_some() { inputs.clone() } else { Vec::new() };
+        Ok(Self { args, progress, inputs, is_study, provenance: provenance(hashed)? })
     }
-    let found = cases.iter().map(|case| {
-        let report = moves(case).then(|| report(args, progress, case, is_study, inputs.clone())).transpose()?;
-        Ok::<_, CliError>((case.joint.name.as_str(), report))
-    });
-    let found: Vec<(&str, Option<CheckReport>)> = found.collect::<Result<_, _>>()?;
-    let told: Vec<(&str, Option<&CheckReport>)> = found.iter().map(|(name, report)| (*name, report.as_ref())).collect();
-    let text = checks_text(&told, &notes);
-    let reports: Vec<CheckReport> = found.into_iter().filter_map(|(_, report)| report).collect();
-    let mut outputs = Outputs::default();
-    args.common.add_json(&mut outputs, &checks_json(name, &reports))?;
-    tell(args, outputs, (name, &reports, &notes), &text, &inputs)
-}
 
-fn report(
-    args: &CheckArgs,
-    progress: &Progress,
-    case: &Case,
-    is_study: bool,
-    inputs: Vec<PathBuf>,
-) -> Result<CheckReport, CliError> {
-    progress.say(&format!("what the logs of {} can tell", case.joint.name));
-    let checkup = args.common.on_threads(|| is_study.then(|| check(case)))?;
-    // A joint that moved in none of the logs to be fitted has no model to check.
-    let checkup = match checkup.transpose() {
-        Err(GapError::NeverMoved) => None,
-        checkup => checkup?,
-    };
-    Ok(CheckReport::new(case, checkup, provenance(inputs)?))
+    fn joint(&self, case: &Case) -> Result<u8, CliError> {
+        if !moves(case) {
+            return never_moved(&self.args.common, case, "nothing to check");
+        }
+        let report = self.args.common.on_threads(|| self.report(case))??;
+        let text = check_text(&report);
+        let mut outputs = Outputs::default();
+        self.args.common.add_json(&mut outputs, &check_json(&report))?;
+        let name = report.joint.clone();
+        tell(self.args, outputs, (&name, &[report], &[]), &text, &self.inputs)
+    }
+
+    fn joints(&self, name: &str, names: &[String], case: OfJoint<'_>, notes: &[String]) -> Result<u8, CliError> {
+        // The first joint's case is kept where it does not move: should none, it says why.
+        let look = |k: usize| {
+            let case = case(k)?;
+            let report = moves(&case).then(|| self.report(&case)).transpose()?;
+            let still = (k == 0 && report.is_none()).then(|| case.into_owned());
+            Ok((report, still))
+        };
+        let looked = self.args.common.on_threads(|| match self.is_study {
+            // The joint of a study keeps all cores busy.
+            true => (0..names.len()).map(look).collect::<Result<Vec<_>, CliError>>(),
+            false => (0..names.len()).into_par_iter().map(look).collect(),
+        })??;
+        let (found, still): (Vec<_>, Vec<_>) = looked.into_iter().unzip();
+        if let Some(case) = still.into_iter().next().flatten()
+            && found.iter().all(Option::is_none)
+        {
+            return never_moved(&self.args.common, &case, "nothing to check");
+        }
+        let told: Vec<(&str, Option<&CheckReport>)> =
+            names.iter().zip(&found).map(|(name, report)| (name.as_str(), report.as_ref())).collect();
+        let text = checks_text(&told, notes);
+        let reports: Vec<CheckReport> = found.into_iter().flatten().collect();
+        let mut outputs = Outputs::default();
+        self.args.common.add_json(&mut outputs, &checks_json(name, &reports))?;
+        tell(self.args, outputs, (name, &reports, notes), &text, &self.inputs)
+    }
+
+    fn report(&self, case: &Case) -> Result<CheckReport, CliError> {
+        self.progress.say(&format!("what the logs of {} can tell", case.joint.name));
+        let checkup = match self.is_study.then(|| check(case)).transpose() {
+            // A joint that moved in none of the logs to be fitted has no model to check.
+            Err(GapError::NeverMoved) => None,
+            checkup => checkup?,
+        };
+        let report = CheckReport::new(case, checkup, self.provenance.clone());
+        // Only the page draws the samples.
+        let series = if self.args.common.out.is_some() { report.series } else { Vec::new() };
+        Ok(CheckReport { series, ..report })
+    }
 }
 
 /// Prints the text; with --out also writes it, and the page.
@@ -170,38 +204,38 @@ fn robot_study(path: &Path) -> Result<Checked, CliError> {
     let ClampedCase { robot: name, joints, notes, .. } = ClampedCase::of(&setup).map_err(wrong)?;
     let inputs = setup.inputs();
     let cases = joints.into_iter().map(|joint| joint.case).collect();
-    Ok(Checked::Joints { name, cases, inputs, notes, is_study: true })
+    Ok(Checked::Joints { name, cases, inputs, notes })
 }
 
 /// A log with its sidecar, or each joint of a log without one.
 fn log(path: &Path) -> Result<Checked, CliError> {
     let is_told = path.with_extension("toml").is_file();
-    let source = read_source(path, &Columns::default());
-    let names = |source: &Source| -> Vec<Option<String>> {
-        source.joints().into_iter().map(|name| name.map(str::to_owned)).collect()
-    };
-    match source.map(|source| (names(&source), source)) {
-        Ok((names, source)) if !is_told && matches!(names[..], [None]) => {
-            let case = Box::new(joint_of(&source, None)?);
-            Ok(Checked::Joint { case, inputs: vec![path.to_path_buf()], is_study: false })
-        }
-        Ok((names, source)) if names.iter().any(Option::is_some) => {
-            let cases = names.iter().flatten().map(|name| joint_of(&source, Some(name))).collect::<Result<_, _>>()?;
-            let inputs = vec![path.to_path_buf()];
-            Ok(Checked::Joints { name: log_name(path), cases, inputs, notes: source.notes, is_study: false })
-        }
+    let Ok(mut source) = read_source(path, &Columns::default()) else {
         // A sidecar may say more of it than the file does.
-        _ => Ok(of_joint(Case::of_logs(&[path.to_path_buf()], None)?, false)),
+        return Ok(of_joint(Case::of_logs(&[path.to_path_buf()], None)?, false));
+    };
+    let names: Vec<Option<String>> = source.joints().into_iter().map(|name| name.map(str::to_owned)).collect();
+    let inputs = vec![path.to_path_buf()];
+    if !is_told && matches!(names[..], [None]) {
+        return Ok(Checked::Joint { case: joint_of(&Mutex::new(source), None)?, inputs, is_study: false });
     }
+    let names: Vec<String> = names.into_iter().flatten().collect();
+    if names.is_empty() {
+        return Ok(of_joint(Case::of_logs(&inputs, None)?, false));
+    }
+    // What is not looked at need not be held.
+    source.channels.retain(|channel| !channel.ours.as_ref().is_none_or(|ours| ours.ends_with(".dq")));
+    Ok(Checked::Log { source, names, inputs })
 }
 
-fn joint_of(source: &Source, name: Option<&str>) -> Result<Case, CliError> {
-    let log = source.joint_log(name)?;
+fn joint_of(source: &Mutex<Source>, name: Option<&str>) -> Result<Box<Case>, CliError> {
+    let log = source.lock().unwrap_or_else(PoisonError::into_inner).take_joint_log(name)?;
     // Nothing is believed of what was asked or delivered, but how it lies to the readings is part of their health.
     let (q_ref_rad, tau_nm, setpoints, on) = (log.q_ref_rad, log.tau_nm, log.setpoints, log.drive);
-    let named = ArrayLog::new(source.file.display().to_string(), log.t_s, log.q_rad);
+    let file = log.file;
+    let named = ArrayLog::new(file.display().to_string(), log.t_s, log.q_rad);
     let array = ArrayLog { q_ref_rad, tau_nm, setpoints, on, holes_are_known: true, ..named };
-    let name = name.map_or_else(|| log_name(&source.file), str::to_owned);
+    let name = name.map_or_else(|| log_name(&file), str::to_owned);
     let spec = JointSpec { name, nominal: None, gravity_m_s2: 9.81, rest_rad: None };
-    Ok(Case::of_arrays(spec, SensorSpec::default(), None, Uncertain::default(), vec![array])?)
+    Ok(Box::new(Case::of_arrays(spec, SensorSpec::default(), None, Uncertain::default(), vec![array])?))
 }

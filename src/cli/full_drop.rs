@@ -19,7 +19,7 @@ const OF_EACH_LOAD: usize = 2;
 /// Every log of a leg in the full model; `None` where the logs are not of an ERS-7 leg whose pose and masses are known.
 ///
 /// `robot` is the robot that drops, with the masses of the fit.
-pub(super) fn full_drop(case: &Case, fit: &DropFit, robot: &Model) -> Result<Option<FullDrop>, CliError> {
+pub fn full_drop(case: &Case, fit: &DropFit, robot: &Model) -> Result<Option<FullDrop>, CliError> {
     let Some(leg) = case.leg.as_ref().filter(|leg| leg.pose_known && fit.by_bodies()) else { return Ok(None) };
     let fitted = fit.fitted.iter().zip(&fit.extensive.predictions);
     let all: Vec<(&Experiment, &Prediction)> = fitted.chain(fit.validated.iter().zip(&fit.predictions)).collect();

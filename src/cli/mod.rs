@@ -12,6 +12,7 @@ mod error;
 mod export;
 mod full_drop;
 mod gap;
+mod gate;
 mod init;
 mod progress;
 mod provenance;
@@ -24,9 +25,11 @@ mod tables;
 mod walk;
 
 use clap::{Parser, Subcommand};
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 pub use error::CliError;
+pub use full_drop::full_drop;
 
 /// Turns logs of robot joints into trustworthy dynamics.
 #[derive(Parser, Debug)]
@@ -47,6 +50,7 @@ enum Command {
     Dynamics(dynamics::DynamicsArgs),
     Export(export::ExportArgs),
     Gap(gap::GapArgs),
+    Gate(gate::GateArgs),
     Init(init::InitArgs),
     SensorTest(sensor_test::SensorTestArgs),
     Simulate(simulate::SimulateArgs),
@@ -57,14 +61,21 @@ enum Command {
 
 /// Runs the program and answers with its exit code.
 pub fn run() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    ExitCode::from(run_with(std::env::args_os()))
+}
+
+/// Runs the program on a command line, its own name first.
+pub fn run_with(words: impl IntoIterator<Item = OsString>) -> u8 {
+    let words: Vec<OsString> = words.into_iter().collect();
+    let cli = match Cli::try_parse_from(&words) {
         Ok(cli) => cli,
         Err(error) => {
             // Help and version are no errors; clap knows which stream they go to.
             let _ = error.print();
-            return ExitCode::from(if error.use_stderr() { error::USAGE } else { 0 });
+            return if error.use_stderr() { error::USAGE } else { 0 };
         }
     };
+    provenance::remember(&words);
     let result = match cli.command {
         Command::Blind(args) => blind::run(&args),
         Command::Check(args) => check::run(&args),
@@ -73,6 +84,7 @@ pub fn run() -> ExitCode {
         Command::Dynamics(args) => dynamics::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Gap(args) => gap::run(&args),
+        Command::Gate(args) => gate::run(&args),
         Command::Init(args) => init::run(&args),
         Command::SensorTest(args) => sensor_test::run(&args),
         Command::Simulate(args) => simulate::run(&args),
@@ -81,10 +93,10 @@ pub fn run() -> ExitCode {
         Command::Walk(args) => walk::run(&args),
     };
     match result {
-        Ok(code) => ExitCode::from(code),
+        Ok(code) => code,
         Err(error) => {
             eprintln!("error: {error}");
-            ExitCode::from(error.exit_code())
+            error.exit_code()
         }
     }
 }

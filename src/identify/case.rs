@@ -116,9 +116,18 @@ impl Case {
     pub fn of_study(path: &Path) -> Result<Self, CaseError> {
         let study = read_study(path)?;
         let logs = read_study_logs(&study)?;
+        Self::of_read(study, logs)
+    }
+
+    /// A study and its logs, in its order, that are read already.
+    ///
+    /// # Errors
+    /// [`CaseError`] where a log is too short, or the geometry beside a leg's logs is impossible.
+    pub fn of_read(study: Study, logs: Vec<Log>) -> Result<Self, CaseError> {
+        let documents = if study.file.is_file() { vec![study.file] } else { Vec::new() };
         let Study { joint, sensor, uncertain, logs: entries, .. } = study;
         let items = logs.into_iter().zip(entries).map(|(log, entry)| (log, entry, sensor)).collect();
-        Self::new(joint, uncertain, items, vec![path.to_path_buf()])
+        Self::new(joint, uncertain, items, documents)
     }
 
     /// A log that a study does not name, read by the study's joint and by what the study says of its first log.
@@ -217,12 +226,13 @@ impl Case {
         logs: Vec<ArrayLog>,
     ) -> Result<Self, CaseError> {
         let item = |given: ArrayLog| {
-            let log = given.to_log()?;
-            if given.drive == DriveMode::Position && motor.is_none() {
-                return Err(CaseError::NoMotor { log: given.name });
+            let (file, session) = (given.name.clone(), given.session.clone());
+            let (role, drive, extra, tau_is) = (given.role, given.drive, given.extra, given.tau_is);
+            let log = given.into_log()?;
+            if drive == DriveMode::Position && motor.is_none() {
+                return Err(CaseError::NoMotor { log: file });
             }
             check_period(&log, &sensor)?;
-            let ArrayLog { name: file, role, drive, session, extra, tau_is, .. } = given;
             let entry = StudyLog { file, path: PathBuf::new(), role, drive, motor, extra, session, tau_is };
             check_torque_sign(&log, &entry)?;
             Ok((log, entry, sensor))

@@ -18,9 +18,11 @@ pub(super) const FEWEST_SAMPLES: usize = 8;
 /// period is the upper quartile of all steps, or the median of those about the step where that is longer.
 pub(super) fn ends_of_holes(t_s: &[f64]) -> Vec<f64> {
     let steps: Vec<f64> = t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    if steps.is_empty() {
+        return Vec::new();
+    }
     let mut sorted = steps.clone();
-    sorted.sort_unstable_by(f64::total_cmp);
-    let Some(&usual_s) = sorted.get(steps.len() * 3 / 4) else { return Vec::new() };
+    let usual_s = *sorted.select_nth_unstable_by(steps.len() * 3 / 4, f64::total_cmp).1;
     let is_hole = |k: usize| {
         let near = k.saturating_sub(ABOUT)..(k + ABOUT + 1).min(steps.len());
         let mut near: Vec<f64> = near.filter(|other| *other != k).map(|other| steps[other]).collect();

@@ -62,7 +62,23 @@ impl ArrayLog {
     ///
     /// # Errors
     /// [`LogError::Array`] naming the log, the array and, where there is one, the index.
-    pub fn to_log(&self) -> Result<Log, LogError> {
+    pub fn into_log(self) -> Result<Log, LogError> {
+        self.check_arrays()?;
+        Ok(Log {
+            file: PathBuf::from(self.name),
+            t_s: self.t_s,
+            q_rad: self.q_rad,
+            dq_rad_s: None,
+            tau_nm: self.tau_nm,
+            q_ref_rad: self.q_ref_rad,
+            setpoints: self.setpoints,
+            drive: self.on,
+            ignored_columns: Vec::new(),
+            notes: Vec::new(),
+        })
+    }
+
+    fn check_arrays(&self) -> Result<(), LogError> {
         let n = self.t_s.len();
         let columns = [
             (Column::Time, Some(&self.t_s)),
@@ -100,19 +116,7 @@ impl ArrayLog {
             let what = format!("a gap of {gap_s:.1} s, expected at most 60 s; split the log there");
             return Err(self.wrong("t", Some(before + 1), what));
         }
-        self.check_drive()?;
-        Ok(Log {
-            file: PathBuf::from(&self.name),
-            t_s: self.t_s.clone(),
-            q_rad: self.q_rad.clone(),
-            dq_rad_s: None,
-            tau_nm: self.tau_nm.clone(),
-            q_ref_rad: self.q_ref_rad.clone(),
-            setpoints: self.setpoints.clone(),
-            drive: self.on.clone(),
-            ignored_columns: Vec::new(),
-            notes: Vec::new(),
-        })
+        self.check_drive()
     }
 
     fn check(&self, column: Column, index: usize, value: f64) -> Result<(), LogError> {
@@ -153,7 +157,7 @@ mod tests {
     #[test]
     fn good_arrays_are_a_log() {
         let good = log();
-        let read = good.to_log().unwrap();
+        let read = good.clone().into_log().unwrap();
         assert_eq!((read.t_s, read.q_rad, read.drive), (good.t_s, good.q_rad, None));
     }
 
@@ -176,7 +180,7 @@ mod tests {
         for (fault, expected) in faults {
             let mut log = log();
             fault(&mut log);
-            let message = log.to_log().unwrap_err().to_string();
+            let message = log.into_log().unwrap_err().to_string();
             assert!(message.starts_with(expected), "`{expected}` is not how this begins:\n{message}");
         }
     }

@@ -20,6 +20,8 @@ pub(crate) type Text = Option<Spanned<String>>;
 pub(crate) struct Document<'a> {
     pub(crate) file: &'a Path,
     text: String,
+    /// Logs that need not be files.
+    at_hand: Vec<String>,
 }
 
 /// What a number has to be.
@@ -65,7 +67,17 @@ impl<'a> Document<'a> {
 
     /// A text that is at hand.
     pub(crate) fn of_text(file: &'a Path, text: &str) -> Self {
-        Self { file, text: text.strip_prefix('\u{feff}').unwrap_or(text).to_owned() }
+        Self { file, text: text.strip_prefix('\u{feff}').unwrap_or(text).to_owned(), at_hand: Vec::new() }
+    }
+
+    /// The same with logs that are at hand by name.
+    pub(super) fn with_logs(self, names: impl IntoIterator<Item = String>) -> Self {
+        Self { at_hand: names.into_iter().collect(), ..self }
+    }
+
+    /// Whether a log of this name is at hand.
+    pub(super) fn has_at_hand(&self, name: &str) -> bool {
+        self.at_hand.iter().any(|other| other == name)
     }
 
     pub(crate) fn open(file: &'a Path) -> Result<Self, LogError> {
@@ -74,7 +86,7 @@ impl<'a> Document<'a> {
             return Err(LogError::NotText { file: file.to_path_buf(), found });
         }
         match String::from_utf8(bytes) {
-            Ok(text) => Ok(Self { file, text: text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text) }),
+            Ok(text) => Ok(Self::of_text(file, &text)),
             Err(error) => {
                 let at = error.utf8_error().valid_up_to();
                 let byte = error.as_bytes().get(at).copied().unwrap_or(0);

@@ -26,6 +26,8 @@ pub enum Format {
     Npz,
     /// A log of Rhoban's BAM, in JSON.
     Bam,
+    /// Arrays that no file holds.
+    Arrays,
 }
 
 impl fmt::Display for Format {
@@ -41,6 +43,7 @@ impl fmt::Display for Format {
             Self::LeRobot => "a LeRobot dataset",
             Self::Npz => "NumPy arrays",
             Self::Bam => "a log of BAM (JSON)",
+            Self::Arrays => "arrays",
         })
     }
 }

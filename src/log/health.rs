@@ -176,9 +176,7 @@ impl Health {
             let percent = 100.0 * share;
             doubts.push(format!("the torque stands at its largest, {at_nm:.3} N m, for {percent:.0} % of the time: the drive is at its limit"));
         }
-        if let Some(Stuck { at_rad, lasts_s, beyond_rad }) = self.stuck {
-            doubts.push(format!("readings stand at {at_rad:.3} rad for {lasts_s:.2} s while the setpoint goes {beyond_rad:.3} rad beyond: a stop, or a drive at its limit"));
-        }
+        doubts.extend(self.stuck.map(|stuck| stuck.words()));
         if let Some(lasts_s) = self.noise_lasts_s.filter(|lasts_s| *lasts_s > 2.0 * self.period_s) {
             doubts.push(format!(
                 "the noise at rest hangs together over {:.1} ms: filtered readings, or a joint that trembles",

@@ -72,8 +72,11 @@ fn steps(t_s: &[f64]) -> Vec<f64> {
 fn mean_without_gaps(steps: &[f64]) -> Option<f64> {
     // Within bursts the median may be short: gaps are measured against the upper quartile.
     let mut sorted = steps.to_vec();
-    sorted.sort_unstable_by(f64::total_cmp);
-    let typical_s = *sorted.get(sorted.len() * 3 / 4)?;
+    let upper = sorted.len() * 3 / 4;
+    if upper >= sorted.len() {
+        return None;
+    }
+    let typical_s = *sorted.select_nth_unstable_by(upper, f64::total_cmp).1;
     let usual: Vec<f64> = steps.iter().copied().filter(|step| *step <= 2.5 * typical_s).collect();
     (!usual.is_empty()).then(|| usual.iter().sum::<f64>() / usual.len() as f64)
 }

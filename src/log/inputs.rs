@@ -39,12 +39,12 @@ pub(crate) fn check_inputs(study: &Path, i: usize, entry: &StudyLog, log: Log) -
         _ => return check_torque_sign(&log, entry).map(|()| log),
     };
     Err(LogError::MissingInput {
-        file: entry.path.clone().into_boxed_path(),
+        file: log.file.clone().into_boxed_path(),
         study: study.into(),
         entry: i + 1,
         drive: word,
         column: needed.name(),
-        hint: hint(&entry.path, needed, &log.ignored_columns),
+        hint: hint(&log.file, needed, &log.ignored_columns),
         found: columns(log),
     })
 }

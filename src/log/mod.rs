@@ -4,6 +4,7 @@
 //! has finite numbers, rising time, and very likely seconds and radians. [`health`] then says what a log is like.
 
 mod arrays;
+mod at_hand;
 mod beliefs;
 mod clamped_study;
 mod column;
@@ -54,6 +55,7 @@ pub(crate) use study::{check_schema, read_sidecar};
 pub(crate) use toml_text::{toml_key, toml_string};
 
 pub use arrays::ArrayLog;
+pub use at_hand::{StudyAtHand, read_at_hand};
 pub use clamped_study::{
     ClampedStudy, ClampedStudyLog, JointBeliefs, Predict, read_clamped_study, read_clamped_study_logs,
 };
@@ -61,7 +63,7 @@ pub use columns::{ColumnSpec, Columns, Unit};
 pub use error::{CellFault, FileKind, LogError, UnitFault};
 pub use format::Format;
 pub use health::{Health, health};
-pub use health_saturation::Stuck;
+pub use health_saturation::{Holds, Stuck};
 pub use health_stamps::SetpointStamps;
 pub use inputs::read_study_logs;
 pub use manifest::MANIFEST_FILE;

@@ -38,16 +38,20 @@ pub(super) const DRIVES: [(&str, DriveMode); 3] =
 /// # Errors
 /// [`LogError`] naming the file and the key: unknown keys, missing keys, values out of range, logs that are not there.
 pub fn read_study(path: &Path) -> Result<Study, LogError> {
-    let document = Document::open(path)?;
+    study_of(&Document::open(path)?)
+}
+
+/// The study that a document is.
+pub(super) fn study_of(document: &Document<'_>) -> Result<Study, LogError> {
     let raw: RawStudy = document.parse()?;
-    check_schema(&document, &raw.schema)?;
+    check_schema(document, &raw.schema)?;
     let joint_table =
         raw.joint.as_ref().ok_or_else(|| document.missing("[joint]", "the nominal model of the joint"))?;
-    let joint = joint(&document, joint_table, true)?;
-    let sensor = sensor(&document, &raw.sensor)?;
-    let motor = raw.motor.as_ref().map(|raw| motor(&document, "[motor] ", raw)).transpose()?;
-    let uncertain = uncertain(&document, &raw.uncertain, JOINT_NAMES)?;
-    let columns = columns(&document, &raw.columns)?;
+    let joint = joint(document, joint_table, true)?;
+    let sensor = sensor(document, &raw.sensor)?;
+    let motor = raw.motor.as_ref().map(|raw| motor(document, "[motor] ", raw)).transpose()?;
+    let uncertain = uncertain(document, &raw.uncertain, JOINT_NAMES)?;
+    let columns = columns(document, &raw.columns)?;
     if let Some(release) = &raw.release {
         let expected = "it only in the sidecar NAME.toml of a single log NAME.csv";
         return Err(document.wrong("[release]", release.span(), "a release in a study", expected));
@@ -59,15 +63,15 @@ pub fn read_study(path: &Path) -> Result<Study, LogError> {
     let mut seen: BTreeMap<PathBuf, usize> = BTreeMap::new();
     for (i, log) in raw.log.into_iter().enumerate() {
         let table = format!("[[log]] {}", i + 1);
-        let (file, resolved) = named_log(&document, i, &log.file, &mut seen)?;
+        let (file, resolved) = named_log(document, i, &log.file, &mut seen)?;
         let role = document.needed_word(&format!("{table} role"), &log.role, &ROLES)?;
         let drive = document.needed_word(&format!("{table} drive"), &log.drive, &DRIVES)?;
-        logs.push(study_log(&document, &table, log, &raw.motor, (file, resolved, role, drive))?);
+        logs.push(study_log(document, &table, log, &raw.motor, (file, resolved, role, drive))?);
     }
     if !logs.iter().any(|log| log.role == Role::Fit) {
         return Err(document.missing("[[log]] role", "at least one log with role = \"fit\""));
     }
-    Ok(Study { file: path.to_path_buf(), joint, sensor, motor, uncertain, columns, logs, release: None })
+    Ok(Study { file: document.file.to_path_buf(), joint, sensor, motor, uncertain, columns, logs, release: None })
 }
 
 /// Reads the sidecar `NAME.toml` beside a log `NAME.csv`; `None` if there is none.
@@ -139,6 +143,9 @@ pub(super) fn named_log(
     if let Some(first) = seen.insert(resolved.components().collect(), i + 1) {
         let found = format!("\"{}\", which is also [[log]] {first}", file.get_ref());
         return Err(document.wrong(&key, file.span(), found, "every log once"));
+    }
+    if document.has_at_hand(file.get_ref()) {
+        return Ok((file.get_ref().clone(), PathBuf::new()));
     }
     is_file(&resolved).map_err(|source| {
         let at = document.place(&key, file.span());

@@ -16,6 +16,7 @@ mod error;
 mod fit_json;
 mod full;
 mod gap;
+mod gate;
 mod html;
 mod mcap;
 mod measure;
@@ -47,6 +48,7 @@ pub use error::ReportError;
 pub use fit_json::{EffectFit, FitFile, JointFit, LogFit, ModelFit, Quantity, SCHEMA};
 pub use full::{FullCurves, FullDrop, FullRow, HeldRow, RefitFit, RefitSummary};
 pub use gap::{GapReport, NEXT_FILE, gap_figures, gap_json, gap_text, law_figure, render_gap_html};
+pub use gate::{GateBounds, GateRow, GateStudy, gate_baseline, gate_json, gate_junit, gate_markdown, gate_text};
 pub use html::render_html;
 pub use mcap::trace_topics;
 pub use model::{

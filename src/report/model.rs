@@ -2,7 +2,12 @@
 
 use super::FullDrop;
 use crate::identify::BeliefFound;
+use crate::log::{LogError, log_files};
 use serde::Serialize;
+use sha2::{Digest, Sha256};
+use std::fs::File;
+use std::io;
+use std::path::PathBuf;
 
 /// Everything the report of `aibo-fit drop` shows.
 #[derive(Clone, Debug)]
@@ -105,6 +110,10 @@ pub struct HealthMore {
     pub stuck_at_rad: Option<f64>,
     /// For how long \[s\].
     pub stuck_s: Option<f64>,
+    /// How far the setpoint goes beyond that \[rad\], and how far it comes back before the reading follows \[rad\].
+    pub stuck_setpoint_rad: Option<[f64; 2]>,
+    /// How often it stands there, and at how many other places.
+    pub stuck_times: Option<[usize; 2]>,
 }
 
 /// One log with the two models' predictions on the fitted samples.
@@ -232,6 +241,27 @@ pub struct HashedInput<'a> {
 }
 
 impl Provenance {
+    /// Where an answer to a command comes from; the input files are hashed in their order, each once.
+    ///
+    /// # Errors
+    /// [`LogError::Read`] where a file has gone since it was read.
+    pub fn of(command: String, inputs: impl IntoIterator<Item = PathBuf>) -> Result<Self, LogError> {
+        let mut hashed: Vec<(String, String)> = Vec::new();
+        let files: Vec<Vec<PathBuf>> = inputs.into_iter().map(|path| log_files(&path)).collect::<Result<_, _>>()?;
+        for file in files.into_iter().flatten() {
+            let name = file.display().to_string();
+            if hashed.iter().any(|(known, _)| *known == name) {
+                continue;
+            }
+            let mut hash = Sha256::new();
+            File::open(&file)
+                .and_then(|mut reader| io::copy(&mut reader, &mut hash))
+                .map_err(|source| LogError::Read { file, source })?;
+            hashed.push((name, hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()));
+        }
+        Ok(Self { version: env!("CARGO_PKG_VERSION").to_owned(), command, inputs: hashed })
+    }
+
     /// The inputs by name, for JSON.
     pub fn hashed(&self) -> Vec<HashedInput<'_>> {
         self.inputs.iter().map(|(file, sha256)| HashedInput { file, sha256 }).collect()

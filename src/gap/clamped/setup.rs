@@ -31,6 +31,15 @@ impl ClampedSetup {
     /// [`ClampedCaseError`] where a file cannot be read or is wrong, or names do not fit.
     pub fn read(path: &Path) -> Result<Self, ClampedCaseError> {
         let study = read_clamped_study(path)?;
+        let logs = read_clamped_study_logs(&study)?;
+        Self::of_read(study, logs)
+    }
+
+    /// A study and its logs, in its order, that are read already.
+    ///
+    /// # Errors
+    /// As [`ClampedSetup::read`].
+    pub fn of_read(study: ClampedStudy, logs: Vec<RobotLog>) -> Result<Self, ClampedCaseError> {
         let description =
             Description::read(&study.model_path).map_err(|error| ClampedCaseError::Description(Box::new(error)))?;
         let of_tree = |source| ClampedCaseError::Tree { file: study.model_path.clone(), source };
@@ -39,7 +48,6 @@ impl ClampedSetup {
             tree = tree.with_gravity(Vector3::new(x, y, z));
         }
         check_names(&study, &description)?;
-        let logs = read_clamped_study_logs(&study)?;
         for log in &logs {
             for joint in &log.joints {
                 let column = || format!("column `{}.q`", joint.name);
@@ -76,8 +84,8 @@ impl ClampedSetup {
 
     /// Files that were read.
     pub fn inputs(&self) -> Vec<PathBuf> {
-        let logs = self.study.logs.iter().map(|log| log.path.clone());
-        logs.chain([self.study.file.clone()]).chain(self.description.files.iter().cloned()).collect()
+        let logs = self.study.logs.iter().map(|log| log.path.clone()).chain([self.study.file.clone()]);
+        logs.filter(|path| path.exists()).chain(self.description.files.iter().cloned()).collect()
     }
 }
 

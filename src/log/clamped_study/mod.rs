@@ -16,6 +16,7 @@ use super::motor_types::{Derivative, EncoderSide, Hold, MotorModel};
 use super::types::{DriveMode, Role, SensorSpec};
 use super::uncertain::Uncertain;
 
+pub(super) use read::{clamped_study_of, without_joints};
 pub use read::{read_clamped_study, read_clamped_study_logs};
 
 /// A study of a robot with a clamped base.

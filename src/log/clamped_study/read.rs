@@ -28,9 +28,13 @@ const GRAVITY: Range64 = range(|x| x.abs() <= 100.0, "components of at most 100 
 /// # Errors
 /// [`LogError`] naming the file and the key: unknown keys, missing keys, values out of range, logs that are not there.
 pub fn read_clamped_study(path: &Path) -> Result<ClampedStudy, LogError> {
-    let document = Document::open(path)?;
+    clamped_study_of(&Document::open(path)?)
+}
+
+/// The study that a document is.
+pub(in crate::log) fn clamped_study_of(document: &Document<'_>) -> Result<ClampedStudy, LogError> {
     let raw: RawClampedStudy = document.parse_any()?;
-    check_schema(&document, &raw.schema)?;
+    check_schema(document, &raw.schema)?;
     let scenario = [("fixed", ())];
     document.needed_word("[robot] scenario", &raw.robot.scenario, &scenario)?;
     let expected = "the path of a robot's description: URDF, MJCF or TOML";
@@ -38,11 +42,11 @@ pub fn read_clamped_study(path: &Path) -> Result<ClampedStudy, LogError> {
     if model.get_ref().trim().is_empty() {
         return Err(document.wrong("[robot] model", model.span(), "an empty name", expected));
     }
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let gravity_m_s2 = raw.robot.gravity.as_ref().map(|gravity| self::gravity(&document, gravity)).transpose()?;
+    let folder = document.file.parent().unwrap_or(Path::new(""));
+    let gravity_m_s2 = raw.robot.gravity.as_ref().map(|gravity| self::gravity(document, gravity)).transpose()?;
     let mut by_joint = BTreeMap::new();
     for (name, joint) in &raw.joints {
-        by_joint.insert(name.clone(), beliefs(&document, name, joint)?);
+        by_joint.insert(name.clone(), beliefs(document, name, joint)?);
     }
     let all = by_joint.remove(ALL).unwrap_or_default();
     let hold = document.word("[control] hold", &raw.control.hold, &HOLDS)?.unwrap_or(Hold::Step);
@@ -57,14 +61,14 @@ pub fn read_clamped_study(path: &Path) -> Result<ClampedStudy, LogError> {
         return Err(document.missing("[[log]]", "at least one log"));
     }
     let mut seen = BTreeMap::new();
-    let logs = raw.log.iter().enumerate().map(|(i, entry)| log(&document, i, entry, &mut seen));
+    let logs = raw.log.iter().enumerate().map(|(i, entry)| log(document, i, entry, &mut seen));
     let logs: Vec<ClampedStudyLog> = logs.collect::<Result<_, _>>()?;
     if !logs.iter().any(|log| log.role == Role::Fit) {
         return Err(document.missing("[[log]] role", "at least one log with role = \"fit\""));
     }
-    let predict = predict(&document, &raw.log, &logs)?;
+    let predict = predict(document, &raw.log, &logs)?;
     Ok(ClampedStudy {
-        file: path.to_path_buf(),
+        file: document.file.to_path_buf(),
         model_path: folder.join(model.get_ref()),
         without: raw.robot.without,
         tip: raw.robot.tip.map(Spanned::into_inner),
@@ -75,9 +79,9 @@ pub fn read_clamped_study(path: &Path) -> Result<ClampedStudy, LogError> {
         hold,
         derivative,
         sample_period_s: document.number("[control] sample_period", &raw.control.sample_period, PERIOD)?,
-        sensor: sensor(&document, &raw.sensor)?,
-        uncertain: uncertain(&document, &raw.uncertain, ANY_NAME)?,
-        columns: columns(&document, &raw.columns)?,
+        sensor: sensor(document, &raw.sensor)?,
+        uncertain: uncertain(document, &raw.uncertain, ANY_NAME)?,
+        columns: columns(document, &raw.columns)?,
         predict,
         logs,
     })
@@ -90,9 +94,13 @@ pub fn read_clamped_study(path: &Path) -> Result<ClampedStudy, LogError> {
 /// `[sensor] period`.
 pub fn read_clamped_study_logs(study: &ClampedStudy) -> Result<Vec<RobotLog>, LogError> {
     let paths: Vec<&Path> = study.logs.iter().map(|log| log.path.as_path()).collect();
-    let mut logs = read_robot_logs(&paths, &study.columns, study.sensor.period_s)?;
+    Ok(without_joints(study, read_robot_logs(&paths, &study.columns, study.sensor.period_s)?))
+}
+
+/// Leaves out the joints that a study does not want.
+pub(in crate::log) fn without_joints(study: &ClampedStudy, mut logs: Vec<RobotLog>) -> Vec<RobotLog> {
     logs.iter_mut().for_each(|log| log.joints.retain(|joint| !study.without.contains(&joint.name)));
-    Ok(logs)
+    logs
 }
 
 fn gravity(document: &Document<'_>, raw: &Spanned<Vec<f64>>) -> Result<[f64; 3], LogError> {

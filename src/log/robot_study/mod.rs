@@ -18,6 +18,7 @@ use super::uncertain::Uncertain;
 pub(crate) use raw::{RawControl, RawFloor, RawFriction, RawRobot, RawRobotSensor};
 pub(crate) use read::{Sections, floor, robot_sections};
 pub use read::{StudyKind, read_robot_study, read_robot_study_logs, study_kind};
+pub(super) use read::{kind_of, robot_study_of};
 
 /// A robot study.
 #[derive(Clone, Debug, PartialEq)]

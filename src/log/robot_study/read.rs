@@ -53,8 +53,12 @@ pub enum StudyKind {
 /// # Errors
 /// [`LogError`] where the file cannot be read as text.
 pub fn study_kind(path: &Path) -> Result<StudyKind, LogError> {
-    let document = Document::open(path)?;
-    Ok(match toml::from_str::<toml::Table>(document.text()) {
+    Document::open(path).map(|document| kind_of(&document))
+}
+
+/// The same of a document.
+pub(in crate::log) fn kind_of(document: &Document<'_>) -> StudyKind {
+    match toml::from_str::<toml::Table>(document.text()) {
         Ok(table) => match table.get("robot") {
             Some(robot) if robot.get("scenario").and_then(toml::Value::as_str) == Some("fixed") => StudyKind::Clamped,
             Some(_) => StudyKind::Robot,
@@ -62,7 +66,7 @@ pub fn study_kind(path: &Path) -> Result<StudyKind, LogError> {
         },
         Err(_) if document.text().lines().any(|line| line.trim_start().starts_with("[robot]")) => StudyKind::Robot,
         Err(_) => StudyKind::Joint,
-    })
+    }
 }
 
 /// Reads a robot study: what is believed of robot, friction, control, floor and sensors, and the logs, which have to
@@ -72,7 +76,11 @@ pub fn study_kind(path: &Path) -> Result<StudyKind, LogError> {
 /// [`LogError`] naming the file and the key: unknown keys, missing keys, keys that do not belong to the scenario, values
 /// out of range, logs that are not there.
 pub fn read_robot_study(path: &Path) -> Result<RobotStudy, LogError> {
-    let document = Document::open(path)?;
+    robot_study_of(&Document::open(path)?)
+}
+
+/// The study that a document is.
+pub(in crate::log) fn robot_study_of(document: &Document<'_>) -> Result<RobotStudy, LogError> {
     if let Ok(table) = toml::from_str::<toml::Table>(document.text())
         && !table.contains_key("robot")
     {
@@ -80,24 +88,24 @@ pub fn read_robot_study(path: &Path) -> Result<RobotStudy, LogError> {
         return Err(document.missing("[robot]", format!("the robot and its scenario{joint}")));
     }
     let raw: RawRobotStudy = document.parse_any()?;
-    check_schema(&document, &raw.schema)?;
+    check_schema(document, &raw.schema)?;
     let Sections { model, model_path, scenario, drop_height_m, friction, control, floor, sensor } = robot_sections(
-        &document,
+        document,
         &raw.robot,
         (raw.friction.as_ref(), raw.control.as_ref(), raw.floor.as_ref(), raw.sensor.as_ref()),
     )?;
-    let uncertain = uncertain(&document, &raw.uncertain, ANY_NAME)?;
-    let columns = columns(&document, &raw.columns)?;
+    let uncertain = uncertain(document, &raw.uncertain, ANY_NAME)?;
+    let columns = columns(document, &raw.columns)?;
     if raw.log.is_empty() {
         return Err(document.missing("[[log]]", "at least one log"));
     }
     let mut seen = BTreeMap::new();
-    let logs = raw.log.iter().enumerate().map(|(i, log)| self::log(&document, i, log, scenario, &mut seen));
+    let logs = raw.log.iter().enumerate().map(|(i, log)| self::log(document, i, log, scenario, &mut seen));
     let logs: Vec<RobotStudyLog> = logs.collect::<Result<_, _>>()?;
     if !logs.iter().any(|log| log.role == Role::Fit) {
         return Err(document.missing("[[log]] role", "at least one log with role = \"fit\""));
     }
-    let file = path.to_path_buf();
+    let file = document.file.to_path_buf();
     Ok(RobotStudy {
         file,
         model,

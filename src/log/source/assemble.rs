@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::channel::{Channel, Source};
+use super::channel::{Channel, Rows, Source};
 use super::heading::{BASE, FELT};
-use crate::log::column::Column;
+use crate::log::column::{Column, column_of};
 use crate::log::error::LogError;
 use crate::log::format::Format;
 use crate::log::place::Place;
@@ -20,8 +20,55 @@ impl Source {
     /// # Errors
     /// [`LogError`] where the source has no such joint, or several and none was named.
     pub fn joint_log(&self, joint: Option<&str>) -> Result<Log, LogError> {
-        joint_log(self.clone(), joint)
+        let mut own = self.shell(joint);
+        for (own, channel) in own.channels.iter_mut().zip(&self.channels).filter(|(own, _)| is_of(own, joint)) {
+            own.values.clone_from(&channel.values);
+        }
+        joint_log(own, joint)
     }
+
+    /// As [`Source::joint_log`], taking the joint's samples out of the source: those of a long log are held once.
+    ///
+    /// # Errors
+    /// As [`Source::joint_log`].
+    pub fn take_joint_log(&mut self, joint: Option<&str>) -> Result<Log, LogError> {
+        let mut own = self.shell(joint);
+        for (own, channel) in own.channels.iter_mut().zip(&mut self.channels).filter(|(own, _)| is_of(own, joint)) {
+            own.values = std::mem::take(&mut channel.values);
+        }
+        joint_log(own, joint)
+    }
+
+    /// The same without samples and places, with the stamps of a joint.
+    fn shell(&self, joint: Option<&str>) -> Source {
+        let is_used =
+            |clock: usize| self.channels.iter().any(|channel| channel.clock == clock && is_of(channel, joint));
+        let clocks = self.clocks.iter().enumerate();
+        let clocks = clocks.map(|(k, t_s)| if is_used(k) { t_s.clone() } else { Vec::new() }).collect();
+        let bare = |channel: &Channel| Channel {
+            ours: channel.ours.clone(),
+            theirs: channel.theirs.clone(),
+            clock: channel.clock,
+            values: Vec::new(),
+            cell: channel.cell,
+            spec: None,
+        };
+        Source {
+            file: self.file.clone(),
+            format: self.format,
+            clocks,
+            channels: self.channels.iter().map(bare).collect(),
+            ignored: self.ignored.clone(),
+            notes: self.notes.clone(),
+            rows: self.rows.as_ref().map(|_| Rows::default()),
+        }
+    }
+}
+
+/// Whether a channel is a joint's; without a name there is only one joint.
+fn is_of(channel: &Channel, joint: Option<&str>) -> bool {
+    let of = channel.ours.as_deref().and_then(column_of);
+    of.is_some_and(|(own, _)| joint.is_none() || own == joint)
 }
 
 /// The log of one joint; without a name that of the only one.

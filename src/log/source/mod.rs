@@ -3,6 +3,7 @@
 //! Every reader makes a [`Source`]; logs of a joint and of a robot are made of one ([`assemble`]). What is asked of a
 //! joint and what is read of it stay apart, each at the times that its own messages or cells carry.
 
+mod ahead;
 mod assemble;
 mod bags;
 mod bam;
@@ -49,7 +50,7 @@ pub(super) use assemble::{joint_log, robot_log};
 pub(super) use cdr_write::JointStateForm;
 pub(super) use crc::Crc;
 pub(super) use kind::is_log_folder;
-pub(super) use read::read_wanted;
+pub(super) use read::{checked, read_wanted};
 pub(super) use want::Want;
 
 pub use channel::{Channel, Source};

@@ -44,9 +44,18 @@ pub(in crate::log) fn read_wanted(path: &Path, want: Want<'_>, columns: &Columns
         Kind::Npy => npz::read_npy(path, columns)?,
         Kind::Bam => bam::read_bam(path)?,
     };
-    let mut source = mapped(source, columns)?;
-    check(&source)?;
+    let mut source = checked(source, columns)?;
     source.notes.insert(0, format!("read as {}", source.format));
+    Ok(source)
+}
+
+/// A source by what `[columns]` says of it, its stamps and numbers checked.
+///
+/// # Errors
+/// [`LogError`] with all defects.
+pub(in crate::log) fn checked(source: Source, columns: &Columns) -> Result<Source, LogError> {
+    let source = mapped(source, columns)?;
+    check(&source)?;
     Ok(source)
 }
 

@@ -15,6 +15,7 @@ use crate::gap::clamped::{ClampedCase, ClampedDiagnosis, ClampedSetup};
 use crate::gap::inverse::{TorqueDiagnosis, TorqueTraces};
 use crate::gap::whole::{FoundRobot, Whole, found_robot, simulated};
 use crate::gap::{BeliefFound, Diagnosis, GapOptions, LogGap};
+use crate::report::data_health::health_rows_of_joint;
 use crate::report::number::significant;
 use std::path::PathBuf;
 
@@ -68,7 +69,8 @@ impl ClampedGapReport {
         let diagnosed = found.joints.iter().filter_map(|joint| Some((&joint.joint, joint.diagnosis.clone()?)));
         let report = |((name, diagnosis), torques): ((&String, Diagnosis), Vec<TorqueTraces>)| {
             let (options, provenance) = (options.clone(), provenance.clone());
-            (folder_of(name), GapReport { diagnosis, options, health: Vec::new(), provenance, torques })
+            let health = health_rows_of_joint(setup, name);
+            (folder_of(name), GapReport { diagnosis, options, health, provenance, torques })
         };
         let joints = diagnosed.zip(traces).map(report).collect();
         let numbers = found_robot(setup, Some(&found)).unwrap_or_default();
@@ -76,10 +78,9 @@ impl ClampedGapReport {
         Self { diagnosis: found, joints, model, found: numbers, whole: None, provenance: provenance.clone() }
     }
 
-    /// The health of the logs, joint by joint; none where torques are predicted.
+    /// The health of the logs, joint by joint.
     fn health(&self) -> Vec<(&str, &[LogHealthRow])> {
-        let told = self.joints.iter().filter(|(_, report)| !report.health.is_empty());
-        told.map(|(_, report)| (report.diagnosis.joint.as_str(), &report.health[..])).collect()
+        self.joints.iter().map(|(_, report)| (report.diagnosis.joint.as_str(), &report.health[..])).collect()
     }
 
     /// What the logs leave open, joint by joint.

@@ -6,8 +6,9 @@ pub(super) use text::{health_text, motion_text, robot_health_text, together};
 
 use super::assemble::role;
 use super::{HealthMore, LogHealthRow};
+use crate::gap::clamped::ClampedSetup;
 use crate::identify::{Case, Item};
-use crate::log::{Health, SetpointStamps, Start};
+use crate::log::{ClampedStudyLog, Health, Log, RobotLog, SetpointStamps, Start, StudyLog, health};
 
 /// Setpoints whose time to the next reading spreads by more than this share of their period run by a clock of their own.
 const FREELY: f64 = 0.05;
@@ -15,6 +16,39 @@ const FREELY: f64 = 0.05;
 /// One row per log.
 pub(super) fn health_rows(case: &Case) -> Vec<LogHealthRow> {
     case.items.iter().map(health_row).collect()
+}
+
+/// One row per log that a joint of a robot is in, of what was read alone: no model is asked.
+pub(super) fn health_rows_of_joint(setup: &ClampedSetup, joint: &str) -> Vec<LogHealthRow> {
+    let study = &setup.study;
+    let row = |(entry, all): (&ClampedStudyLog, &RobotLog)| {
+        let own = all.joint(joint)?.clone();
+        let log = Log {
+            file: all.file.clone(),
+            t_s: all.t_s.clone(),
+            q_rad: own.q_rad,
+            dq_rad_s: None,
+            tau_nm: own.tau_nm,
+            q_ref_rad: own.q_ref_rad,
+            setpoints: own.setpoints,
+            drive: own.drive,
+            ignored_columns: all.ignored_columns.clone(),
+            notes: all.notes.clone(),
+        };
+        let entry = StudyLog {
+            file: entry.file.clone(),
+            path: entry.path.clone(),
+            role: entry.role,
+            drive: entry.drive,
+            motor: None,
+            extra: None,
+            session: entry.session.clone(),
+            tau_is: None,
+        };
+        let (sensor, health) = (study.sensor, health(&log, &study.sensor, entry.drive));
+        Some(health_row(&Item { log, entry, sensor, health, experiments: Vec::new(), remarks: Vec::new() }))
+    };
+    study.logs.iter().zip(&setup.logs).filter_map(row).collect()
 }
 
 fn health_row(item: &Item) -> LogHealthRow {
@@ -102,6 +136,8 @@ impl HealthMore {
             torque_limit_share: health.torque_plateau.map(|(_, share)| share),
             stuck_at_rad: health.stuck.map(|stuck| stuck.at_rad),
             stuck_s: health.stuck.map(|stuck| stuck.lasts_s),
+            stuck_setpoint_rad: health.stuck.map(|stuck| [stuck.beyond_rad, stuck.back_rad]),
+            stuck_times: health.stuck.map(|stuck| [stuck.visits, stuck.elsewhere]),
         }
     }
 }

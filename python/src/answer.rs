@@ -1,0 +1,33 @@
+//! An answer as the program gives it.
+
+use crate::errors::Failed;
+use pyo3::prelude::*;
+use serde::Serialize;
+
+/// What was found, in the program's own JSON, page and text.
+#[pyclass(frozen, module = "aibo_fit._core")]
+pub struct Answer {
+    /// `effect`, `none`, `calibration` or `unexplained`; `None` of a fit and a check.
+    #[pyo3(get)]
+    pub verdict: Option<String>,
+    /// What a colleague would say.
+    #[pyo3(get)]
+    pub sentence: Option<String>,
+    /// The measured rate at which an answer like this was right.
+    #[pyo3(get)]
+    pub probability: Option<f64>,
+    /// The document, as `--json` writes it.
+    #[pyo3(get)]
+    pub json: String,
+    /// The page, as `report.html` has it.
+    #[pyo3(get)]
+    pub html: String,
+    /// What the program prints.
+    #[pyo3(get)]
+    pub text: String,
+}
+
+/// A document as the program writes it.
+pub fn json_text(document: &impl Serialize) -> Result<String, Failed> {
+    Ok(serde_json::to_string_pretty(document)? + "\n")
+}

@@ -1,0 +1,76 @@
+//! The fit of swings, as `aibo-fit drop` makes it.
+
+use crate::answer::{Answer, json_text};
+use crate::ask::{Arrays, Asked, Subject, provenance};
+use crate::errors::Failed;
+use crate::run::run;
+use aibo_fit::cli::full_drop;
+use aibo_fit::fit::Method;
+use aibo_fit::identify::{Case, DropError, DropOptions, fit_drop};
+use aibo_fit::progress::{Progress, Step};
+use aibo_fit::report::{FitFile, drop_report, drop_text, render_html};
+use aibo_fit::robot::Model;
+use pyo3::prelude::*;
+use std::path::PathBuf;
+
+#[pyfunction]
+#[pyo3(signature = (paths=vec![], path=None, study=None, logs=vec![], joint=None, method="lm", stribeck=false, lump=false, progress=None))]
+#[expect(clippy::too_many_arguments, reason = "keywords of the Python half")]
+pub fn drop(
+    py: Python<'_>,
+    paths: Vec<PathBuf>,
+    path: Option<PathBuf>,
+    study: Option<&str>,
+    logs: Vec<Arrays<'_>>,
+    joint: Option<String>,
+    method: &str,
+    stribeck: bool,
+    lump: bool,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Answer> {
+    let search = match method {
+        "lm" => Method::Lm,
+        "bfgs" => Method::Bfgs,
+        "dfp" => Method::Dfp,
+        other => return Err(Failed::of(format!("method `{other}`: expected lm, bfgs or dfp")).into()),
+    };
+    let asked = if paths.is_empty() { Some(Asked::new(path, study, logs, None)?) } else { None };
+    let about = match &asked {
+        Some(asked) => format!("--study {}", asked.words()),
+        None => paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(" "),
+    };
+    let mut command = format!("aibo-fit drop {about}");
+    let more = [
+        (joint.is_some(), format!(" --joint {}", joint.as_deref().unwrap_or_default())),
+        (method != "lm", format!(" --method {method}")),
+        (stribeck, " --stribeck".to_owned()),
+        (lump, " --lump".to_owned()),
+    ];
+    command.extend(more.into_iter().filter(|(is_asked, _)| *is_asked).map(|(_, words)| words));
+    let options = DropOptions { method: search, stribeck, lump, ..DropOptions::default() };
+    run(py, progress, move |listener| {
+        let case = match &asked {
+            None => Case::of_logs(&paths, joint.as_deref())?,
+            Some(asked) => match asked.read()? {
+                Subject::Joint(case) => *case,
+                _ => return Err(Failed::of("drop fits one joint, and this is the study of a robot")),
+            },
+        };
+        let fit = fit_drop(&case, &options, listener).map_err(|error| match error {
+            DropError::NeverMoved => Failed::NeverMoved(format!("{}: {error}", case.joint.name)),
+            error => Failed::of(error),
+        })?;
+        listener.step(Step::stage("the same drop in the whole robot"));
+        let full = full_drop(&case, &fit, Model::ers7())?;
+        let mut report = drop_report(&case, &fit, provenance(command, case.inputs())?);
+        report.full = full;
+        Ok(Answer {
+            verdict: None,
+            sentence: Some(report.sentence.clone()),
+            probability: None,
+            json: json_text(&FitFile::of_drop(&fit, &report))?,
+            html: render_html(&report)?,
+            text: drop_text(&report),
+        })
+    })
+}

@@ -1,0 +1,64 @@
+"""The same question by Python and by the program has the same answer, byte for byte."""
+
+import pytest
+
+import aibo_fit
+
+GAPS = [
+    ("data/examples/delay/study.toml", {}, []),
+    ("data/examples/delay/study.toml", {"without": ["delay", "backlash"]}, ["--without", "delay,backlash"]),
+    ("data/examples/arm/study.toml", {}, []),
+]
+
+
+@pytest.mark.parametrize("study, keywords, words", GAPS)
+def test_gap_is_the_same_document(program, tmp_path, study, keywords, words):
+    document = tmp_path / "gap.json"
+    told = program("gap", study, *words, "--json", document, "--out", tmp_path / "out").stdout
+    found = aibo_fit.gap(study, **keywords)
+    assert found.to_json().encode() == document.read_bytes()
+    assert told.startswith(str(found))
+    assert found.to_html() == (tmp_path / "out/report.html").read_text()
+
+
+def test_drop_of_a_log_with_its_sidecar_is_the_same_document(program, tmp_path):
+    document = tmp_path / "drop.json"
+    program("drop", "data/q1.csv", "--json", document, "--out", tmp_path / "out", "--quiet")
+    found = aibo_fit.drop("data/q1.csv")
+    assert found.to_json().encode() == document.read_bytes()
+    assert found.to_html() == (tmp_path / "out/report.html").read_text()
+    assert "Coulomb friction 0.00100 N m" in found.sentence
+
+
+@pytest.mark.parametrize("study", ["data/examples/delay/study.toml", "data/examples/arm/study.toml"])
+def test_check_is_the_same_document(program, tmp_path, study):
+    document = tmp_path / "check.json"
+    told = program("check", study, "--json", document).stdout
+    found = aibo_fit.check(study)
+    assert found.to_json().encode() == document.read_bytes()
+    assert str(found) == told
+
+
+WRONG = [
+    ("schema = 1\n[joint]\nname = 'a'\ninertia = -1.0\nmoment = 0.1\ncoulomb = 0.0\nviscous = 0.0\n", "inertia", 3),
+    ("schema = 1\n[joint\n", "line 2", 3),
+    ("schema = 1\n[robot]\nmodel = 'absent.urdf'\nscenario = 'fixed'\n[[log]]\nfile = 'a.csv'\nrole = 'fit'\n", "a.csv", 5),
+]
+
+
+@pytest.mark.parametrize("text, named, code", WRONG)
+def test_errors_have_the_words_of_the_program(program, tmp_path, text, named, code):
+    study = tmp_path / "study.toml"
+    study.write_text(text)
+    with pytest.raises(aibo_fit.Error) as raised:
+        aibo_fit.gap(study)
+    assert named in str(raised.value)
+    said = program("gap", study, "--out", tmp_path / "out", code=code).stderr
+    assert said == f"error: {raised.value}\n"
+    assert isinstance(raised.value, ValueError)
+
+
+def test_the_program_comes_with_the_wheel(program):
+    assert program("--version").stdout.strip() == f"aibo-fit {aibo_fit.__version__}"
+    assert "Exit codes" in program("--help").stdout
+    assert "unexpected argument" in program("gap", "--nonsense", code=2).stderr

@@ -1,0 +1,61 @@
+//! The gate as a short summary in Markdown, for a pull request.
+
+use super::text::verdict;
+use super::{GateRow, GateStudy};
+use std::fmt::Write as _;
+
+/// Writes the summary: the verdict, what is exceeded and why, all rows folded away.
+pub fn gate_markdown(studies: &[GateStudy]) -> String {
+    let mut text = format!("### Sim-to-real: {}\n", verdict(studies));
+    let rows: Vec<&GateRow> = studies.iter().flat_map(|study| &study.rows).collect();
+    for row in &rows {
+        if let Some(exceeds) = &row.exceeds {
+            let _ = write!(
+                text,
+                "\n- **{}**, `{}`: {} — {}",
+                escaped(&row.joint),
+                row.log.replace('`', "'"),
+                escaped(exceeds),
+                escaped(&row.sentence)
+            );
+        }
+    }
+    for study in studies {
+        if let Some(error) = &study.error {
+            let first = error.lines().next().unwrap_or_default();
+            let _ = write!(text, "\n- `{}` has no answer: {}", study.study.replace('`', "'"), escaped(first));
+        }
+    }
+    if !rows.is_empty() {
+        text += "\n\n<details><summary>All logs</summary>\n\n";
+        text += "| joint | log | gap | baseline | growth | cause | |\n|---|---|---:|---:|---:|---|---|\n";
+        for row in rows {
+            let measure = row.measure();
+            let _ = writeln!(
+                text,
+                "| {} | {} | {} | {} | {} | {} | {} |",
+                escaped(&row.joint),
+                escaped(&row.log),
+                measure.quantity(row.gap),
+                row.baseline.map_or_else(|| "-".to_owned(), |before| measure.quantity(before)),
+                row.growth().map_or_else(|| "-".to_owned(), |growth| format!("{:+.1} %", 100.0 * growth)),
+                escaped(&row.cause),
+                if row.exceeds.is_some() { "❌" } else { "✅" }
+            );
+        }
+        text += "\n</details>\n";
+    }
+    text
+}
+
+/// A text in which nothing is markup.
+fn escaped(text: &str) -> String {
+    let one_line = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    one_line.chars().fold(String::new(), |mut done, c| {
+        if matches!(c, '\\' | '*' | '_' | '`' | '<' | '>' | '[' | ']' | '#' | '|') {
+            done.push('\\');
+        }
+        done.push(c);
+        done
+    })
+}
