@@ -5,9 +5,10 @@ use std::path::Path;
 
 use toml::Spanned;
 
-use super::raw::{RawBeliefs, RawClampedLog, RawClampedStudy};
+use super::raw::{RawBeliefs, RawBelieved, RawClampedLog, RawClampedStudy};
 use super::{ClampedStudy, ClampedStudyLog, JointBeliefs, Predict};
 use crate::log::beliefs::{ANY_NAME, uncertain};
+use crate::log::columns::Columns;
 use crate::log::document::{Document, NOT_NEGATIVE, PERIOD, POSITIVE, Range64, range};
 use crate::log::error::LogError;
 use crate::log::motor::{DERIVATIVES, ENCODERS, HOLDS, model};
@@ -31,28 +32,6 @@ pub fn read_clamped_study(path: &Path) -> Result<ClampedStudy, LogError> {
     let document = Document::open(path)?;
     let raw: RawClampedStudy = document.parse_any()?;
     check_schema(&document, &raw.schema)?;
-    let scenario = [("fixed", ())];
-    document.needed_word("[robot] scenario", &raw.robot.scenario, &scenario)?;
-    let expected = "the path of a robot's description: URDF, MJCF or TOML";
-    let model = raw.robot.model.as_ref().ok_or_else(|| document.missing("[robot] model", expected))?;
-    if model.get_ref().trim().is_empty() {
-        return Err(document.wrong("[robot] model", model.span(), "an empty name", expected));
-    }
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let gravity_m_s2 = raw.robot.gravity.as_ref().map(|gravity| self::gravity(&document, gravity)).transpose()?;
-    let mut by_joint = BTreeMap::new();
-    for (name, joint) in &raw.joints {
-        by_joint.insert(name.clone(), beliefs(&document, name, joint)?);
-    }
-    let all = by_joint.remove(ALL).unwrap_or_default();
-    let hold = document.word("[control] hold", &raw.control.hold, &HOLDS)?.unwrap_or(Hold::Step);
-    let derivative = document.word("[control] derivative", &raw.control.derivative, &DERIVATIVES)?;
-    let derivative = derivative.unwrap_or(Derivative::Measurement);
-    if derivative == Derivative::Error && hold == Hold::Step {
-        let span = raw.control.derivative.as_ref().map_or(0..0, Spanned::span);
-        let expected = "hold = \"linear\" beside it: a setpoint held in steps has no derivative";
-        return Err(document.wrong("[control] derivative", span, "\"error\" with hold = \"step\"", expected));
-    }
     if raw.log.is_empty() {
         return Err(document.missing("[[log]]", "at least one log"));
     }
@@ -63,8 +42,41 @@ pub fn read_clamped_study(path: &Path) -> Result<ClampedStudy, LogError> {
         return Err(document.missing("[[log]] role", "at least one log with role = \"fit\""));
     }
     let predict = predict(&document, &raw.log, &logs)?;
+    let columns = columns(&document, &raw.columns)?;
+    let RawClampedStudy { robot, joints, groups, control, sensor, uncertain, .. } = raw;
+    let believed = believed(&document, RawBelieved { robot, joints, groups, control, sensor, uncertain })?;
+    Ok(ClampedStudy { logs, predict, columns, ..believed })
+}
+
+/// What a document believes of a robot with a clamped base; it has no logs.
+///
+/// # Errors
+/// As [`read_clamped_study`].
+pub(crate) fn believed(document: &Document<'_>, raw: RawBelieved) -> Result<ClampedStudy, LogError> {
+    let scenario = [("fixed", ())];
+    document.needed_word("[robot] scenario", &raw.robot.scenario, &scenario)?;
+    let expected = "the path of a robot's description: URDF, MJCF or TOML";
+    let model = raw.robot.model.as_ref().ok_or_else(|| document.missing("[robot] model", expected))?;
+    if model.get_ref().trim().is_empty() {
+        return Err(document.wrong("[robot] model", model.span(), "an empty name", expected));
+    }
+    let folder = document.file.parent().unwrap_or(Path::new(""));
+    let gravity_m_s2 = raw.robot.gravity.as_ref().map(|gravity| self::gravity(document, gravity)).transpose()?;
+    let mut by_joint = BTreeMap::new();
+    for (name, joint) in &raw.joints {
+        by_joint.insert(name.clone(), beliefs(document, name, joint)?);
+    }
+    let all = by_joint.remove(ALL).unwrap_or_default();
+    let hold = document.word("[control] hold", &raw.control.hold, &HOLDS)?.unwrap_or(Hold::Step);
+    let derivative = document.word("[control] derivative", &raw.control.derivative, &DERIVATIVES)?;
+    let derivative = derivative.unwrap_or(Derivative::Measurement);
+    if derivative == Derivative::Error && hold == Hold::Step {
+        let span = raw.control.derivative.as_ref().map_or(0..0, Spanned::span);
+        let expected = "hold = \"linear\" beside it: a setpoint held in steps has no derivative";
+        return Err(document.wrong("[control] derivative", span, "\"error\" with hold = \"step\"", expected));
+    }
     Ok(ClampedStudy {
-        file: path.to_path_buf(),
+        file: document.file.to_path_buf(),
         model_path: folder.join(model.get_ref()),
         without: raw.robot.without,
         tip: raw.robot.tip.map(Spanned::into_inner),
@@ -75,11 +87,11 @@ pub fn read_clamped_study(path: &Path) -> Result<ClampedStudy, LogError> {
         hold,
         derivative,
         sample_period_s: document.number("[control] sample_period", &raw.control.sample_period, PERIOD)?,
-        sensor: sensor(&document, &raw.sensor)?,
-        uncertain: uncertain(&document, &raw.uncertain, ANY_NAME)?,
-        columns: columns(&document, &raw.columns)?,
-        predict,
-        logs,
+        sensor: sensor(document, &raw.sensor)?,
+        uncertain: uncertain(document, &raw.uncertain, ANY_NAME)?,
+        columns: Columns::default(),
+        predict: Predict::default(),
+        logs: Vec::new(),
     })
 }
 

@@ -32,7 +32,9 @@ pub fn clamped_gap_json(report: &ClampedGapReport) -> Result<Value, serde_json::
         gap.insert("per_joint".to_owned(), rows.map(|row| (row.file.clone(), json!(row))).collect());
     }
     if let (Some(gap), Some(Ok(whole))) = (gap.as_object_mut(), &report.whole) {
-        let whole = json!({ "before": whole.before, "after": whole.after, "per_joint": whole.joints });
+        let whole = json!({
+            "before": whole.before, "after": whole.after, "per_joint": whole.joints, "left_out": whole.left_out,
+        });
         gap.insert("whole".to_owned(), whole);
     }
     Ok(json!({

@@ -13,7 +13,7 @@ pub use text::clamped_gap_text;
 use super::{GapReport, LogHealthRow, Provenance};
 use crate::gap::clamped::{ClampedCase, ClampedDiagnosis, ClampedSetup};
 use crate::gap::inverse::{TorqueDiagnosis, TorqueTraces};
-use crate::gap::whole::{FoundRobot, Whole, found_robot, simulated};
+use crate::gap::whole::{FoundRobot, LeftOut, Whole, found_robot, simulated};
 use crate::gap::{BeliefFound, Diagnosis, GapOptions, LogGap};
 use crate::report::number::significant;
 use std::path::PathBuf;
@@ -40,7 +40,7 @@ impl ClampedGapReport {
     pub fn new(
         setup: &ClampedSetup,
         case: &ClampedCase,
-        diagnosis: ClampedDiagnosis,
+        mut diagnosis: ClampedDiagnosis,
         options: &GapOptions,
         provenance: &Provenance,
     ) -> Self {
@@ -51,8 +51,15 @@ impl ClampedGapReport {
             Some((folder_of(name), report))
         };
         let joints = found.filter_map(report).collect();
-        let whole = Some(simulated(setup, &diagnosis));
-        let found = found_robot(setup, Some(&diagnosis)).unwrap_or_default();
+        let whole = simulated(setup, &diagnosis);
+        if let Ok(whole) = &whole {
+            diagnosis.answer.sentence += &worse_words(whole);
+        }
+        let found = match &whole {
+            Ok(whole) => whole.robot.clone(),
+            Err(_) => found_robot(setup, Some(&diagnosis)).unwrap_or_default(),
+        };
+        let whole = Some(whole);
         let model = setup.study.model_path.clone();
         Self { diagnosis, joints, model, found, whole, provenance: provenance.clone() }
     }
@@ -95,9 +102,10 @@ impl ClampedGapReport {
         Some(match self.whole.as_ref()? {
             Ok(whole) => {
                 let [before, after] = [whole.before, whole.after].map(crate::report::number::mrad);
+                let what = if whole.left_out.is_empty() { "everything" } else { "the rest" };
                 format!(
                     "The whole robot simulated at once under the study's setpoints is {before} off as given and {after} with \
-                     everything that was found."
+                     {what} that was found."
                 )
             }
             Err(why) => format!("The whole robot was not simulated at once: {why}."),
@@ -126,6 +134,36 @@ impl ClampedGapReport {
         };
         self.joints.iter().map(|(_, report)| of(&report.diagnosis)).chain([all]).collect()
     }
+}
+
+/// What of the answers the whole robot refutes; empty where it is better with all of them.
+fn worse_words(whole: &Whole) -> String {
+    use crate::report::number::mrad;
+    let mut text = String::new();
+    if !whole.left_out.is_empty() {
+        let what = |left: &LeftOut| {
+            let change = left.joint.as_ref().map_or_else(
+                || "the masses that the moments ask for".to_owned(),
+                |joint| format!("what was found on {joint}"),
+            );
+            let with_it =
+                if left.with_it.is_finite() { mrad(left.with_it) } else { "nothing: it runs away".to_owned() };
+            format!("{change} ({with_it} with it, {} without)", mrad(left.without_it))
+        };
+        let all: Vec<String> = whole.left_out.iter().map(what).collect();
+        text += &format!(
+            " With all joints simulated at once the robot is worse with {}; that is left out of the whole and of what is exported.",
+            all.join(", then with ")
+        );
+    }
+    if whole.after > whole.before {
+        text += &format!(
+            " All at once the robot is not better with what was found: {} as given, {} with it.",
+            mrad(whole.before),
+            mrad(whole.after)
+        );
+    }
+    text
 }
 
 /// A joint's name as the name of a folder: descriptions have names with slashes, blanks and points.
