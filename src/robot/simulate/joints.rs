@@ -258,6 +258,13 @@ impl Joints {
         &mut self.drives[joint.index()]
     }
 
+    /// Some of them, by rising places, as the joints of a model that has these alone.
+    #[must_use]
+    pub fn only(self, kept: &[JointId]) -> Self {
+        let drives = self.drives.into_iter().enumerate();
+        Self { drives: drives.filter(|(k, _)| kept.iter().any(|id| id.index() == *k)).map(|(_, drive)| drive).collect() }
+    }
+
     /// All joints in the model's order.
     pub fn drives(&self) -> &[JointDrive] {
         &self.drives
