@@ -275,7 +275,10 @@ fn logs_of_a_described_arm_are_those_of_its_truth_and_gap_names_it() {
         std::fs::read_to_string(folder.path().join("exported").join(file)).unwrap()
     };
     let (isaac, pace) = (export("isaac", "isaac.py"), export("pace", "pace.yaml"));
-    assert!(isaac.contains("\"arm/elbow\": DelayedPDActuatorCfg(") && isaac.contains("# aibo-fit: delay 0.0"), "{isaac}");
+    assert!(
+        isaac.contains("\"arm/elbow\": DelayedPDActuatorCfg(") && isaac.contains("# aibo-fit: delay 0.0"),
+        "{isaac}"
+    );
     assert!(isaac.contains("\"arm/shoulder\": ImplicitActuatorCfg("), "{isaac}");
     assert!(pace.contains("joint_order: [\"arm/shoulder\", \"arm/elbow\"]") && pace.contains("delay: 16"), "{pace}");
 

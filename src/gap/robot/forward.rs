@@ -127,7 +127,8 @@ pub(super) fn predict(
     let floor = floor.map(|floor| Floor::new(floor, &model, Touching::Marked)).transpose()?;
     // Beside a clamped trunk limbs in which nothing moves stay where they stand.
     let still = standing(&model, &joints, &setpoints);
-    let still: Vec<f64> = joints.drives().iter().zip(&still.angle_rad).map(|(drive, q)| drive.reading_rad(*q)).collect();
+    let still: Vec<f64> =
+        joints.drives().iter().zip(&still.angle_rad).map(|(drive, q)| drive.reading_rad(*q)).collect();
     let moving: Vec<JointId> = model.joint_ids().filter(|id| log.moves(id.index())).collect();
     let (model, kept) = match case.is_clamped() && !moving.is_empty() {
         true => model.limbs(&moving)?,

@@ -9,4 +9,4 @@ mod simulated;
 pub use numbers::{FoundRobot, found_robot};
 pub use robot::{PlacedCause, WholeRobot, placed_causes};
 pub(crate) use simulated::predicted_csv;
-pub use simulated::{LeftOut, Whole, WholeJoint, simulated};
+pub use simulated::{LeftOut, Whole, WholeJoint, WholeMotion, simulated};

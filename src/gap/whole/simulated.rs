@@ -26,6 +26,19 @@ pub struct Whole {
     pub left_out: Vec<LeftOut>,
     /// What the whole was simulated with.
     pub robot: FoundRobot,
+    /// The first log that is shown.
+    pub shown: WholeMotion,
+}
+
+/// Readings of a log's joints in its order, at its samples \[rad\].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WholeMotion {
+    /// The log's place in the study.
+    pub log: usize,
+    /// As stated.
+    pub before: Vec<Vec<f64>>,
+    /// With what was found.
+    pub after: Vec<Vec<f64>>,
 }
 
 /// A joint of a whole robot.
@@ -55,6 +68,8 @@ struct Told {
     all: f64,
     joints: Vec<(String, f64)>,
     predicted: Vec<(String, String)>,
+    /// The first log's place in the study, and its readings.
+    first: (usize, Vec<Vec<f64>>),
 }
 
 /// Simulates the whole robot on the held-out logs that setpoints drive, or else on the fitted ones. Where a joint is worse
@@ -103,7 +118,8 @@ pub fn simulated(setup: &ClampedSetup, diagnosis: &ClampedDiagnosis) -> Result<W
         after: *after,
     });
     let (joints, robot) = (joints.collect(), found);
-    Ok(Whole { before: before.all, after: after.all, joints, predicted: after.predicted, left_out, robot })
+    let shown = WholeMotion { log: after.first.0, before: before.first.1, after: after.first.1 };
+    Ok(Whole { before: before.all, after: after.all, joints, predicted: after.predicted, left_out, robot, shown })
 }
 
 /// The joint that is worst off beside what it is as stated; where the robot runs away, the one that is worst as stated.
@@ -125,15 +141,17 @@ fn is_of_body(diagnosis: &ClampedDiagnosis, number: &FoundNumber) -> bool {
 
 /// Predicts the logs that are shown.
 fn predicted(setup: &ClampedSetup, numbers: &[FoundNumber], causes: &[PlacedCause]) -> Result<Told, String> {
-    let entries = setup.study.logs.iter().zip(&setup.logs).filter(|(entry, _)| entry.drive == DriveMode::Position);
-    let (held_out, fitted): (Vec<_>, Vec<_>) = entries.partition(|(entry, _)| entry.role == Role::Validate);
+    let entries = setup.study.logs.iter().zip(&setup.logs).enumerate();
+    let entries = entries.filter(|(_, (entry, _))| entry.drive == DriveMode::Position);
+    let (held_out, fitted): (Vec<_>, Vec<_>) = entries.partition(|(_, (entry, _))| entry.role == Role::Validate);
     let shown = if held_out.is_empty() { fitted } else { held_out };
     if shown.is_empty() {
         return Err("no log is driven by setpoints".to_owned());
     }
     let mut robot = WholeRobot::of(setup, numbers, causes)?;
     let (mut joints, mut samples, mut predicted) = (Vec::<(String, f64)>::new(), 0, Vec::new());
-    for (entry, log) in shown {
+    let mut first = None;
+    for (place, (entry, log)) in shown {
         let motion = robot.readings(setup, log)?;
         for (joint, motion) in log.joints.iter().zip(&motion) {
             let squares = joint.q_rad.iter().zip(motion).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
@@ -144,10 +162,11 @@ fn predicted(setup: &ClampedSetup, numbers: &[FoundNumber], causes: &[PlacedCaus
         }
         samples += log.len();
         predicted.push((entry.file.clone(), predicted_csv(log, &motion)));
+        first.get_or_insert((place, motion));
     }
     joints.iter_mut().for_each(|(_, sum)| *sum = (*sum / samples as f64).sqrt());
     let all = (joints.iter().map(|(_, rms)| rms * rms).sum::<f64>() / joints.len().max(1) as f64).sqrt();
-    Ok(Told { all, joints, predicted })
+    Ok(Told { all, joints, predicted, first: first.unwrap_or_default() })
 }
 
 /// Predicted readings as a log.

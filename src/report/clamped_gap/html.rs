@@ -60,6 +60,7 @@ pub fn clamped_gap_html(report: &ClampedGapReport) -> Result<String, ReportError
         figures => figure_views(clamped_gap_figures(report)?),
         joints => joints.iter().map(|(folder, joint)| joint_view(folder, joint)).collect::<Vec<_>>(),
         still => still.map(|joint| joint.joint.clone()).collect::<Vec<_>>(),
+        animation => report.animation.is_some().then_some(super::ANIMATION_FILE),
         whole => report.whole_words(),
         whole_joints => whole_joints(report),
         sure => if measure == ANGLE { RATE } else { REDRAWS },

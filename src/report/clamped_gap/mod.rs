@@ -2,6 +2,7 @@
 //!
 //! A joint's own report is that of the bench (`report::gap`), in a folder with the joint's name.
 
+mod animation;
 mod html;
 mod json;
 mod text;
@@ -10,13 +11,16 @@ pub use html::{clamped_gap_figures, clamped_gap_html};
 pub use json::clamped_gap_json;
 pub use text::clamped_gap_text;
 
-use super::{GapReport, LogHealthRow, Provenance};
+use super::{Animation, GapReport, LogHealthRow, Provenance};
 use crate::gap::clamped::{ClampedCase, ClampedDiagnosis, ClampedSetup};
 use crate::gap::inverse::{TorqueDiagnosis, TorqueTraces};
 use crate::gap::whole::{FoundRobot, LeftOut, Whole, found_robot, simulated};
 use crate::gap::{BeliefFound, Diagnosis, GapOptions, LogGap};
 use crate::report::number::significant;
 use std::path::PathBuf;
+
+/// Name of the moving picture beside a report.
+pub const ANIMATION_FILE: &str = "animation.html";
 
 /// A robot's diagnosis with what was asked and where it comes from.
 #[derive(Clone, Debug)]
@@ -31,6 +35,8 @@ pub struct ClampedGapReport {
     pub found: FoundRobot,
     /// The whole robot simulated at once; an error says why not. `None` where torques are predicted.
     pub whole: Option<Result<Whole, String>>,
+    /// The robot as given, as found and logged; `None` where it was not simulated as a whole.
+    pub animation: Option<Animation>,
     /// Where the report comes from.
     pub provenance: Provenance,
 }
@@ -59,9 +65,11 @@ impl ClampedGapReport {
             Ok(whole) => whole.robot.clone(),
             Err(_) => found_robot(setup, Some(&diagnosis)).unwrap_or_default(),
         };
+        let told: Vec<&Diagnosis> = diagnosis.joints.iter().filter_map(|joint| joint.diagnosis.as_ref()).collect();
+        let animation = whole.as_ref().ok().and_then(|whole| animation::animation(setup, whole, &told));
         let whole = Some(whole);
         let model = setup.study.model_path.clone();
-        Self { diagnosis, joints, model, found, whole, provenance: provenance.clone() }
+        Self { diagnosis, joints, model, found, whole, animation, provenance: provenance.clone() }
     }
 
     /// The report of a diagnosis by torques.
@@ -80,7 +88,8 @@ impl ClampedGapReport {
         let joints = diagnosed.zip(traces).map(report).collect();
         let numbers = found_robot(setup, Some(&found)).unwrap_or_default();
         let model = setup.study.model_path.clone();
-        Self { diagnosis: found, joints, model, found: numbers, whole: None, provenance: provenance.clone() }
+        let (whole, animation, provenance) = (None, None, provenance.clone());
+        Self { diagnosis: found, joints, model, found: numbers, whole, animation, provenance }
     }
 
     /// The health of the logs, joint by joint; none where torques are predicted.

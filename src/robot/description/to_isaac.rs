@@ -1,8 +1,8 @@
 //! A robot's servos as Isaac Lab configures actuators.
 
+use super::Description;
 use super::actuated::{Actuated, actuated};
 use super::found::{FoundKey, FoundNumber};
-use super::Description;
 use std::fmt::Write as _;
 
 /// A Python module with one actuator group for each joint: `ImplicitActuatorCfg`, or `DelayedPDActuatorCfg` where setpoints

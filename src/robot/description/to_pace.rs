@@ -1,8 +1,8 @@
 //! A robot's joints as the parameters that PACE identifies and applies.
 
+use super::Description;
 use super::actuated::{Actuated, actuated};
 use super::found::{FoundKey, FoundNumber};
-use super::Description;
 use std::fmt::Write as _;
 
 /// Step of PACE's simulations \[s\]; delays are counted in it.
@@ -42,7 +42,11 @@ pub fn to_pace(description: &Description, found: &[FoundNumber]) -> Result<Strin
     let steps = (late_s / STEP_S).round();
     let mark = longest.map(|joint| joint.mark(&[FoundKey::Delay])).unwrap_or_default();
     let of = longest.filter(|_| late_s > 0.0).map_or_else(String::new, |joint| format!(", {}'s", joint.name));
-    let _ = writeln!(text, "dt: {STEP_S:?}  # s\ndelay: {steps}  # steps of dt, one for all joints{of}{}", mark.replace("  # aibo-fit:", ";"));
+    let _ = writeln!(
+        text,
+        "dt: {STEP_S:?}  # s\ndelay: {steps}  # steps of dt, one for all joints{of}{}",
+        mark.replace("  # aibo-fit:", ";")
+    );
     let vector = rows[..4].iter().flat_map(|(_, _, _, value)| joints.iter().map(value));
     let vector: Vec<String> = vector.chain([steps]).map(|number| format!("{number:?}")).collect();
     let _ = writeln!(text, "mean: [{}]  # armature, damping, friction, bias by joint_order, delay", vector.join(", "));

@@ -262,7 +262,9 @@ impl Joints {
     #[must_use]
     pub fn only(self, kept: &[JointId]) -> Self {
         let drives = self.drives.into_iter().enumerate();
-        Self { drives: drives.filter(|(k, _)| kept.iter().any(|id| id.index() == *k)).map(|(_, drive)| drive).collect() }
+        Self {
+            drives: drives.filter(|(k, _)| kept.iter().any(|id| id.index() == *k)).map(|(_, drive)| drive).collect(),
+        }
     }
 
     /// All joints in the model's order.

@@ -1,9 +1,9 @@
 //! Tendons, equalities and other sections: what of them moves joints is said or refused.
 
 use super::Reader;
-use crate::robot::description::{Coupling, Description, MoverId};
 use crate::robot::description::error::DescriptionError;
 use crate::robot::description::xml::Element;
+use crate::robot::description::{Coupling, Description, MoverId};
 
 /// A section that is neither read nor silent.
 pub(super) fn section(section: &Element, into: &mut Description) -> Result<(), DescriptionError> {
