@@ -243,7 +243,7 @@ fn logs_of_a_described_arm_are_those_of_its_truth_and_gap_names_it() {
     assert_eq!(truth["friction"]["arm/shoulder"]["coulomb"], 0.09);
     let study = std::fs::read_to_string(folder.path().join("late/study.toml")).unwrap();
     assert!(!study.contains("delay") && !study.contains("0.09"), "{study}");
-    let read = |name: &str| log(&std::fs::read_to_string(folder.path().join(name).join("log-00.csv")).unwrap());
+    let read = |name: &str| read_robot_log(&folder.path().join(name).join("log-00.csv")).expect("a log");
     assert!(largest_change(&read("plain"), &read("late"), "arm/elbow") > 0.005);
 
     // Simulated as believed the arm without an effect is off by its encoders' noise, the late one by far more.

@@ -61,7 +61,8 @@ impl DescribedArgs {
         root.insert("effect".into(), Value::Array(effects));
         let held_out = usize::from(self.logs) * 2 / 5;
         let log = |k: usize| {
-            let (gait, role) = (if k % 2 == 0 { "sines" } else { "steps" }, k + held_out >= usize::from(self.logs));
+            let (gait, role) =
+                (if k.is_multiple_of(2) { "sines" } else { "steps" }, k + held_out >= usize::from(self.logs));
             table([
                 ("file", word(&format!("log-{k:02}.csv"))),
                 ("gait", word(gait)),

@@ -5,6 +5,7 @@
 mod animation;
 mod html;
 mod json;
+mod map;
 mod text;
 
 pub use html::{clamped_gap_figures, clamped_gap_html};
