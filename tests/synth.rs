@@ -228,14 +228,21 @@ fn what_cannot_be_is_one_error_with_exit_code_3() {
 fn logs_of_a_described_arm_are_those_of_its_truth_and_gap_names_it() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("arm.urdf"), support::arm::ARM).unwrap();
-    let robot = ["synth", "--robot", "arm.urdf", "--servo", "20,0.4", "--logs", "5", "--seconds", "8"];
-    let made = |effects: &[&str], out: &str| {
-        let effects = effects.iter().flat_map(|effect| ["--effect", effect]);
-        let args: Vec<&str> = robot.into_iter().chain(effects).chain(["--quiet", "--out", out]).collect();
-        run_in(folder.path(), &args)
+    // Fast and damped enough for what the elbow feels of the shoulder's measured motion.
+    let spec = |truth: &str| {
+        let believed = "schema = 1\n[robot]\nmodel = \"arm.urdf\"\nscenario = \"fixed\"\n[joints.default]\nkp = 20.0\nkd = 1.0\n\
+                        [sensor]\nperiod = 0.01\nresolution = 0.0005\n";
+        let log = |file: &str, gait: &str, role: &str| {
+            format!("[[log]]\nfile = \"{file}.csv\"\ngait = \"{gait}\"\nrole = \"{role}\"\nduration = 8.0\n")
+        };
+        let logs = [log("a", "sines", "fit"), log("b", "steps", "fit"), log("c", "sines", "validate")];
+        format!("{believed}{truth}{}", logs.concat())
     };
-    for (out, effects) in [("plain", &[][..]), ("late", &["arm/elbow.delay=0.04", "arm/shoulder.coulomb=0.09"][..])] {
-        let run = made(effects, out);
+    let late = "[truth.friction.\"arm/shoulder\"]\ncoulomb = 0.09\n[[effect]]\nid = \"delay\"\njoints = \"arm/elbow\"\nT = 0.04\n";
+    for (out, truth) in [("plain", ""), ("late", late)] {
+        let file = format!("{out}.toml");
+        std::fs::write(folder.path().join(&file), spec(truth)).unwrap();
+        let run = run_in(folder.path(), &["synth", &file, "--quiet", "--out", out]);
         assert!(run.status.success(), "{}", stderr(&run));
     }
     let truth = json(&folder.path().join("late-truth.json"));
@@ -243,7 +250,7 @@ fn logs_of_a_described_arm_are_those_of_its_truth_and_gap_names_it() {
     assert_eq!(truth["friction"]["arm/shoulder"]["coulomb"], 0.09);
     let study = std::fs::read_to_string(folder.path().join("late/study.toml")).unwrap();
     assert!(!study.contains("delay") && !study.contains("0.09"), "{study}");
-    let read = |name: &str| read_robot_log(&folder.path().join(name).join("log-00.csv")).expect("a log");
+    let read = |name: &str| read_robot_log(&folder.path().join(name).join("a.csv")).expect("a log");
     assert!(largest_change(&read("plain"), &read("late"), "arm/elbow") > 0.005);
 
     // Simulated as believed the arm without an effect is off by its encoders' noise, the late one by far more.
@@ -268,7 +275,7 @@ fn logs_of_a_described_arm_are_those_of_its_truth_and_gap_names_it() {
     let run = run_in(folder.path(), &args);
     assert!(run.status.success(), "{}", stderr(&run));
     let fitted = json(&folder.path().join("fitted.json"));
-    assert!(fitted["logs"][3]["per_joint"]["arm/elbow"].as_f64().unwrap() < 0.002, "{fitted}");
+    assert!(fitted["logs"][2]["per_joint"]["arm/elbow"].as_f64().unwrap() < 0.002, "{fitted}");
     let export = |to: &str, file: &str| {
         let run = run_in(folder.path(), &["export", "gap.json", "--to", to, "--out", "exported"]);
         assert!(run.status.success(), "{}", stderr(&run));
@@ -280,8 +287,19 @@ fn logs_of_a_described_arm_are_those_of_its_truth_and_gap_names_it() {
         "{isaac}"
     );
     assert!(isaac.contains("\"arm/shoulder\": ImplicitActuatorCfg("), "{isaac}");
-    assert!(pace.contains("joint_order: [\"arm/shoulder\", \"arm/elbow\"]") && pace.contains("delay: 16"), "{pace}");
+    assert!(
+        pace.contains("joint_order: [\"arm/shoulder\", \"arm/elbow\"]")
+            && pace.contains("# steps of dt, one for all joints, arm/elbow's"),
+        "{pace}"
+    );
 
+    let quick = |effect: &str| {
+        let robot = ["synth", "--robot", "arm.urdf", "--servo", "20,1", "--logs", "2", "--seconds", "2", "--quiet"];
+        let args: Vec<&str> = robot.into_iter().chain(["--effect", effect, "--out", "quick"]).collect();
+        run_in(folder.path(), &args)
+    };
+    assert!(quick("lower.payload=0.1").status.success());
+    assert_eq!(json(&folder.path().join("quick-truth.json"))["mass_kg"]["lower"], 0.6);
     for (effect, expected) in [
         ("arm/elbow.dealy=0.02", "dealy"),
         ("arm/elbow.backlash=0.02", "values, expected"),
@@ -289,7 +307,7 @@ fn logs_of_a_described_arm_are_those_of_its_truth_and_gap_names_it() {
         ("arm/elbow.delay=x", "is no number"),
         ("hand.mass=2", "hand"),
     ] {
-        let run = made(&[effect], "wrong");
+        let run = quick(effect);
         assert!(!run.status.success() && stderr(&run).contains(expected), "{effect}: {}", stderr(&run));
     }
 }
