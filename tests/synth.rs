@@ -223,3 +223,91 @@ fn what_cannot_be_is_one_error_with_exit_code_3() {
         assert!(!folder.path().join("out").exists());
     }
 }
+
+#[test]
+fn logs_of_a_described_arm_are_those_of_its_truth_and_gap_names_it() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("arm.urdf"), support::arm::ARM).unwrap();
+    // Fast and damped enough for what the elbow feels of the shoulder's measured motion.
+    let spec = |truth: &str| {
+        let believed = "schema = 1\n[robot]\nmodel = \"arm.urdf\"\nscenario = \"fixed\"\n[joints.default]\nkp = 20.0\nkd = 1.0\n\
+                        [sensor]\nperiod = 0.01\nresolution = 0.0005\n";
+        let log = |file: &str, gait: &str, role: &str| {
+            format!("[[log]]\nfile = \"{file}.csv\"\ngait = \"{gait}\"\nrole = \"{role}\"\nduration = 8.0\n")
+        };
+        let logs = [log("a", "sines", "fit"), log("b", "steps", "fit"), log("c", "sines", "validate")];
+        format!("{believed}{truth}{}", logs.concat())
+    };
+    let late = "[truth.friction.\"arm/shoulder\"]\ncoulomb = 0.09\n[[effect]]\nid = \"delay\"\njoints = \"arm/elbow\"\nT = 0.04\n";
+    for (out, truth) in [("plain", ""), ("late", late)] {
+        let file = format!("{out}.toml");
+        std::fs::write(folder.path().join(&file), spec(truth)).unwrap();
+        let run = run_in(folder.path(), &["synth", &file, "--quiet", "--out", out]);
+        assert!(run.status.success(), "{}", stderr(&run));
+    }
+    let truth = json(&folder.path().join("late-truth.json"));
+    assert_eq!(truth["effects"][0]["joints"][0], "arm/elbow", "{truth}");
+    assert_eq!(truth["friction"]["arm/shoulder"]["coulomb"], 0.09);
+    let study = std::fs::read_to_string(folder.path().join("late/study.toml")).unwrap();
+    assert!(!study.contains("delay") && !study.contains("0.09"), "{study}");
+    let read = |name: &str| read_robot_log(&folder.path().join(name).join("a.csv")).expect("a log");
+    assert!(largest_change(&read("plain"), &read("late"), "arm/elbow") > 0.005);
+
+    // Simulated as believed the arm without an effect is off by its encoders' noise, the late one by far more.
+    let off = |out: &str| {
+        let study = format!("{out}/study.toml");
+        let args = ["simulate", &study, "--quiet", "--json", "simulated.json", "--out", "simulated"];
+        let run = run_in(folder.path(), &args);
+        assert!(run.status.success(), "{}", stderr(&run));
+        json(&folder.path().join("simulated.json"))["logs"][0]["per_joint"]["arm/elbow"].as_f64().unwrap()
+    };
+    assert!(off("plain") < 0.0015 && off("late") > 0.005, "{} {}", off("plain"), off("late"));
+
+    let args = ["gap", "late/study.toml", "--quiet", "--json", "gap.json", "--out", "gap"];
+    assert!(run_in(folder.path(), &args).status.success());
+    let found = json(&folder.path().join("gap.json"));
+    let elbow = &found["joints"]["arm/elbow"];
+    assert_eq!(elbow["effect"], "delay", "{}", found["sentence"]);
+    let late_s = elbow["effects"][0]["parameters"]["T"]["value"].as_f64().unwrap();
+    assert!((late_s - 0.04).abs() < 0.004, "{late_s}");
+    // What was found predicts the whole arm, and Isaac Lab's and PACE's formats have it.
+    let args = ["simulate", "late/study.toml", "--fit", "gap.json", "--json", "fitted.json", "--out", "fitted"];
+    let run = run_in(folder.path(), &args);
+    assert!(run.status.success(), "{}", stderr(&run));
+    let fitted = json(&folder.path().join("fitted.json"));
+    assert!(fitted["logs"][2]["per_joint"]["arm/elbow"].as_f64().unwrap() < 0.002, "{fitted}");
+    let export = |to: &str, file: &str| {
+        let run = run_in(folder.path(), &["export", "gap.json", "--to", to, "--out", "exported"]);
+        assert!(run.status.success(), "{}", stderr(&run));
+        std::fs::read_to_string(folder.path().join("exported").join(file)).unwrap()
+    };
+    let (isaac, pace) = (export("isaac", "isaac.py"), export("pace", "pace.yaml"));
+    assert!(
+        isaac.contains("\"arm/elbow\": DelayedPDActuatorCfg(") && isaac.contains("# aibo-fit: delay 0.0"),
+        "{isaac}"
+    );
+    assert!(isaac.contains("\"arm/shoulder\": ImplicitActuatorCfg("), "{isaac}");
+    assert!(
+        pace.contains("joint_order: [\"arm/shoulder\", \"arm/elbow\"]")
+            && pace.contains("# steps of dt, one for all joints, arm/elbow's"),
+        "{pace}"
+    );
+
+    let quick = |effect: &str| {
+        let robot = ["synth", "--robot", "arm.urdf", "--servo", "20,1", "--logs", "2", "--seconds", "2", "--quiet"];
+        let args: Vec<&str> = robot.into_iter().chain(["--effect", effect, "--out", "quick"]).collect();
+        run_in(folder.path(), &args)
+    };
+    assert!(quick("lower.payload=0.1").status.success());
+    assert_eq!(json(&folder.path().join("quick-truth.json"))["mass_kg"]["lower"], 0.6);
+    for (effect, expected) in [
+        ("arm/elbow.dealy=0.02", "dealy"),
+        ("arm/elbow.backlash=0.02", "values, expected"),
+        ("wrist.delay=0.02", "wrist"),
+        ("arm/elbow.delay=x", "is no number"),
+        ("hand.mass=2", "hand"),
+    ] {
+        let run = quick(effect);
+        assert!(!run.status.success() && stderr(&run).contains(expected), "{effect}: {}", stderr(&run));
+    }
+}

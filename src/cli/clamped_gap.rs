@@ -9,7 +9,8 @@ use crate::gap::clamped::ClampedSetup;
 use crate::gap::inverse::{TorqueError, diagnose_motion, diagnose_torques};
 use crate::log::{Outputs, Predict, mcap_bytes};
 use crate::report::{
-    ClampedGapReport, clamped_gap_figures, clamped_gap_html, clamped_gap_json, clamped_gap_text, trace_topics,
+    ANIMATION_FILE, ClampedGapReport, animation_html, clamped_gap_figures, clamped_gap_html, clamped_gap_json,
+    clamped_gap_text, trace_topics,
 };
 use std::path::Path;
 
@@ -57,6 +58,9 @@ pub(super) fn run(args: &GapArgs, study: &Path) -> Result<u8, CliError> {
         for (k, (_, csv)) in whole.predicted.iter().enumerate() {
             outputs.add(folder.join(format!("predicted-{k:02}.csv")), csv.clone());
         }
+    }
+    if let Some(animation) = &report.animation {
+        outputs.add(folder.join(ANIMATION_FILE), animation_html(animation)?);
     }
     let page = folder.join("report.html");
     outputs.add_page(&page, clamped_gap_html(&report)?);

@@ -3,7 +3,7 @@
 use super::CliError;
 use super::common::{CommonArgs, print, study_name, warn, write_outputs};
 use crate::log::{LogError, Outputs};
-use crate::robot::description::{Description, FoundKey, FoundNumber, to_mjcf, to_urdf};
+use crate::robot::description::{Description, FoundKey, FoundNumber, to_isaac, to_mjcf, to_pace, to_urdf};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -39,6 +39,10 @@ enum Format {
     Mjcf,
     /// ROS's XML
     Urdf,
+    /// Actuators of Isaac Lab, as Python
+    Isaac,
+    /// Parameters of PACE, as YAML
+    Pace,
     /// The changed numbers alone
     Json,
 }
@@ -57,7 +61,7 @@ pub(super) fn run(args: &ExportArgs) -> Result<u8, CliError> {
         args.model.clone().or(found.model).ok_or_else(|| {
             CliError::Usage(format!("{} says of no description; add --model FILE", args.file.display()))
         })?;
-    let described = Description::read(&model)?;
+    let described = Description::read(&model)?.with_equalities();
     if !args.common.quiet {
         described.warnings.iter().for_each(|warning| warn(warning));
     }
@@ -69,16 +73,24 @@ pub(super) fn run(args: &ExportArgs) -> Result<u8, CliError> {
         found
             .numbers
             .iter()
-            .filter(|number| !says(args.to, number.key))
+            // Static friction stands there with its curve already.
+            .filter(|number| !says(args.to, number.key) && number.key != FoundKey::StaticFriction)
             .map(|number| format!("{}: {}", number.name, number.words())),
     );
+    let said: Vec<FoundNumber> = found.numbers.iter().filter(|number| says(args.to, number.key)).cloned().collect();
     let (name, text) = match args.to {
-        Format::Mjcf => ("robot.xml", to_mjcf(&changed, &found.numbers)),
+        Format::Mjcf => ("robot.xml", to_mjcf(&changed, &said)),
         Format::Urdf => {
-            let said: Vec<FoundNumber> =
-                found.numbers.iter().filter(|number| says(args.to, number.key)).cloned().collect();
             let text = to_urdf(&changed, &said).map_err(|what| wrong(format!("URDF cannot say this robot: {what}")))?;
             ("robot.urdf", text)
+        }
+        Format::Isaac => {
+            let text = to_isaac(&changed, &found.numbers);
+            ("isaac.py", text.map_err(|what| wrong(format!("Isaac Lab's actuators cannot say this robot: {what}")))?)
+        }
+        Format::Pace => {
+            let text = to_pace(&changed, &found.numbers);
+            ("pace.yaml", text.map_err(|what| wrong(format!("PACE's parameters cannot say this robot: {what}")))?)
         }
         Format::Json => {
             let document = json!({ "schema": 1, "model": model, "found": found.numbers, "cannot_say": cannot_say });
@@ -111,8 +123,14 @@ pub(super) fn run(args: &ExportArgs) -> Result<u8, CliError> {
 
 /// Whether a format has a word for a number.
 fn says(format: Format, key: FoundKey) -> bool {
-    use FoundKey::{Armature, Kd, Kp, Springref, Stiffness};
-    format != Format::Urdf || !matches!(key, Armature | Kd | Kp | Springref | Stiffness)
+    use FoundKey::{Armature, Damping, Delay, EncoderZero, Frictionloss, Kd, Kp, Springref, Stiffness};
+    match format {
+        Format::Json => true,
+        Format::Mjcf => key.is_described(),
+        Format::Urdf => key.is_described() && !matches!(key, Armature | Kd | Kp | Springref | Stiffness),
+        Format::Isaac => key.is_of_joint() && !matches!(key, EncoderZero | Springref | Stiffness),
+        Format::Pace => matches!(key, Armature | Damping | Frictionloss | EncoderZero | Delay | Kp | Kd),
+    }
 }
 
 fn read(file: &Path) -> Result<Found, CliError> {

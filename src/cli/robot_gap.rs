@@ -9,12 +9,10 @@ use super::provenance::provenance;
 use crate::gap::robot::{RobotCase, RobotGapError, RobotOptions, diagnose_robot};
 use crate::log::Outputs;
 use crate::report::{
-    REPAIRED_FILE, RobotGapReport, animation_html, repaired_robot, robot_gap_animation, robot_gap_figures,
-    robot_gap_html, robot_gap_json, robot_gap_text,
+    ANIMATION_FILE, REPAIRED_FILE, RobotGapReport, animation_html, repaired_robot, robot_gap_animation,
+    robot_gap_figures, robot_gap_html, robot_gap_json, robot_gap_text,
 };
 use serde_json::json;
-
-const ANIMATION_FILE: &str = "animation.html";
 
 /// What stands beside the report.
 const BESIDE: [(&str, &str); 2] = [

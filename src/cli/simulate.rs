@@ -1,5 +1,7 @@
 //! `aibo-fit simulate`: predicts the logs of a study from their start.
 
+mod robot;
+
 use super::CliError;
 use super::common::{CommonArgs, log_name, print, study_name, write_outputs};
 use super::progress::Progress;
@@ -8,7 +10,7 @@ use crate::fit::{Budget, Method};
 use crate::gap::{GapModel, LogSet, reach_of};
 use crate::identify::{Case, Experiment, Item, JointModel, Parameter, Prediction, Scale, WithLaws, conclude, predict};
 use crate::joint::{EffectForm, EffectId, Law, UnknownEffect};
-use crate::log::{LogError, Nominal, Outputs, Role};
+use crate::log::{LogError, Nominal, Outputs, Role, StudyKind, study_kind};
 use crate::report::{EffectFit, FitFile, Quantity, SCHEMA};
 use clap::Args;
 use serde_json::json;
@@ -21,14 +23,15 @@ use std::sync::Arc;
 /// Predict the logs of a study from their start, with given or fitted parameters
 ///
 /// Only where each log starts is taken from the log itself: its angle, and its speed or the instant of release.
-/// Prints the RMS of each log and writes <log>.predicted.csv (t [s], q [rad], dq [rad/s], q_measured [rad]).
+/// Prints the RMS of each log and writes <log>.predicted.csv (t [s], q [rad], dq [rad/s], q_measured [rad]). The joints of a
+/// robot with a clamped base are simulated all at once under the study's setpoints (t [s], <joint>.q [rad]).
 #[derive(Args, Debug)]
 #[command(after_help = "Example: aibo-fit simulate study.toml --fit fits/study/fit.json")]
 pub(super) struct SimulateArgs {
     /// The study whose logs are predicted
     #[arg(value_name = "STUDY")]
     study: PathBuf,
-    /// Parameters, effects and law found by drop or gap [default: the study's nominal model]
+    /// Parameters, effects and law found by drop or gap; of a robot what gap --json wrote [default: as the study says]
     #[arg(long, value_name = "FIT.json")]
     fit: Option<PathBuf>,
     /// Predict this log instead, by the study's joint and by what the study says of its first log
@@ -58,6 +61,9 @@ const ROUNDING: f64 = 1e-9;
 
 /// Runs the command.
 pub(super) fn run(args: &SimulateArgs) -> Result<u8, CliError> {
+    if args.log.is_none() && study_kind(&args.study)? == StudyKind::Clamped {
+        return robot::run(args);
+    }
     let progress = Progress::new(args.common.quiet);
     progress.say("reading");
     let case = match &args.log {

@@ -1,25 +1,31 @@
 //! `aibo-fit synth`: logs from a known truth.
 
+mod quick;
+
 use super::CliError;
 use super::common::{CommonArgs, json_text, log_name, print, write_outputs};
 use super::progress::Progress;
 use crate::log::Outputs;
-use crate::synth::{Spec, make};
+use crate::synth::{AnySpec, make, make_described};
 use clap::Args;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// Make logs from a known truth with the full simulator: any scenario, any effects, payload, floor, extra masses
+/// Make logs from a known truth with the full simulator: any robot, any scenario, any effects, payload, floor, extra masses
 ///
 /// SPEC.toml has what the engineer believes (the sections of a robot study, or [joint] for a joint of a leg on the bench),
 /// [truth] and [[effect]] with what is true instead, and a [[log]] for each log. Writes the logs and study.toml, which
-/// `gap` reads and which says nothing of the truth, to --out, and the truth beside that folder.
+/// `gap` reads and which says nothing of the truth, to --out, and the truth beside that folder. With --robot in the place
+/// of a spec: a URDF or MJCF whose joints follow sines and steps within their limits, with what --effect says.
 #[derive(Args, Debug)]
-#[command(after_help = "Example: aibo-fit synth data/examples/synth/weak-knees.toml")]
+#[command(after_help = "Examples: aibo-fit synth data/examples/synth/weak-knees.toml\n          \
+aibo-fit synth --robot so101.xml --effect elbow_flex.delay=0.02 --out sealed")]
 pub(super) struct SynthArgs {
     /// What is believed, what is true, and which logs to make; format in data/README.md
-    #[arg(value_name = "SPEC.toml")]
-    spec: PathBuf,
+    #[arg(value_name = "SPEC.toml", required_unless_present = "robot")]
+    spec: Option<PathBuf>,
+    #[command(flatten)]
+    described: quick::DescribedArgs,
     /// Where the truth goes [default: <out>-truth.json]
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
@@ -49,11 +55,23 @@ struct LogAnswer {
 pub(super) fn run(args: &SynthArgs) -> Result<u8, CliError> {
     let progress = Progress::new(args.common.quiet);
     progress.say("reading");
-    let mut spec = Spec::read(&args.spec)?;
-    spec.seed = args.seed.unwrap_or(spec.seed);
+    let (spec, inputs) = match &args.spec {
+        Some(path) => (AnySpec::read(path)?, vec![path.clone()]),
+        None => args.described.spec()?,
+    };
+    let threads = args.common.threads.map(usize::from);
     progress.say("simulating");
-    let made = make(&spec, args.common.threads.map(usize::from))?;
-    let folder = args.common.folder(&log_name(&args.spec));
+    let made = match spec {
+        AnySpec::Robot(mut spec) => {
+            spec.seed = args.seed.unwrap_or(spec.seed);
+            make(&spec, threads)?
+        }
+        AnySpec::Described(mut spec) => {
+            spec.seed = args.seed.unwrap_or(spec.seed);
+            make_described(&spec, threads)?
+        }
+    };
+    let folder = args.common.folder(&log_name(inputs.first().map_or(Path::new("spec"), |path| path)));
     let truth = args.truth.clone().unwrap_or_else(|| {
         let name = folder.file_name().map_or_else(|| "synth".into(), |name| name.to_string_lossy().into_owned());
         folder.with_file_name(format!("{name}-truth.json"))
@@ -76,7 +94,7 @@ pub(super) fn run(args: &SynthArgs) -> Result<u8, CliError> {
     }
     outputs.add_apart(&truth, json_text(&made.truth)?);
     args.common.add_json(&mut outputs, &answer)?;
-    write_outputs(outputs, std::slice::from_ref(&args.spec))?;
+    write_outputs(outputs, &inputs)?;
     drop(progress);
     if !args.common.quiet {
         for log in &answer.logs {

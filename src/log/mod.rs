@@ -45,12 +45,14 @@ mod write;
 mod write_source;
 mod write_study;
 
+pub(crate) use clamped_study::{RawBeliefs, RawBelieved, RawDescribed, RawLoop, believed as clamped_beliefs};
 pub(crate) use document::{Document, NOT_NEGATIVE, POSITIVE, Range64, finite_within, range};
 pub(crate) use inputs::{check_drive_stated, check_inputs, check_torque_sign};
 pub(crate) use manifest::sha256;
 pub(crate) use robot_study::{
     RawControl, RawFloor, RawFriction, RawRobot, RawRobotSensor, Sections, floor, robot_sections,
 };
+pub(crate) use schema::{RawSensor, RawUncertain};
 pub(crate) use study::{check_schema, read_sidecar};
 pub(crate) use toml_text::{toml_key, toml_string};
 

@@ -37,7 +37,7 @@ pub(super) struct RawJoint {
 
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
-pub(super) struct RawSensor {
+pub(crate) struct RawSensor {
     pub resolution: Number,
     pub period: Number,
 }
@@ -115,7 +115,7 @@ pub(super) type RawSpread = Option<Spanned<toml::Value>>;
 
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
-pub(super) struct RawUncertain {
+pub(crate) struct RawUncertain {
     pub inertia: RawSpread,
     pub moment: RawSpread,
     pub mass: RawSpread,

@@ -42,7 +42,9 @@ pub use blind::{
     robot_blind_text,
 };
 pub use check::{CheckReport, LogSeries, check_html, check_json, check_text, checks_json, checks_text};
-pub use clamped_gap::{ClampedGapReport, clamped_gap_figures, clamped_gap_html, clamped_gap_json, clamped_gap_text};
+pub use clamped_gap::{
+    ANIMATION_FILE, ClampedGapReport, clamped_gap_figures, clamped_gap_html, clamped_gap_json, clamped_gap_text,
+};
 pub use draft::{Draft, DraftError, draft_study};
 pub use error::ReportError;
 pub use fit_json::{EffectFit, FitFile, JointFit, LogFit, ModelFit, Quantity, SCHEMA};

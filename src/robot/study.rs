@@ -4,7 +4,7 @@
 //! and how it began. Nothing of a log but its clock, setpoints, switches and the trunk's first place goes in; the
 //! readings are what the answer is compared with.
 
-mod asked;
+pub(crate) mod asked;
 
 use super::bench::{SETTLE_S, loaded};
 use super::simulate::{Column, Control, Joints, Method, Scenario, Setpoints, SimulateError, Surroundings, run};

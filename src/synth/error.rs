@@ -1,5 +1,6 @@
 //! Why no logs can be made.
 
+use crate::gap::clamped::ClampedCaseError;
 use crate::geometry::GeometryError;
 use crate::log::LogError;
 use crate::robot::RobotError;
@@ -45,6 +46,9 @@ pub enum SynthError {
         /// When and why.
         source: Box<Diverged>,
     },
+    /// A described robot that cannot be read, or cannot be simulated.
+    #[error(transparent)]
+    Described(Box<ClampedCaseError>),
     /// The worker threads cannot be started.
     #[error("cannot start the worker threads: {0}")]
     Threads(String),

@@ -8,7 +8,9 @@
 //! The logs come from the simulator that a diagnosis of a robot uses too. They show what a log would look like and test
 //! whether the diagnosis finds what was put in; they say nothing about how good the simulator is.
 
+mod described;
 mod error;
+mod excite;
 mod joint;
 mod make;
 mod plan;
@@ -17,10 +19,11 @@ mod spec;
 mod truth;
 mod write;
 
+pub use described::make_described;
 pub use error::SynthError;
 pub use make::{Alteration, Made, make, make_altered};
 pub use spec::{
-    Believed, EffectSpec, ExtraSpec, FloorTruth, FrictionTruth, JointBench, JointChoice, LogSpec, MassScale,
-    PayloadSpec, Spec, TruthSpec,
+    AnySpec, Believed, DescribedSpec, EffectSpec, ExtraSpec, FloorTruth, FrictionTruth, JointBench, JointChoice,
+    LogSpec, MassScale, PayloadSpec, Spec, TruthSpec,
 };
 pub use truth::{JointTruth, TrueEffect, TrueParameter, Truth};

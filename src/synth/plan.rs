@@ -34,11 +34,8 @@ pub(super) fn plans(spec: &Spec, model: &Model, period_s: f64) -> Result<Vec<Pla
     for (k, log) in spec.logs.iter().enumerate() {
         let of = Of { blame: &blame, table: format!("[[log]] {}", k + 1), log, model, period_s };
         let file = of.file(plans.iter().map(|plan| plan.entry.file.as_str()))?;
-        let role = match log.role.as_deref() {
-            None | Some("fit") => Role::Fit,
-            Some("validate") => Role::Validate,
-            Some(other) => return Err(of.wrong("role", format!("\"{other}\""), "\"fit\" or \"validate\"")),
-        };
+        let role = of.role()?;
+        of.refuse([("session", log.session.is_some())], "any scenario but \"fixed\"")?;
         plans.push(match &spec.believed {
             Believed::Robot(study) if study.scenario == RobotScenario::Drop => {
                 let released = log.released.clone();
@@ -65,32 +62,40 @@ pub(super) fn plans(spec: &Spec, model: &Model, period_s: f64) -> Result<Vec<Pla
     Ok(plans)
 }
 
-struct Of<'a> {
-    blame: &'a Blame<'a>,
-    table: String,
-    log: &'a LogSpec,
-    model: &'a Model,
-    period_s: f64,
+pub(super) struct Of<'a> {
+    pub blame: &'a Blame<'a>,
+    pub table: String,
+    pub log: &'a LogSpec,
+    pub model: &'a Model,
+    pub period_s: f64,
 }
 
 impl Of<'_> {
-    fn key(&self, name: &str) -> String {
+    pub(super) fn key(&self, name: &str) -> String {
         format!("{} {name}", self.table)
     }
 
-    fn wrong(&self, name: &str, found: impl ToString, expected: impl ToString) -> SynthError {
+    pub(super) fn wrong(&self, name: &str, found: impl ToString, expected: impl ToString) -> SynthError {
         self.blame.value(&self.key(name), found, expected)
     }
 
     /// Keys that do not belong here.
-    fn refuse<const N: usize>(&self, keys: [(&str, bool); N], place: &str) -> Result<(), SynthError> {
+    pub(super) fn refuse<const N: usize>(&self, keys: [(&str, bool); N], place: &str) -> Result<(), SynthError> {
         match keys.into_iter().find(|(_, stated)| *stated) {
             Some((name, _)) => Err(self.wrong(name, "it", format!("nothing: it does not go with {place}"))),
             None => Ok(()),
         }
     }
 
-    fn file<'b>(&self, mut others: impl Iterator<Item = &'b str>) -> Result<String, SynthError> {
+    pub(super) fn role(&self) -> Result<Role, SynthError> {
+        match self.log.role.as_deref() {
+            None | Some("fit") => Ok(Role::Fit),
+            Some("validate") => Ok(Role::Validate),
+            Some(other) => Err(self.wrong("role", format!("\"{other}\""), "\"fit\" or \"validate\"")),
+        }
+    }
+
+    pub(super) fn file<'b>(&self, mut others: impl Iterator<Item = &'b str>) -> Result<String, SynthError> {
         let file = &self.log.file;
         let is_name = Path::new(file).file_name().is_some_and(|name| name == file.as_str())
             && file.ends_with(".csv")
@@ -132,7 +137,7 @@ impl Of<'_> {
         Ok(Plan { asked: self.asked(&setpoints, None), entry, forward_s: log.forward })
     }
 
-    fn setpoints(&self, folder: &Path, scenario: RobotScenario) -> Result<Setpoints, SynthError> {
+    pub(super) fn setpoints(&self, folder: &Path, scenario: RobotScenario) -> Result<Setpoints, SynthError> {
         let (log, model) = (self.log, self.model);
         let refused = |name: &'static str| move |error| self.blame.refused(&self.key(name), error);
         let duration = |own: f64| {
@@ -258,7 +263,7 @@ impl Of<'_> {
         Ok(base.roll_pitch_yaw_rad())
     }
 
-    fn entry(&self, file: String, role: Role, release: Option<RobotRelease>) -> RobotStudyLog {
+    pub(super) fn entry(&self, file: String, role: Role, release: Option<RobotRelease>) -> RobotStudyLog {
         let extra = |e: ExtraSpec| ExtraMass {
             mass_kg: e.mass,
             distance_m: e.distance,
@@ -268,7 +273,7 @@ impl Of<'_> {
         RobotStudyLog { path: (&file).into(), file, role, release, extra: self.log.extra.map(extra), forward: None }
     }
 
-    fn asked(&self, setpoints: &Setpoints, attitude: Option<[f64; 3]>) -> RobotLog {
+    pub(super) fn asked(&self, setpoints: &Setpoints, attitude: Option<[f64; 3]>) -> RobotLog {
         let joint = |(joint, column): (&crate::geometry::Joint, &Option<Column>)| {
             let q_ref = column.as_ref().map(|column| column.angle_rad.clone()).unwrap_or_default();
             JointColumns {
@@ -298,7 +303,7 @@ impl Of<'_> {
     }
 }
 
-fn times(from_s: f64, to_s: f64, period_s: f64) -> Vec<f64> {
+pub(super) fn times(from_s: f64, to_s: f64, period_s: f64) -> Vec<f64> {
     let n = ((to_s - from_s) / period_s + 1e-6).floor() as usize;
     (0..=n).map(|k| from_s + k as f64 * period_s).collect()
 }

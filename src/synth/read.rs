@@ -1,11 +1,13 @@
 //! Reads a spec from TOML.
 
-use super::spec::{Believed, EffectSpec, JointBench, LogSpec, Spec, TruthSpec};
+use super::spec::{AnySpec, Believed, DescribedSpec, EffectSpec, JointBench, LogSpec, Spec, TruthSpec};
 use crate::log::{
-    Document, LogError, RawControl, RawFloor, RawFriction, RawRobot, RawRobotSensor, RobotScenario, RobotStudy,
-    Sections, Uncertain, check_schema, robot_sections,
+    Document, LogError, RawBeliefs, RawBelieved, RawControl, RawDescribed, RawFloor, RawFriction, RawLoop, RawRobot,
+    RawRobotSensor, RawSensor, RawUncertain, RobotScenario, RobotStudy, Sections, Uncertain, check_schema,
+    clamped_beliefs, robot_sections,
 };
 use serde::Deserialize;
+use std::collections::BTreeMap;
 use std::path::Path;
 use toml::Spanned;
 
@@ -27,6 +29,70 @@ struct RawSpec {
     effect: Vec<EffectSpec>,
     #[serde(default)]
     log: Vec<LogSpec>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawDescribedSpec {
+    schema: Option<Spanned<i64>>,
+    #[serde(default)]
+    seed: u64,
+    robot: RawDescribed,
+    #[serde(default)]
+    joints: BTreeMap<String, RawBeliefs>,
+    #[serde(default)]
+    groups: BTreeMap<String, Spanned<Vec<String>>>,
+    #[serde(default)]
+    control: RawLoop,
+    #[serde(default)]
+    sensor: RawSensor,
+    #[serde(default)]
+    uncertain: RawUncertain,
+    #[serde(default)]
+    truth: TruthSpec,
+    #[serde(default)]
+    effect: Vec<EffectSpec>,
+    #[serde(default)]
+    log: Vec<LogSpec>,
+}
+
+impl AnySpec {
+    /// Reads a spec of either kind.
+    ///
+    /// # Errors
+    /// As [`Spec::read`].
+    pub fn read(path: &Path) -> Result<Self, LogError> {
+        Self::of(&Document::open(path)?)
+    }
+
+    /// Reads a spec that is at hand; `file` is its name in errors, and its folder that of paths in it.
+    ///
+    /// # Errors
+    /// As [`Spec::read`].
+    pub fn from_toml(file: &Path, text: &str) -> Result<Self, LogError> {
+        Self::of(&Document::of_text(file, text))
+    }
+
+    fn of(document: &Document<'_>) -> Result<Self, LogError> {
+        let tables = toml::from_str::<toml::Table>(document.text()).unwrap_or_default();
+        let scenario = tables.get("robot").and_then(|robot| robot.get("scenario"));
+        if scenario.and_then(toml::Value::as_str) != Some("fixed") {
+            return Spec::of(document).map(|spec| Self::Robot(Box::new(spec)));
+        }
+        let raw: RawDescribedSpec = document.parse_any()?;
+        check_schema(document, &raw.schema)?;
+        let RawDescribedSpec { robot, joints, groups, control, sensor, uncertain, .. } = raw;
+        let believed = RawBelieved { robot, joints, groups, control, sensor, uncertain };
+        Ok(Self::Described(Box::new(DescribedSpec {
+            file: document.file.to_path_buf(),
+            seed: raw.seed,
+            study: clamped_beliefs(document, believed)?,
+            tables,
+            truth: raw.truth,
+            effects: raw.effect,
+            logs: raw.log,
+        })))
+    }
 }
 
 impl Spec {

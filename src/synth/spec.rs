@@ -1,6 +1,6 @@
 //! What is asked for: plain data, as a TOML file has it or as code puts it together.
 
-use crate::log::RobotStudy;
+use crate::log::{ClampedStudy, RobotStudy};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -20,6 +20,34 @@ pub struct Spec {
     pub effects: Vec<EffectSpec>,
     /// The logs.
     pub logs: Vec<LogSpec>,
+}
+
+/// What is believed of a robot that a description describes, what is true, and the logs to make.
+#[derive(Clone, Debug)]
+pub struct DescribedSpec {
+    /// Where it stands, for messages; paths in it are relative to its folder.
+    pub file: PathBuf,
+    /// Seed of scatter, motions and sensors' noise.
+    pub seed: u64,
+    /// What the engineer believes: a study without logs.
+    pub study: ClampedStudy,
+    /// The same as it is written.
+    pub(super) tables: toml::Table,
+    /// What is true instead.
+    pub truth: TruthSpec,
+    /// What the truth has and the belief lacks.
+    pub effects: Vec<EffectSpec>,
+    /// The logs.
+    pub logs: Vec<LogSpec>,
+}
+
+/// A spec of either kind.
+#[derive(Clone, Debug)]
+pub enum AnySpec {
+    /// An ERS-7, a robot of our own format, a joint of a leg.
+    Robot(Box<Spec>),
+    /// Any robot with a clamped base, `scenario = "fixed"`.
+    Described(Box<DescribedSpec>),
 }
 
 /// What the engineer believes.
@@ -65,6 +93,10 @@ pub struct TruthSpec {
     pub payload: Vec<PayloadSpec>,
     /// True friction, by joint or kind of joint.
     pub friction: BTreeMap<String, FrictionTruth>,
+    /// Torque that arrives per stated gain, by joint; described robots only.
+    pub gain: BTreeMap<String, f64>,
+    /// Standard deviation of readings before rounding \[rad\]; described robots only.
+    pub noise: Option<f64>,
     /// True floor.
     pub floor: FloorTruth,
     /// The floor rises by this angle towards the front \[rad\].
@@ -173,7 +205,8 @@ pub struct LogSpec {
     pub file: String,
     /// `fit` (default) or `validate`.
     pub role: Option<String>,
-    /// Air and floor: a gait that is built in, a gait's file, or a motion file; `trot` unless stated.
+    /// Air and floor: a gait that is built in, a gait's file, or a motion file; `trot` unless stated. Described robots:
+    /// `sines` (unless stated), `steps`, or a file.
     pub gait: Option<String>,
     /// Air and floor: a table of setpoints, `t` and a column for each joint.
     pub setpoints: Option<String>,
@@ -185,6 +218,8 @@ pub struct LogSpec {
     pub duration: Option<f64>,
     /// Air and floor: write the trunk's place and what its accelerometers feel too.
     pub base: bool,
+    /// Described robots: logs of one name were taken in one go.
+    pub session: Option<String>,
     /// Floor: state the displacement between these two times \[s\] as measured, to a millimetre.
     pub forward: Option<[f64; 2]>,
     /// Drop: the joint that is let go.

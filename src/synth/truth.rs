@@ -4,7 +4,7 @@ use super::error::{Blame, SynthError};
 use super::joint;
 use super::spec::{Believed, EffectSpec, FloorTruth, JointBench, JointChoice, MassScale, Spec, TruthSpec};
 use crate::integrate::{self, Tolerance};
-use crate::joint::{EffectId, Stage};
+use crate::joint::{EffectForm, EffectId, Stage};
 use crate::log::{FloorSpec, RobotStudy};
 use crate::robot::simulate::{Joints, Method, standard_normal};
 use crate::robot::study::floor_of;
@@ -74,13 +74,13 @@ const LARGEST_SCATTER: f64 = 0.3;
 const WIDEST: f64 = 3.0;
 
 /// Factors `1 + scatter z`; all 1 without scatter.
-struct Scatter {
-    rng: ChaCha8Rng,
-    scatter: f64,
+pub(super) struct Scatter {
+    pub rng: ChaCha8Rng,
+    pub scatter: f64,
 }
 
 impl Scatter {
-    fn factor(&mut self) -> f64 {
+    pub fn factor(&mut self) -> f64 {
         // The draw is made in any case: the same seed gives the same pattern at every size.
         1.0 + self.scatter * standard_normal(&mut self.rng).clamp(-WIDEST, WIDEST)
     }
@@ -94,11 +94,14 @@ pub(super) fn of(spec: &Spec, robot: &Model, study: &RobotStudy) -> Result<(Nomi
     };
     let blame = Blame { file: &spec.file };
     let stated = &spec.truth;
-    let in_range = |x: f64| (0.0..=LARGEST_SCATTER).contains(&x);
-    let scatter = blame.number("[truth] scatter", stated.scatter, in_range, "a relative deviation from 0 to 0.3")?;
-    let of_friction = stated.friction_scatter.unwrap_or(scatter);
-    let key = "[truth] friction_scatter";
-    let of_friction = blame.number(key, of_friction, in_range, "a relative deviation from 0 to 0.3")?;
+    if let Some(joint) = stated.gain.keys().next() {
+        let key = format!("[truth] gain.{joint}");
+        return Err(blame.value(&key, "it", "it with scenario = \"fixed\" only"));
+    }
+    if stated.noise.is_some() {
+        return Err(blame.value("[truth] noise", "it", "`noise` in [sensor] here"));
+    }
+    let [scatter, of_friction] = scatters(&blame, stated)?;
     let mut scatter = Scatter { rng: ChaCha8Rng::seed_from_u64(spec.seed), scatter };
     let model = masses(&blame, stated, robot, &mut scatter)?;
     let mut nominal = Nominal::on(&model, study).map_err(|error| blame.refused("[robot]", error))?;
@@ -108,10 +111,10 @@ pub(super) fn of(spec: &Spec, robot: &Model, study: &RobotStudy) -> Result<(Nomi
         prepared.map_err(|error| blame.refused("[joint] name", error))?;
     }
     let of_rest = std::mem::replace(&mut scatter.scatter, of_friction);
-    friction(&blame, stated, &mut nominal, &mut scatter)?;
+    friction(&blame, stated, &nominal.model, &mut nominal.joints, &mut scatter)?;
     scatter.scatter = of_rest;
     let floor = floor(&blame, stated, study, &mut nominal, &mut scatter)?;
-    let effects = effects(&blame, &spec.effects, bench, &mut nominal)?;
+    let effects = effects(&blame, &spec.effects, bench, &nominal.model, &mut nominal.joints)?;
     let method = method(&blame, stated)?;
     let friction_of = |id: JointId| {
         let law = &nominal.joints.drive(id).chain.friction;
@@ -128,6 +131,15 @@ pub(super) fn of(spec: &Spec, robot: &Model, study: &RobotStudy) -> Result<(Nomi
         method: format!("{method:?}"),
     };
     Ok((nominal, method, truth))
+}
+
+/// Relative deviations of everything, and of friction.
+pub(super) fn scatters(blame: &Blame<'_>, stated: &TruthSpec) -> Result<[f64; 2], SynthError> {
+    let in_range = |x: f64| (0.0..=LARGEST_SCATTER).contains(&x);
+    let scatter = blame.number("[truth] scatter", stated.scatter, in_range, "a relative deviation from 0 to 0.3")?;
+    let of_friction = stated.friction_scatter.unwrap_or(scatter);
+    let key = "[truth] friction_scatter";
+    Ok([scatter, blame.number(key, of_friction, in_range, "a relative deviation from 0 to 0.3")?])
 }
 
 fn masses(blame: &Blame<'_>, stated: &TruthSpec, robot: &Model, scatter: &mut Scatter) -> Result<Model, SynthError> {
@@ -178,17 +190,18 @@ fn masses(blame: &Blame<'_>, stated: &TruthSpec, robot: &Model, scatter: &mut Sc
     Ok(model)
 }
 
-fn friction(
+pub(super) fn friction(
     blame: &Blame<'_>,
     stated: &TruthSpec,
-    nominal: &mut Nominal,
+    model: &Model,
+    joints: &mut Joints,
     scatter: &mut Scatter,
 ) -> Result<(), SynthError> {
-    let is_known = |row: &str| nominal.model.joints().iter().any(|joint| joint.name == row || joint.kind == row);
+    let is_known = |row: &str| model.joints().iter().any(|joint| joint.name == row || joint.kind == row);
     for (row, friction) in &stated.friction {
         let key = format!("[truth] friction.{row}");
         if !is_known(row) {
-            return Err(blame.value(&key, "no such joint or kind", joint_names(&nominal.model)));
+            return Err(blame.value(&key, "no such joint or kind", joint_names(model)));
         }
         for (name, value) in [("coulomb", friction.coulomb), ("viscous", friction.viscous)] {
             let Some(value) = value else { continue };
@@ -196,11 +209,11 @@ fn friction(
             blame.number(&format!("{key}.{name}"), value, |x| (0.0..=10.0).contains(&x), expected)?;
         }
     }
-    for id in nominal.model.joint_ids() {
-        let joint = &nominal.model.joints()[id.index()];
+    for id in model.joint_ids() {
+        let joint = &model.joints()[id.index()];
         let row = stated.friction.get(&joint.name).or_else(|| stated.friction.get(&joint.kind));
         let row = row.copied().unwrap_or_default();
-        let law = &mut nominal.joints.drive_mut(id).chain.friction;
+        let law = &mut joints.drive_mut(id).chain.friction;
         law.coulomb_nm = row.coulomb.unwrap_or(law.coulomb_nm) * scatter.factor();
         law.viscous_nm_s_rad = row.viscous.unwrap_or(law.viscous_nm_s_rad) * scatter.factor();
     }
@@ -255,18 +268,19 @@ fn floor(
     }))
 }
 
-fn effects(
+pub(super) fn effects(
     blame: &Blame<'_>,
     stated: &[EffectSpec],
     bench: Option<&JointBench>,
-    nominal: &mut Nominal,
+    model: &Model,
+    joints: &mut Joints,
 ) -> Result<Vec<TrueEffect>, SynthError> {
-    let (model, joints) = (&nominal.model, &mut nominal.joints);
     let mut found = Vec::with_capacity(stated.len());
     for (k, spec) in stated.iter().enumerate() {
         let key = |name: &str| format!("[[effect]] {} {name}", k + 1);
-        let id: EffectId = spec.id.parse().map_err(|unknown| blame.value(&key("id"), &spec.id, unknown))?;
-        let known = id.named_parameters();
+        let form: EffectForm = spec.id.parse().map_err(|unknown| blame.value(&key("id"), &spec.id, unknown))?;
+        let id = form.id;
+        let known = form.named_parameters();
         if let Some(other) = spec.parameters.keys().find(|name| known.iter().all(|p| p.name != name.as_str())) {
             let names: Vec<&str> = known.iter().map(|p| p.name).collect();
             return Err(blame.value(&key(other), "a parameter that the effect does not have", names.join(", ")));
@@ -287,7 +301,7 @@ fn effects(
                 let name = &model.joints()[joint.index()].name;
                 return Err(blame.value(&key("joints"), name, "joints with a controller: the effect is its motor's"));
             }
-            joints.add_effect(model, *joint, id, &named).map_err(|error| blame.refused(&key(id.id()), error))?;
+            joints.add_effect(model, *joint, form, &named).map_err(|error| blame.refused(&key(id.id()), error))?;
         }
         found.push(TrueEffect {
             id,
@@ -330,12 +344,12 @@ fn chosen(
     if found.is_empty() { Err(blame.value(key, "no joint", "at least one")) } else { Ok(found) }
 }
 
-fn joint_names(model: &Model) -> String {
+pub(super) fn joint_names(model: &Model) -> String {
     let names: Vec<&str> = model.joints().iter().map(|joint| joint.name.as_str()).collect();
     names.join(", ")
 }
 
-fn method(blame: &Blame<'_>, stated: &TruthSpec) -> Result<Method, SynthError> {
+pub(super) fn method(blame: &Blame<'_>, stated: &TruthSpec) -> Result<Method, SynthError> {
     let step = |default: f64| {
         let step_s = stated.step.unwrap_or(default);
         blame.number("[truth] step", step_s, |x| (1e-8..=0.1).contains(&x), "a step from 1e-8 to 0.1 s")

@@ -3,10 +3,8 @@
 use super::along::Along;
 use super::setup::{ClampedCaseError, ClampedSetup};
 use crate::identify::Case;
-use crate::log::{
-    ArrayLog, ClampedStudy, DriveMode, JointBeliefs, JointSpec, MotorSpec, Nominal, RobotLog, Spread, Uncertain,
-};
-use crate::robot::description::Mover;
+use crate::log::{ArrayLog, DriveMode, JointBeliefs, JointSpec, Nominal, RobotLog, Spread, Uncertain};
+use crate::robot::description::{Mover, MoverId};
 use std::collections::BTreeMap;
 
 /// A robot and its logs.
@@ -37,7 +35,7 @@ impl ClampedCase {
     /// # Errors
     /// [`ClampedCaseError`] where a joint's logs make no case.
     pub fn of(setup: &ClampedSetup) -> Result<Self, ClampedCaseError> {
-        let ClampedSetup { study, description, tree, logs } = setup;
+        let ClampedSetup { description, tree, logs, .. } = setup;
         let along = Along::new(description, tree);
         let links = along.links(logs);
         let mut joints = Vec::new();
@@ -49,7 +47,7 @@ impl ClampedCase {
                 continue;
             }
             let (bare, carriages) = link.ok_or_else(|| ClampedCaseError::NoInertia { joint: mover.name.clone() })?;
-            let maker = Maker { study, mover, said: setup.beliefs(*at), gravity_m_s2: along.gravity_m_s2() };
+            let maker = Maker { setup, at: *at, mover, said: setup.beliefs(*at), gravity_m_s2: along.gravity_m_s2() };
             let mut case = maker.case(bare, logs)?;
             let with_it = logs.iter().zip(carriages).filter(|(log, _)| log.joint(&mover.name).is_some());
             for (item, (_, carriage)) in case.items.iter_mut().zip(with_it) {
@@ -73,7 +71,8 @@ impl ClampedCase {
 
 /// What a joint's case is made from.
 struct Maker<'a> {
-    study: &'a ClampedStudy,
+    setup: &'a ClampedSetup,
+    at: MoverId,
     mover: &'a Mover,
     said: JointBeliefs,
     gravity_m_s2: f64,
@@ -90,7 +89,7 @@ impl Maker<'_> {
             gravity_m_s2: self.gravity_m_s2,
             rest_rad: None,
         };
-        let arrays = self.study.logs.iter().zip(logs).filter_map(|(entry, log)| {
+        let arrays = self.setup.study.logs.iter().zip(logs).filter_map(|(entry, log)| {
             let own = log.joint(name)?;
             Some(ArrayLog {
                 q_ref_rad: own.q_ref_rad.clone(),
@@ -107,39 +106,21 @@ impl Maker<'_> {
         let arrays: Vec<ArrayLog> = arrays.collect();
         let is_driven_by_position = arrays.iter().any(|log| log.drive == DriveMode::Position);
         let motor = match self.said.kp_nm_rad {
-            Some(kp_nm_rad) => self.motor(kp_nm_rad),
+            Some(kp_nm_rad) => self.setup.motor_with(self.at, &self.said, kp_nm_rad),
             None if is_driven_by_position => {
-                return Err(ClampedCaseError::NoGain { file: self.study.file.clone(), joint: name.clone() });
+                return Err(ClampedCaseError::NoGain { file: self.setup.study.file.clone(), joint: name.clone() });
             }
             // Only its gears matter.
-            None => self.motor(0.0),
+            None => self.setup.motor_with(self.at, &self.said, 0.0),
         };
-        Case::of_arrays(joint, self.study.sensor, Some(motor), self.uncertain(), arrays)
+        Case::of_arrays(joint, self.setup.study.sensor, Some(motor), self.uncertain(), arrays)
             .map_err(|source| ClampedCaseError::Joint { joint: name.clone(), source: Box::new(source) })
-    }
-
-    fn motor(&self, kp_nm_rad: f64) -> MotorSpec {
-        let said = &self.said;
-        MotorSpec {
-            kp_nm_rad,
-            ki_nm_rad_s: said.ki_nm_rad_s.unwrap_or(0.0),
-            kd_nm_s_rad: said.kd_nm_s_rad.unwrap_or(0.0),
-            hold: self.study.hold,
-            derivative: self.study.derivative,
-            sample_period_s: self.study.sample_period_s,
-            torque_limit_nm: said.torque_limit_nm,
-            // A line of torque against speed needs the stall torque.
-            speed_limit_rad_s: said.speed_limit_rad_s.filter(|_| said.torque_limit_nm.is_some()),
-            model: said.model.unwrap_or_default(),
-            encoder: said.encoder.unwrap_or_default(),
-            armature_kg_m2: said.armature_kg_m2.unwrap_or(self.mover.armature_kg_m2),
-        }
     }
 
     /// What is uncertain of this joint: inertia and moment by the masses of what it carries.
     fn uncertain(&self) -> Uncertain {
         let name = &self.mover.name;
-        let all = &self.study.uncertain;
+        let all = &self.setup.study.uncertain;
         let own = |spread: &Spread| Spread::of_all(spread.of(name));
         Uncertain {
             inertia: own(&all.mass),

@@ -2,7 +2,9 @@
 
 use super::pooled::alike;
 use crate::identify::CaseError;
-use crate::log::{ClampedStudy, JointBeliefs, LogError, RobotLog, read_clamped_study, read_clamped_study_logs};
+use crate::log::{
+    ClampedStudy, JointBeliefs, LogError, MotorSpec, RobotLog, read_clamped_study, read_clamped_study_logs,
+};
 use crate::robot::description::{
     Actuator, ActuatorKind, BodyChange, Description, DescriptionError, LinkId, Mover, MoverId,
 };
@@ -40,21 +42,31 @@ impl ClampedSetup {
     /// # Errors
     /// As [`ClampedSetup::read`].
     pub fn of_read(study: ClampedStudy, logs: Vec<RobotLog>) -> Result<Self, ClampedCaseError> {
+        let setup = Self { logs, ..Self::of_study(study)? };
+        for log in &setup.logs {
+            for joint in &log.joints {
+                let column = || format!("column `{}.q`", joint.name);
+                known_joint(&log.file, &column, &joint.name, &setup.description)?;
+            }
+        }
+        Ok(setup)
+    }
+
+    /// The robot of a study with what it believes, before its logs are read.
+    ///
+    /// # Errors
+    /// As [`ClampedSetup::read`].
+    pub fn of_study(study: ClampedStudy) -> Result<Self, ClampedCaseError> {
         let description =
             Description::read(&study.model_path).map_err(|error| ClampedCaseError::Description(Box::new(error)))?;
+        let description = description.with_equalities();
         let of_tree = |source| ClampedCaseError::Tree { file: study.model_path.clone(), source };
         let mut tree = Tree::new(&description, TreeBase::Fixed).map_err(of_tree)?;
         if let Some([x, y, z]) = study.gravity_m_s2 {
             tree = tree.with_gravity(Vector3::new(x, y, z));
         }
         check_names(&study, &description)?;
-        for log in &logs {
-            for joint in &log.joints {
-                let column = || format!("column `{}.q`", joint.name);
-                known_joint(&log.file, &column, &joint.name, &description)?;
-            }
-        }
-        Ok(Self { study, description, tree, logs })
+        Ok(Self { study, description, tree, logs: Vec::new() })
     }
 
     /// Joints that may share a cause: the study's groups, and joints that the tree makes alike.
@@ -69,6 +81,29 @@ impl ClampedSetup {
         let mover = &self.description.joints[joint.0];
         let servos = self.tree.servos(&self.description);
         self.study.of_joint(&mover.name).over(of_description(mover, &self.description, &servos))
+    }
+
+    /// How a joint's setpoints become torques, where anybody says it: study and description.
+    pub fn motor(&self, joint: MoverId) -> Option<MotorSpec> {
+        let said = self.beliefs(joint);
+        said.kp_nm_rad.map(|kp_nm_rad| self.motor_with(joint, &said, kp_nm_rad))
+    }
+
+    pub(super) fn motor_with(&self, joint: MoverId, said: &JointBeliefs, kp_nm_rad: f64) -> MotorSpec {
+        MotorSpec {
+            kp_nm_rad,
+            ki_nm_rad_s: said.ki_nm_rad_s.unwrap_or(0.0),
+            kd_nm_s_rad: said.kd_nm_s_rad.unwrap_or(0.0),
+            hold: self.study.hold,
+            derivative: self.study.derivative,
+            sample_period_s: self.study.sample_period_s,
+            torque_limit_nm: said.torque_limit_nm,
+            // A line of torque against speed needs the stall torque.
+            speed_limit_rad_s: said.speed_limit_rad_s.filter(|_| said.torque_limit_nm.is_some()),
+            model: said.model.unwrap_or_default(),
+            encoder: said.encoder.unwrap_or_default(),
+            armature_kg_m2: said.armature_kg_m2.unwrap_or(self.description.joints[joint.0].armature_kg_m2),
+        }
     }
 
     /// The same with a body changed.
@@ -128,6 +163,14 @@ pub enum ClampedCaseError {
         joint: String,
         /// Why.
         source: Box<CaseError>,
+    },
+    /// The whole robot cannot be simulated.
+    #[error("{}: {what}", file.display())]
+    NotSimulated {
+        /// The description.
+        file: PathBuf,
+        /// Why.
+        what: String,
     },
     /// Nobody says how setpoints become torques.
     #[error("{}: joint {joint} is driven by position, and neither [joints.{joint}] nor [joints.default] states kp, nor has the description a position actuator", file.display())]

@@ -7,7 +7,7 @@ use crate::joint::EffectId;
 use crate::log::RobotScenario;
 use crate::robot::simulate::{BaseSample, Joints, Method, Scenario, SimulateError, Surroundings, run};
 use crate::robot::study::{joints_of, lift, settled, standing};
-use crate::robot::{BodyId, Floor, FloorParameters, Model, Touching};
+use crate::robot::{BodyId, Floor, FloorParameters, JointId, Model, Touching};
 use nalgebra::Vector3;
 
 /// What a log would read, sample by sample.
@@ -125,6 +125,20 @@ pub(super) fn predict(
         }
     }
     let floor = floor.map(|floor| Floor::new(floor, &model, Touching::Marked)).transpose()?;
+    // Beside a clamped trunk limbs in which nothing moves stay where they stand.
+    let still = standing(&model, &joints, &setpoints);
+    let still: Vec<f64> =
+        joints.drives().iter().zip(&still.angle_rad).map(|(drive, q)| drive.reading_rad(*q)).collect();
+    let moving: Vec<JointId> = model.joint_ids().filter(|id| log.moves(id.index())).collect();
+    let (model, kept) = match case.is_clamped() && !moving.is_empty() {
+        true => model.limbs(&moving)?,
+        false => {
+            let all = model.joint_ids().collect();
+            (model, all)
+        }
+    };
+    let joints = joints.only(&kept);
+    setpoints.columns = kept.iter().map(|id| setpoints.columns[id.index()].take()).collect();
     let mut start = standing(&model, &joints, &setpoints);
     start.base_position_m = log.scene.start.base_position_m;
     start.base_orientation = log.scene.start.base_orientation;
@@ -153,7 +167,7 @@ pub(super) fn predict(
     }
     let (n, last) = (samples, recording.t_s.len() - 1);
     let is_uniform = recording.t_s.iter().zip(t_s).all(|(a, b)| (a - b).abs() < 1e-6);
-    let readings = |id: crate::robot::JointId| -> Vec<f64> {
+    let readings = |id: JointId| -> Vec<f64> {
         let drive = joints.drive(id);
         (0..n)
             .map(|k| match is_uniform {
@@ -163,7 +177,11 @@ pub(super) fn predict(
             .map(|angle_rad| drive.reading_rad(angle_rad))
             .collect()
     };
-    let reading_rad: Vec<Vec<f64>> = model.joint_ids().map(readings).collect();
+    let mut reading_rad: Vec<Vec<f64>> = still.into_iter().map(|q| vec![q; n]).collect();
+    let mut rate_rad_s = vec![vec![0.0; recording.t_s.len()]; reading_rad.len()];
+    for ((id, own), rate) in kept.iter().zip(model.joint_ids()).zip(&recording.rate_rad_s) {
+        (reading_rad[id.index()], rate_rad_s[id.index()]) = (readings(own), rate.clone());
+    }
     let is_finite = reading_rad.iter().flatten().all(|q| q.is_finite());
-    Ok(is_finite.then_some(Predicted { reading_rad, rate_rad_s: recording.rate_rad_s, base: recording.base }))
+    Ok(is_finite.then_some(Predicted { reading_rad, rate_rad_s, base: recording.base }))
 }

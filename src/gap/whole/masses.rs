@@ -10,6 +10,9 @@ use nalgebra::{DMatrix, DVector};
 const POSES: usize = 400;
 /// Pull of masses to what is described, against moments.
 const RIDGE: f64 = 1e-3;
+/// Half a 95 % interval from which on a moment weighs less, as a share of what is described, and the weight of one without.
+const TOLD: f64 = 0.1;
+const UNTOLD: f64 = 1e-3;
 /// A moment that is so near to what it was asks for nothing.
 const NEAR: f64 = 0.01;
 /// A moment that masses cannot give to this share is said.
@@ -65,14 +68,17 @@ pub(super) fn masses(
     let Some(without) = links.iter().map(without).collect::<Option<Vec<_>>>() else { return (Vec::new(), Vec::new()) };
     let (rows, n) = (names.len() * poses.len(), links.len());
     let scale: Vec<f64> = all.iter().map(|own| own.iter().fold(1e-9_f64, |most, g| most.max(g.abs()))).collect();
+    // A moment that the logs tell badly asks for little.
+    let weight = |half: Option<f64>| half.map_or(UNTOLD, |half| TOLD / TOLD.hypot(half));
+    let weights: Vec<f64> = shares.iter().map(|share| share.map_or(0.0, |(_, half)| weight(half))).collect();
     let at = |row: usize| (row / poses.len(), row % poses.len());
     let columns = DMatrix::from_fn(rows, n, |row, b| {
         let (j, k) = at(row);
-        if shares[j].is_some() { (all[j][k] - without[b][j][k]) / scale[j] } else { 0.0 }
+        weights[j] * (all[j][k] - without[b][j][k]) / scale[j]
     });
     let target = DVector::from_fn(rows, |row, _| {
         let (j, k) = at(row);
-        shares[j].map_or(0.0, |(share, _)| (share - 1.0) * all[j][k] / scale[j])
+        shares[j].map_or(0.0, |(share, _)| weights[j] * (share - 1.0) * all[j][k] / scale[j])
     });
     let mut normal = columns.tr_mul(&columns);
     for b in 0..n {

@@ -3,7 +3,10 @@
 
 mod masses;
 mod numbers;
+mod robot;
 mod simulated;
 
 pub use numbers::{FoundRobot, found_robot};
-pub use simulated::{Whole, WholeJoint, simulated};
+pub use robot::{PlacedCause, WholeRobot, placed_causes};
+pub(crate) use simulated::predicted_csv;
+pub use simulated::{LeftOut, Whole, WholeJoint, WholeMotion, simulated};

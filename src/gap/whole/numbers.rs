@@ -135,11 +135,20 @@ fn of_joint(
             .collect();
         match (cause.effect, &cause.parameters[..]) {
             (EffectId::TorqueLimit, _) => {}
+            (EffectId::Delay, [late]) if cause.only.is_none() => {
+                push(FoundKey::Delay, None, late.value, late.interval, "s");
+            }
+            (EffectId::AngleOffset, [zero]) if cause.only.is_none() => {
+                push(FoundKey::EncoderZero, None, zero.value, zero.interval, "rad");
+            }
             (EffectId::JointSpring, [k, rest]) if mover.stiffness[0] == 0.0 => {
                 push(FoundKey::Stiffness, Some(0.0), k.value, k.interval, "N m/rad");
                 push(FoundKey::Springref, None, rest.value, rest.interval, "rad");
             }
-            _ => {
+            (effect, values) => {
+                if let (EffectId::Stribeck, [most, ..], None) = (effect, values, &cause.only) {
+                    push(FoundKey::StaticFriction, None, most.value, most.interval, "N m");
+                }
                 found.cannot_say.push(format!("{}: {} ({})", mover.name, cause.effect, numbers.join(", ")));
             }
         }

@@ -1,29 +1,44 @@
 //! One simulation of the whole robot under the study's setpoints, as stated and with all that was found.
 
 use super::numbers::{FoundRobot, found_robot};
+use super::robot::{PlacedCause, WholeRobot, placed_causes};
 use crate::gap::clamped::{ClampedDiagnosis, ClampedSetup};
-use crate::identify::smooth_along;
-use crate::joint::EffectId;
 use crate::log::{DriveMode, RobotLog, Role};
-use crate::robot::description::Description;
-use crate::robot::simulate::{Column, Control, Joints, Method, Recording, Scenario, Setpoints, run};
-use crate::robot::{Model, State};
+use crate::robot::description::FoundNumber;
 use std::fmt::Write as _;
 
-/// Longest step \[s\].
-const STEP_S: f64 = 1e-3;
+/// A joint whose error grows by this share and this much is worse with what was found \[rad\].
+const WORSE: f64 = 1.1;
+const WORSE_RAD: f64 = 1e-3;
 
 /// How far the whole robot is off on held-out logs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Whole {
     /// Root of the mean square over all joints as stated \[rad\].
     pub before: f64,
-    /// With all that was found \[rad\].
+    /// With all that was found, less what is in `left_out` \[rad\].
     pub after: f64,
     /// The same of each joint.
     pub joints: Vec<WholeJoint>,
     /// Predicted logs: the log's name, and `t,<joint>.q` as CSV.
     pub predicted: Vec<(String, String)>,
+    /// What was found and makes the whole robot worse than as stated; `robot` lacks it.
+    pub left_out: Vec<LeftOut>,
+    /// What the whole was simulated with.
+    pub robot: FoundRobot,
+    /// The first log that is shown.
+    pub shown: WholeMotion,
+}
+
+/// Readings of a log's joints in its order, at its samples \[rad\].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WholeMotion {
+    /// The log's place in the study.
+    pub log: usize,
+    /// As stated.
+    pub before: Vec<Vec<f64>>,
+    /// With what was found.
+    pub after: Vec<Vec<f64>>,
 }
 
 /// A joint of a whole robot.
@@ -37,111 +52,125 @@ pub struct WholeJoint {
     pub after: f64,
 }
 
-/// Simulates the whole robot on the held-out logs that setpoints drive, or else on the fitted ones.
+/// A change that makes the whole robot worse.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct LeftOut {
+    /// The joint whose numbers and causes it is; `None`: the masses that moments were made of.
+    pub joint: Option<String>,
+    /// Error of the whole robot with it \[rad\].
+    pub with_it: f64,
+    /// Without it \[rad\].
+    pub without_it: f64,
+}
+
+/// What a prediction of logs comes to.
+struct Told {
+    all: f64,
+    joints: Vec<(String, f64)>,
+    predicted: Vec<(String, String)>,
+    /// The first log's place in the study, and its readings.
+    first: (usize, Vec<Vec<f64>>),
+}
+
+/// Simulates the whole robot on the held-out logs that setpoints drive, or else on the fitted ones. Where a joint is worse
+/// than as stated with all that was found, first the masses that moments were made of are left out, then the changes of
+/// joints, the worst first, as long as that helps.
 ///
 /// # Errors
 /// Why it cannot be, in words.
 pub fn simulated(setup: &ClampedSetup, diagnosis: &ClampedDiagnosis) -> Result<Whole, String> {
-    let entries = setup.study.logs.iter().zip(&setup.logs).filter(|(entry, _)| entry.drive == DriveMode::Position);
-    let (held_out, fitted): (Vec<_>, Vec<_>) = entries.partition(|(entry, _)| entry.role == Role::Validate);
+    let of = |diagnosis| found_robot(setup, diagnosis).map_err(|error| error.to_string());
+    let (stated, mut found) = (of(None)?, of(Some(diagnosis))?);
+    let mut causes = placed_causes(diagnosis);
+    let before = predicted(setup, &stated.numbers, &[])?;
+    let mut after = predicted(setup, &found.numbers, &causes);
+    let mut left_out: Vec<LeftOut> = Vec::new();
+    // Every round leaves out something that was there.
+    for _ in 0..=before.joints.len() {
+        let Some(worst) = worst(&before, &after) else { break };
+        let is_mass = |number: &FoundNumber| !number.key.is_of_joint() && !is_of_body(diagnosis, number);
+        let joint = found.numbers.iter().all(|number| !is_mass(number)).then_some(worst);
+        let (mut less, mut fewer) = (found.clone(), causes.clone());
+        match &joint {
+            None => less.numbers.retain(|number| !is_mass(number)),
+            Some(joint) => {
+                less.numbers.retain(|number| !number.key.is_of_joint() || number.name != *joint);
+                less.numbers.extend(stated.numbers.iter().filter(|number| number.name == *joint).cloned());
+                fewer.retain(|cause| cause.joint != *joint);
+            }
+        }
+        let tried = predicted(setup, &less.numbers, &fewer);
+        let error = |told: &Result<Told, String>| told.as_ref().map_or(f64::INFINITY, |told| told.all);
+        let (with_it, without_it) = (error(&after), error(&tried));
+        if joint.is_some() && !(without_it < with_it) {
+            break;
+        }
+        if without_it < with_it {
+            left_out.push(LeftOut { joint, with_it, without_it });
+            after = tried;
+        }
+        (found, causes) = (less, fewer);
+    }
+    let after = after?;
+    let joints = before.joints.iter().zip(&after.joints).map(|((joint, before), (_, after))| WholeJoint {
+        joint: joint.clone(),
+        before: *before,
+        after: *after,
+    });
+    let (joints, robot) = (joints.collect(), found);
+    let shown = WholeMotion { log: after.first.0, before: before.first.1, after: after.first.1 };
+    Ok(Whole { before: before.all, after: after.all, joints, predicted: after.predicted, left_out, robot, shown })
+}
+
+/// The joint that is worst off beside what it is as stated; where the robot runs away, the one that is worst as stated.
+fn worst(before: &Told, after: &Result<Told, String>) -> Option<String> {
+    let Ok(after) = after else {
+        let most = before.joints.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        return most.map(|(joint, _)| joint.clone());
+    };
+    let pairs = before.joints.iter().zip(&after.joints);
+    let worse = pairs.filter(|((_, before), (_, after))| *after > WORSE * before && *after > before + WORSE_RAD);
+    let most = worse.max_by(|a, b| (a.1.1 - a.0.1).total_cmp(&(b.1.1 - b.0.1)));
+    most.map(|((joint, _), _)| joint.clone())
+}
+
+/// Whether a number is that of a body that the diagnosis names.
+fn is_of_body(diagnosis: &ClampedDiagnosis, number: &FoundNumber) -> bool {
+    diagnosis.bodies.iter().any(|body| body.body == number.name)
+}
+
+/// Predicts the logs that are shown.
+fn predicted(setup: &ClampedSetup, numbers: &[FoundNumber], causes: &[PlacedCause]) -> Result<Told, String> {
+    let entries = setup.study.logs.iter().zip(&setup.logs).enumerate();
+    let entries = entries.filter(|(_, (entry, _))| entry.drive == DriveMode::Position);
+    let (held_out, fitted): (Vec<_>, Vec<_>) = entries.partition(|(_, (entry, _))| entry.role == Role::Validate);
     let shown = if held_out.is_empty() { fitted } else { held_out };
     if shown.is_empty() {
         return Err("no log is driven by setpoints".to_owned());
     }
-    let of = |diagnosis| found_robot(setup, diagnosis).map_err(|error| error.to_string());
-    let (stated, found) = (of(None)?, of(Some(diagnosis))?);
-    let (mut names, mut squares, mut samples, mut predicted) = (Vec::<String>::new(), Vec::new(), 0, Vec::new());
-    for (entry, log) in shown {
-        let before = motion(setup, &stated, None, log)?;
-        let after = motion(setup, &found, Some(diagnosis), log)?;
-        for (k, joint) in log.joints.iter().enumerate() {
-            let sum =
-                |motion: &[Vec<f64>]| joint.q_rad.iter().zip(&motion[k]).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
-            let place = names.iter().position(|name| *name == joint.name).unwrap_or_else(|| {
-                names.push(joint.name.clone());
-                squares.push([0.0; 2]);
-                names.len() - 1
-            });
-            squares[place][0] += sum(&before);
-            squares[place][1] += sum(&after);
+    let mut robot = WholeRobot::of(setup, numbers, causes)?;
+    let (mut joints, mut samples, mut predicted) = (Vec::<(String, f64)>::new(), 0, Vec::new());
+    let mut first = None;
+    for (place, (entry, log)) in shown {
+        let motion = robot.readings(setup, log)?;
+        for (joint, motion) in log.joints.iter().zip(&motion) {
+            let squares = joint.q_rad.iter().zip(motion).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+            match joints.iter_mut().find(|(name, _)| *name == joint.name) {
+                Some((_, sum)) => *sum += squares,
+                None => joints.push((joint.name.clone(), squares)),
+            }
         }
         samples += log.len();
-        predicted.push((entry.file.clone(), csv(log, &after)));
+        predicted.push((entry.file.clone(), predicted_csv(log, &motion)));
+        first.get_or_insert((place, motion));
     }
-    let root = |square: f64| (square / samples as f64).sqrt();
-    let joint =
-        |(joint, [before, after]): (String, [f64; 2])| WholeJoint { joint, before: root(before), after: root(after) };
-    let joints: Vec<WholeJoint> = names.into_iter().zip(squares).map(joint).collect();
-    let all = |of: fn(&WholeJoint) -> f64| {
-        (joints.iter().map(|joint| of(joint).powi(2)).sum::<f64>() / joints.len().max(1) as f64).sqrt()
-    };
-    Ok(Whole { before: all(|joint| joint.before), after: all(|joint| joint.after), joints, predicted })
+    joints.iter_mut().for_each(|(_, sum)| *sum = (*sum / samples as f64).sqrt());
+    let all = (joints.iter().map(|(_, rms)| rms * rms).sum::<f64>() / joints.len().max(1) as f64).sqrt();
+    Ok(Told { all, joints, predicted, first: first.unwrap_or_default() })
 }
 
-/// The readings of a log's joints at its samples \[rad\].
-fn motion(
-    setup: &ClampedSetup,
-    robot: &FoundRobot,
-    diagnosis: Option<&ClampedDiagnosis>,
-    log: &RobotLog,
-) -> Result<Vec<Vec<f64>>, String> {
-    let description: Description = setup.description.with_found(&robot.numbers).map_err(|error| error.to_string())?;
-    let description = Description { gravity_m_s2: setup.tree.gravity_m_s2(), ..description };
-    let model = Model::of_description(&description).map_err(|error| error.to_string())?;
-    let text = |error: crate::robot::simulate::SimulateError| error.to_string();
-    let study = &setup.study;
-    let control = Control { derivative: study.derivative, hold: study.hold, sample_period_s: study.sample_period_s };
-    let mut joints = Joints::passive(&model);
-    joints.set_friction(&model, "chosen").map_err(text)?;
-    joints.set_control(&model, "printed", control).map_err(text)?;
-    for own in diagnosis.iter().flat_map(|d| &d.joints).filter_map(|joint| joint.diagnosis.as_ref()) {
-        let id = model.joint(&own.joint).map_err(|error| error.to_string())?;
-        // Springs and limits stand in the description; what holds in some logs only is left out.
-        let in_description = [EffectId::JointSpring, EffectId::TorqueLimit];
-        for cause in own.causes.iter().filter(|cause| cause.only.is_none() && !in_description.contains(&cause.effect)) {
-            let values: Vec<f64> = cause.parameters.iter().map(|number| number.value).collect();
-            joints.add_effect(&model, id, cause.effect, &values).map_err(text)?;
-        }
-    }
-    let mut start = State::at_rest(&model);
-    let mut columns = vec![None; model.joints().len()];
-    for id in model.joint_ids() {
-        let drive = joints.drive_mut(id);
-        let Some(own) = log.joint(&model.joints()[id.index()].name) else {
-            drive.is_rigid = true;
-            continue;
-        };
-        let [angle_rad, rate_rad_s, _] = smooth_along(&log.t_s, &own.q_rad)[0];
-        start.angle_rad[id.index()] = drive.true_rad(angle_rad);
-        start.rate_rad_s[id.index()] = rate_rad_s;
-        columns[id.index()] = own.q_ref_rad.clone().map(|angle_rad| Column { angle_rad, on: own.drive.clone() });
-    }
-    let setpoints = Setpoints { t_s: log.t_s.clone(), columns, hold: study.hold };
-    let period_s = (log.t_s[log.len() - 1] - log.t_s[0]) / (log.len() - 1) as f64;
-    let scenario =
-        Scenario { model: &model, joints: &joints, setpoints: &setpoints, start: &start, surroundings: None, period_s };
-    let recording = run(&scenario, Method::Stiff { step_s: STEP_S }).map_err(text)?;
-    if let Some(diverged) = &recording.diverged {
-        return Err(diverged.to_string());
-    }
-    let readings = |joint: &crate::log::JointColumns| {
-        let id = model.joint(&joint.name).map_err(|error| error.to_string())?;
-        let drive = joints.drive(id);
-        let at = |t: &f64| drive.reading_rad(between(&recording, id.index(), *t));
-        Ok(log.t_s.iter().map(at).collect())
-    };
-    log.joints.iter().map(readings).collect()
-}
-
-/// A joint's angle at an instant \[rad\].
-fn between(recording: &Recording, joint: usize, t_s: f64) -> f64 {
-    let (t, angle) = (&recording.t_s, &recording.angle_rad[joint]);
-    let after = t.partition_point(|own| *own < t_s).clamp(1, t.len() - 1);
-    let share = ((t_s - t[after - 1]) / (t[after] - t[after - 1])).clamp(0.0, 1.0);
-    angle[after - 1] + share * (angle[after] - angle[after - 1])
-}
-
-fn csv(log: &RobotLog, motion: &[Vec<f64>]) -> String {
+/// Predicted readings as a log.
+pub(crate) fn predicted_csv(log: &RobotLog, motion: &[Vec<f64>]) -> String {
     let names: Vec<String> = log.joints.iter().map(|joint| format!("{}.q", joint.name)).collect();
     let mut text = format!("t,{}\n", names.join(","));
     for (k, t) in log.t_s.iter().enumerate() {

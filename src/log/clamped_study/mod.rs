@@ -16,6 +16,8 @@ use super::motor_types::{Derivative, EncoderSide, Hold, MotorModel};
 use super::types::{DriveMode, Role, SensorSpec};
 use super::uncertain::Uncertain;
 
+pub(crate) use raw::{RawBeliefs, RawBelieved, RawDescribed, RawLoop};
+pub(crate) use read::believed;
 pub(super) use read::{clamped_study_of, without_joints};
 pub use read::{read_clamped_study, read_clamped_study_logs};
 

@@ -30,9 +30,19 @@ pub(super) struct RawClampedStudy {
     pub log: Vec<RawClampedLog>,
 }
 
+/// What of a document is believed, logs apart.
+pub(crate) struct RawBelieved {
+    pub robot: RawDescribed,
+    pub joints: BTreeMap<String, RawBeliefs>,
+    pub groups: BTreeMap<String, Spanned<Vec<String>>>,
+    pub control: RawLoop,
+    pub sensor: RawSensor,
+    pub uncertain: RawUncertain,
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct RawDescribed {
+pub(crate) struct RawDescribed {
     pub model: Text,
     pub scenario: Text,
     pub tip: Text,
@@ -43,7 +53,7 @@ pub(super) struct RawDescribed {
 
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
-pub(super) struct RawLoop {
+pub(crate) struct RawLoop {
     pub hold: Text,
     pub derivative: Text,
     pub sample_period: Number,
@@ -52,7 +62,7 @@ pub(super) struct RawLoop {
 /// What a study says of a joint: friction, and keys of `[motor]`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct RawBeliefs {
+pub(crate) struct RawBeliefs {
     pub coulomb: Number,
     pub viscous: Number,
     pub armature: Number,
@@ -71,7 +81,7 @@ pub(super) struct RawBeliefs {
 
 impl RawBeliefs {
     /// What of it turns the law's answer into torque, as a motor has it.
-    pub fn as_motor(&self) -> RawMotor {
+    pub(in crate::log) fn as_motor(&self) -> RawMotor {
         RawMotor {
             model: self.model.clone(),
             kt: self.kt.clone(),

@@ -5,9 +5,10 @@ use std::path::Path;
 
 use toml::Spanned;
 
-use super::raw::{RawBeliefs, RawClampedLog, RawClampedStudy};
+use super::raw::{RawBeliefs, RawBelieved, RawClampedLog, RawClampedStudy};
 use super::{ClampedStudy, ClampedStudyLog, JointBeliefs, Predict};
 use crate::log::beliefs::{ANY_NAME, uncertain};
+use crate::log::columns::Columns;
 use crate::log::document::{Document, NOT_NEGATIVE, PERIOD, POSITIVE, Range64, range};
 use crate::log::error::LogError;
 use crate::log::motor::{DERIVATIVES, ENCODERS, HOLDS, model};
@@ -35,6 +36,27 @@ pub fn read_clamped_study(path: &Path) -> Result<ClampedStudy, LogError> {
 pub(in crate::log) fn clamped_study_of(document: &Document<'_>) -> Result<ClampedStudy, LogError> {
     let raw: RawClampedStudy = document.parse_any()?;
     check_schema(document, &raw.schema)?;
+    if raw.log.is_empty() {
+        return Err(document.missing("[[log]]", "at least one log"));
+    }
+    let mut seen = BTreeMap::new();
+    let logs = raw.log.iter().enumerate().map(|(i, entry)| log(document, i, entry, &mut seen));
+    let logs: Vec<ClampedStudyLog> = logs.collect::<Result<_, _>>()?;
+    if !logs.iter().any(|log| log.role == Role::Fit) {
+        return Err(document.missing("[[log]] role", "at least one log with role = \"fit\""));
+    }
+    let predict = predict(document, &raw.log, &logs)?;
+    let columns = columns(document, &raw.columns)?;
+    let RawClampedStudy { robot, joints, groups, control, sensor, uncertain, .. } = raw;
+    let believed = believed(document, RawBelieved { robot, joints, groups, control, sensor, uncertain })?;
+    Ok(ClampedStudy { logs, predict, columns, ..believed })
+}
+
+/// What a document believes of a robot with a clamped base; it has no logs.
+///
+/// # Errors
+/// As [`read_clamped_study`].
+pub(crate) fn believed(document: &Document<'_>, raw: RawBelieved) -> Result<ClampedStudy, LogError> {
     let scenario = [("fixed", ())];
     document.needed_word("[robot] scenario", &raw.robot.scenario, &scenario)?;
     let expected = "the path of a robot's description: URDF, MJCF or TOML";
@@ -57,16 +79,6 @@ pub(in crate::log) fn clamped_study_of(document: &Document<'_>) -> Result<Clampe
         let expected = "hold = \"linear\" beside it: a setpoint held in steps has no derivative";
         return Err(document.wrong("[control] derivative", span, "\"error\" with hold = \"step\"", expected));
     }
-    if raw.log.is_empty() {
-        return Err(document.missing("[[log]]", "at least one log"));
-    }
-    let mut seen = BTreeMap::new();
-    let logs = raw.log.iter().enumerate().map(|(i, entry)| log(document, i, entry, &mut seen));
-    let logs: Vec<ClampedStudyLog> = logs.collect::<Result<_, _>>()?;
-    if !logs.iter().any(|log| log.role == Role::Fit) {
-        return Err(document.missing("[[log]] role", "at least one log with role = \"fit\""));
-    }
-    let predict = predict(document, &raw.log, &logs)?;
     Ok(ClampedStudy {
         file: document.file.to_path_buf(),
         model_path: folder.join(model.get_ref()),
@@ -81,9 +93,9 @@ pub(in crate::log) fn clamped_study_of(document: &Document<'_>) -> Result<Clampe
         sample_period_s: document.number("[control] sample_period", &raw.control.sample_period, PERIOD)?,
         sensor: sensor(document, &raw.sensor)?,
         uncertain: uncertain(document, &raw.uncertain, ANY_NAME)?,
-        columns: columns(document, &raw.columns)?,
-        predict,
-        logs,
+        columns: Columns::default(),
+        predict: Predict::default(),
+        logs: Vec::new(),
     })
 }
 

@@ -21,7 +21,9 @@ pub fn animation_html(animation: &Animation) -> Result<String, ReportError> {
     let (from_s, to_s) = animation.span_s();
     let rate_hz = RATE_HZ.min(MOST_FRAMES / (to_s - from_s).max(1e-3));
     let dogs: Vec<Value> = animation.dogs.iter().map(|dog| of_dog(dog, from_s, to_s, rate_hz)).collect();
-    let data = json!({ "from": from_s, "rate": rate_hz, "floor": animation.floor_m, "foot": FOOT_M, "dogs": dogs });
+    let data = json!({
+        "from": from_s, "rate": rate_hz, "floor": animation.floor_m, "foot": FOOT_M, "unit": animation.unit, "dogs": dogs,
+    });
     // A script ends at the first "</script", wherever it stands.
     let data = data.to_string().replace('<', "\\u003c");
     let mut environment = Environment::new();
@@ -36,7 +38,10 @@ fn of_dog(dog: &Dog, from_s: f64, to_s: f64, rate_hz: f64) -> Value {
         .recording
         .shapes
         .iter()
-        .map(|shape| json!({ "name": shape.name, "radii": shape.radii_m.as_slice(), "foot": shape.is_foot }))
+        .map(|shape| {
+            json!({ "name": shape.name, "radii": shape.radii_m.as_slice(), "foot": shape.is_foot,
+            "lit": dog.lit.contains(&shape.name) })
+        })
         .collect();
     let whole = |x: f64| (x * 1e4).round() as i64;
     let count = if dog.recording.is_empty() { 0 } else { ((to_s - from_s) * rate_hz).round() as usize + 1 };

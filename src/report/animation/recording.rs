@@ -1,10 +1,13 @@
 //! What an animation shows.
 
-use crate::robot::{BodyMotion, Dynamics, Model, State, simulate};
-use nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
+use crate::robot::{BodyId, BodyMotion, Dynamics, Model, State, simulate};
+use nalgebra::{Isometry3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
 /// Time between two pictures of a simulated motion \[s\].
 const PICTURE_S: f64 = 0.04;
+/// Least and greatest semi-axis of a drawn part \[m\].
+const THIN_M: f64 = 0.004;
+const WIDE_M: f64 = 2.0;
 
 /// A part as it is drawn.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,8 +45,8 @@ impl Place {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
     pub(in crate::report) shapes: Vec<Shape>,
-    /// Index of each shape's body.
-    bodies: Vec<usize>,
+    /// Index of each shape's body, and the shape's place in its frame.
+    bodies: Vec<(usize, Isometry3<f64>)>,
     pub(super) times_s: Vec<f64>,
     pub(in crate::report) frames: Vec<Vec<Place>>,
 }
@@ -54,10 +57,66 @@ impl Recording {
         let drawn = model.bodies().iter().enumerate().filter(|(index, body)| *index == 0 || body.mass_kg > 0.0);
         let (bodies, shapes) = drawn
             .map(|(index, body)| {
-                (index, Shape { name: body.name.clone(), radii_m: body.radii_m, is_foot: body.touches_floor })
+                let shape = Shape { name: body.name.clone(), radii_m: body.radii_m, is_foot: body.touches_floor };
+                ((index, Isometry3::identity()), shape)
             })
             .unzip();
         Self { shapes, bodies, times_s: Vec::new(), frames: Vec::new() }
+    }
+
+    /// An empty recording of a robot that is known by its joints and inertias: of every body the ellipsoid that has its
+    /// inertia, and bars from its joint to those that it carries.
+    pub fn of_tree(model: &Model) -> Self {
+        let (mut shapes, mut bodies) = (Vec::new(), Vec::new());
+        let far = |body: BodyId| -> Vec<Vector3<f64>> {
+            let carried = model.joint_ids().zip(model.joints()).filter(|(id, _)| model.carrier(*id) == body);
+            carried.map(|(_, joint)| joint.in_parent_m).collect()
+        };
+        for (index, (id, body)) in model.body_ids().zip(model.bodies()).enumerate() {
+            let mut add = |place: Isometry3<f64>, radii_m: Vector3<f64>| {
+                shapes.push(Shape { name: body.name.clone(), radii_m, is_foot: false });
+                bodies.push((index, place));
+            };
+            if body.mass_kg > 0.0 {
+                let mut axes = body.inertia_kg_m2.symmetric_eigen();
+                if axes.eigenvectors.determinant() < 0.0 {
+                    axes.eigenvectors.column_mut(0).neg_mut();
+                }
+                let moments = axes.eigenvalues;
+                let squared = |k: usize| (moments.sum() - 2.0 * moments[k]) * 2.5 / body.mass_kg;
+                let turned = UnitQuaternion::from_matrix(&axes.eigenvectors);
+                let radii_m = Vector3::from_fn(|k, _| squared(k).max(0.0).sqrt().clamp(THIN_M, WIDE_M));
+                add(Isometry3::from_parts(body.centre_of_mass_m.into(), turned), radii_m);
+            } else if index == 0 {
+                // The camera looks at the first part.
+                add(Isometry3::identity(), Vector3::repeat(THIN_M));
+            }
+            for to_m in far(id) {
+                let along = to_m.norm();
+                if along > 2.0 * THIN_M {
+                    let turned = UnitQuaternion::rotation_between(&Vector3::x(), &to_m).unwrap_or_default();
+                    let thick_m = (0.08 * along).max(THIN_M);
+                    add(
+                        Isometry3::from_parts((0.5 * to_m).into(), turned),
+                        Vector3::new(0.5 * along, thick_m, thick_m),
+                    );
+                }
+            }
+        }
+        Self { shapes, bodies, times_s: Vec::new(), frames: Vec::new() }
+    }
+
+    /// Height of the lowest point, and the greatest distance of any from the first part's place in the first frame \[m\].
+    pub fn extent_m(&self) -> [f64; 2] {
+        let middle =
+            self.frames.first().and_then(|frame| frame.first()).map_or(Vector3::zeros(), |part| part.position_m);
+        let points = self.frames.iter().flat_map(|frame| frame.iter().zip(&self.shapes));
+        points.fold([f64::INFINITY, 0.0], |[low, far], (place, shape)| {
+            let radius = shape.radii_m.max();
+            let own = place.orientation.to_rotation_matrix();
+            let down = own.matrix().row(1).transpose().component_mul(&shape.radii_m).norm();
+            [low.min(place.position_m.y - down), far.max((place.position_m - middle).norm() + radius)]
+        })
     }
 
     /// A simulated motion, a picture every 0.04 s.
@@ -83,7 +142,7 @@ impl Recording {
     /// Where `motions` are not those of the model.
     pub fn push(&mut self, t_s: f64, motions: &[BodyMotion]) {
         let is_later = self.times_s.last().is_none_or(|last| t_s > *last);
-        let places: Vec<Place> = self.bodies.iter().map(|&body| place(&motions[body])).collect();
+        let places: Vec<Place> = self.bodies.iter().map(|(body, at)| place(&motions[*body], at)).collect();
         let is_finite = places.iter().all(|place| place.position_m.iter().all(|x| x.is_finite()));
         if is_later && t_s.is_finite() && is_finite {
             self.times_s.push(t_s);
@@ -116,9 +175,11 @@ impl Recording {
     }
 }
 
-fn place(motion: &BodyMotion) -> Place {
+fn place(motion: &BodyMotion, at: &Isometry3<f64>) -> Place {
     let rotation = Rotation3::from_matrix_unchecked(motion.rotation);
-    Place { position_m: motion.position_m, orientation: UnitQuaternion::from_rotation_matrix(&rotation) }
+    let body = Isometry3::from_parts(motion.position_m.into(), UnitQuaternion::from_rotation_matrix(&rotation));
+    let whole = body * at;
+    Place { position_m: whole.translation.vector, orientation: whole.rotation }
 }
 
 /// One robot of an animation.
@@ -130,6 +191,8 @@ pub struct Dog {
     pub colour: [u8; 3],
     /// How it moved.
     pub recording: Recording,
+    /// Parts that are lit, by name: those that the joints to blame move.
+    pub lit: Vec<String>,
 }
 
 /// Several robots in motion over the same floor.
@@ -141,8 +204,10 @@ pub struct Animation {
     pub note: String,
     /// Height of the floor (y) \[m\].
     pub floor_m: f64,
-    /// The robots; the camera follows the first.
+    /// The robots; the camera follows the first. The others' differences from the last one can be exaggerated.
     pub dogs: Vec<Dog>,
+    /// How large the picture is in units of that of a dog.
+    pub unit: f64,
 }
 
 /// Colours that the colour-blind can tell apart (Okabe and Ito 2008): blue, vermilion, grey.
@@ -151,14 +216,21 @@ const COLOURS: [[u8; 3]; 3] = [[0, 114, 178], [213, 94, 0], [130, 130, 130]];
 impl Animation {
     /// An animation without robots, floor at height 0.
     pub fn new(title: impl Into<String>, note: impl Into<String>) -> Self {
-        Self { title: title.into(), note: note.into(), floor_m: 0.0, dogs: Vec::new() }
+        Self { title: title.into(), note: note.into(), floor_m: 0.0, dogs: Vec::new(), unit: 1.0 }
     }
 
     /// The same with one more robot, in the next colour.
     #[must_use]
     pub fn with(mut self, name: impl Into<String>, recording: Recording) -> Self {
         let colour = COLOURS[self.dogs.len() % COLOURS.len()];
-        self.dogs.push(Dog { name: name.into(), colour, recording });
+        self.dogs.push(Dog { name: name.into(), colour, recording, lit: Vec::new() });
+        self
+    }
+
+    /// The same with parts of all robots lit.
+    #[must_use]
+    pub fn lit(mut self, parts: &[String]) -> Self {
+        self.dogs.iter_mut().for_each(|dog| dog.lit = parts.to_vec());
         self
     }
 

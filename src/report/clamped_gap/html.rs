@@ -2,6 +2,7 @@
 
 use minijinja::{Value, context};
 
+use super::map::map;
 use super::{ClampedGapReport, summary};
 use crate::gap::whole::WholeJoint;
 use crate::report::data_health::together;
@@ -24,7 +25,7 @@ pub fn clamped_gap_figures(report: &ClampedGapReport) -> Result<Vec<Figure>, Rep
     let rows = report.rows();
     let measure = Measure::of(report.diagnosis.gap.unit);
     let title = format!("{}: error of each joint", report.diagnosis.robot);
-    Ok(vec![Figure {
+    let mut figures = vec![Figure {
         file_name: "joints.svg".to_owned(),
         title: title.clone(),
         caption: format!(
@@ -33,7 +34,16 @@ pub fn clamped_gap_figures(report: &ClampedGapReport) -> Result<Vec<Figure>, Rep
             measure.what
         ),
         svg: errors(&title, &rows.iter().collect::<Vec<_>>(), measure, Some("with causes".to_owned()))?,
-    }])
+    }];
+    figures.extend(map(report)?.map(|svg| Figure {
+        file_name: "map.svg".to_owned(),
+        title: format!("{}: where the gap lies, joint by phase", report.diagnosis.robot),
+        caption: "Shares of the whole robot's squares above the sensors' noise, as given. Framed: more than chance gives in \
+                  one of the joint's logs."
+            .to_owned(),
+        svg,
+    }));
+    Ok(figures)
 }
 
 /// Puts a robot's diagnosis into one HTML page: verdict, joints at a glance, what each of them says, notes, provenance.
@@ -60,6 +70,7 @@ pub fn clamped_gap_html(report: &ClampedGapReport) -> Result<String, ReportError
         figures => figure_views(clamped_gap_figures(report)?),
         joints => joints.iter().map(|(folder, joint)| joint_view(folder, joint)).collect::<Vec<_>>(),
         still => still.map(|joint| joint.joint.clone()).collect::<Vec<_>>(),
+        animation => report.animation.is_some().then_some(super::ANIMATION_FILE),
         whole => report.whole_words(),
         whole_joints => whole_joints(report),
         sure => if measure == ANGLE { RATE } else { REDRAWS },

@@ -2,6 +2,7 @@
 
 use super::ClampedGapReport;
 use crate::gap::clamped::BodyCause;
+use crate::joint::EffectId;
 use crate::report::gap::quantities;
 use crate::report::{SCHEMA, gap_json};
 use serde_json::{Map, Value, json};
@@ -32,7 +33,9 @@ pub fn clamped_gap_json(report: &ClampedGapReport) -> Result<Value, serde_json::
         gap.insert("per_joint".to_owned(), rows.map(|row| (row.file.clone(), json!(row))).collect());
     }
     if let (Some(gap), Some(Ok(whole))) = (gap.as_object_mut(), &report.whole) {
-        let whole = json!({ "before": whole.before, "after": whole.after, "per_joint": whole.joints });
+        let whole = json!({
+            "before": whole.before, "after": whole.after, "per_joint": whole.joints, "left_out": whole.left_out,
+        });
         gap.insert("whole".to_owned(), whole);
     }
     Ok(json!({
@@ -44,6 +47,9 @@ pub fn clamped_gap_json(report: &ClampedGapReport) -> Result<Value, serde_json::
         "probability": answer.probability,
         "sentence": answer.sentence,
         "where": { "joints": worst },
+        "equivalent": equivalent(report, &documents),
+        "ranking": ranking(&documents),
+        "detectable": detectable(&documents),
         "gap": gap,
         "effects": effects,
         "causes": diagnosis.causes,
@@ -58,6 +64,65 @@ pub fn clamped_gap_json(report: &ClampedGapReport) -> Result<Value, serde_json::
         "command": provenance.command,
         "inputs": provenance.hashed(),
     }))
+}
+
+/// What these logs cannot tell from the first cause, itself included: a body's, or those of the joint that has most of it.
+fn equivalent(report: &ClampedGapReport, documents: &Map<String, Value>) -> Value {
+    let diagnosis = &report.diagnosis;
+    if let Some(body) = diagnosis.bodies.first() {
+        return json!(body.equivalent);
+    }
+    let Some(cause) = diagnosis.causes.first() else { return json!([]) };
+    let of = |joint: &String| {
+        let document = documents.get(joint)?;
+        let effects = document["effects"].as_array()?;
+        let own = effects.iter().find(|effect| effect["id"] == cause.effect.id())?;
+        Some(own["equivalent"].clone()).filter(Value::is_array)
+    };
+    cause.joints.iter().find_map(of).unwrap_or_else(|| json!([cause.effect]))
+}
+
+/// The joints' candidates, each with its joint, the most probable first.
+fn ranking(documents: &Map<String, Value>) -> Vec<Value> {
+    let of = |(joint, document): (&String, &Value)| {
+        let own = document["ranking"].as_array().cloned().unwrap_or_default();
+        let joint = joint.clone();
+        own.into_iter().map(move |mut candidate| {
+            candidate["joint"] = json!(joint);
+            candidate
+        })
+    };
+    let mut all: Vec<Value> = documents.iter().flat_map(of).collect();
+    let probability = |candidate: &Value| candidate["probability"].as_f64().unwrap_or(0.0);
+    all.sort_by(|a, b| probability(b).total_cmp(&probability(a)));
+    all
+}
+
+/// The smallest size of each effect that these logs would have shown, with the joint on which it shows best.
+fn detectable(documents: &Map<String, Value>) -> Map<String, Value> {
+    let mut all: Map<String, Value> = Map::new();
+    for (joint, document) in documents {
+        for (effect, own) in document["detectable"].as_object().into_iter().flatten() {
+            // Of limits and springs the larger is the lesser effect.
+            let id: Option<EffectId> = effect.parse().ok();
+            let is_infinite = id.and_then(|id| id.named_parameters().first()).is_some_and(|p| !p.zero.is_finite());
+            let size = |threshold: &Value| {
+                let value = threshold["value"].as_f64().map_or(f64::INFINITY, f64::abs);
+                if is_infinite { 1.0 / value } else { value }
+            };
+            let is_better = match all.get(effect) {
+                None => true,
+                Some(known) if known["value"].is_null() => !own["value"].is_null(),
+                Some(known) => !own["value"].is_null() && size(own) < size(known),
+            };
+            if is_better {
+                let mut own = own.clone();
+                own["joint"] = if own["value"].is_null() { Value::Null } else { json!(joint) };
+                all.insert(effect.clone(), own);
+            }
+        }
+    }
+    all
 }
 
 /// A cause of a body, with the keys of a joint's.

@@ -2,22 +2,27 @@
 //!
 //! A joint's own report is that of the bench (`report::gap`), in a folder with the joint's name.
 
+mod animation;
 mod html;
 mod json;
+mod map;
 mod text;
 
 pub use html::{clamped_gap_figures, clamped_gap_html};
 pub use json::clamped_gap_json;
 pub use text::clamped_gap_text;
 
-use super::{GapReport, LogHealthRow, Provenance};
+use super::{Animation, GapReport, LogHealthRow, Provenance};
 use crate::gap::clamped::{ClampedCase, ClampedDiagnosis, ClampedSetup};
 use crate::gap::inverse::{TorqueDiagnosis, TorqueTraces};
-use crate::gap::whole::{FoundRobot, Whole, found_robot, simulated};
+use crate::gap::whole::{FoundRobot, LeftOut, Whole, found_robot, simulated};
 use crate::gap::{BeliefFound, Diagnosis, GapOptions, LogGap};
 use crate::report::data_health::health_rows_of_joint;
 use crate::report::number::significant;
 use std::path::PathBuf;
+
+/// Name of the moving picture beside a report.
+pub const ANIMATION_FILE: &str = "animation.html";
 
 /// A robot's diagnosis with what was asked and where it comes from.
 #[derive(Clone, Debug)]
@@ -32,6 +37,8 @@ pub struct ClampedGapReport {
     pub found: FoundRobot,
     /// The whole robot simulated at once; an error says why not. `None` where torques are predicted.
     pub whole: Option<Result<Whole, String>>,
+    /// The robot as given, as found and logged; `None` where it was not simulated as a whole.
+    pub animation: Option<Animation>,
     /// Where the report comes from.
     pub provenance: Provenance,
 }
@@ -41,7 +48,7 @@ impl ClampedGapReport {
     pub fn new(
         setup: &ClampedSetup,
         case: &ClampedCase,
-        diagnosis: ClampedDiagnosis,
+        mut diagnosis: ClampedDiagnosis,
         options: &GapOptions,
         provenance: &Provenance,
     ) -> Self {
@@ -52,10 +59,19 @@ impl ClampedGapReport {
             Some((folder_of(name), report))
         };
         let joints = found.filter_map(report).collect();
-        let whole = Some(simulated(setup, &diagnosis));
-        let found = found_robot(setup, Some(&diagnosis)).unwrap_or_default();
+        let whole = simulated(setup, &diagnosis);
+        if let Ok(whole) = &whole {
+            diagnosis.answer.sentence += &worse_words(whole);
+        }
+        let found = match &whole {
+            Ok(whole) => whole.robot.clone(),
+            Err(_) => found_robot(setup, Some(&diagnosis)).unwrap_or_default(),
+        };
+        let told: Vec<&Diagnosis> = diagnosis.joints.iter().filter_map(|joint| joint.diagnosis.as_ref()).collect();
+        let animation = whole.as_ref().ok().and_then(|whole| animation::animation(setup, whole, &told));
+        let whole = Some(whole);
         let model = setup.study.model_path.clone();
-        Self { diagnosis, joints, model, found, whole, provenance: provenance.clone() }
+        Self { diagnosis, joints, model, found, whole, animation, provenance: provenance.clone() }
     }
 
     /// The report of a diagnosis by torques.
@@ -75,7 +91,8 @@ impl ClampedGapReport {
         let joints = diagnosed.zip(traces).map(report).collect();
         let numbers = found_robot(setup, Some(&found)).unwrap_or_default();
         let model = setup.study.model_path.clone();
-        Self { diagnosis: found, joints, model, found: numbers, whole: None, provenance: provenance.clone() }
+        let (whole, animation, provenance) = (None, None, provenance.clone());
+        Self { diagnosis: found, joints, model, found: numbers, whole, animation, provenance }
     }
 
     /// The health of the logs, joint by joint.
@@ -96,9 +113,10 @@ impl ClampedGapReport {
         Some(match self.whole.as_ref()? {
             Ok(whole) => {
                 let [before, after] = [whole.before, whole.after].map(crate::report::number::mrad);
+                let what = if whole.left_out.is_empty() { "everything" } else { "the rest" };
                 format!(
                     "The whole robot simulated at once under the study's setpoints is {before} off as given and {after} with \
-                     everything that was found."
+                     {what} that was found."
                 )
             }
             Err(why) => format!("The whole robot was not simulated at once: {why}."),
@@ -127,6 +145,36 @@ impl ClampedGapReport {
         };
         self.joints.iter().map(|(_, report)| of(&report.diagnosis)).chain([all]).collect()
     }
+}
+
+/// What of the answers the whole robot refutes; empty where it is better with all of them.
+fn worse_words(whole: &Whole) -> String {
+    use crate::report::number::mrad;
+    let mut text = String::new();
+    if !whole.left_out.is_empty() {
+        let what = |left: &LeftOut| {
+            let change = left.joint.as_ref().map_or_else(
+                || "the masses that the moments ask for".to_owned(),
+                |joint| format!("what was found on {joint}"),
+            );
+            let with_it =
+                if left.with_it.is_finite() { mrad(left.with_it) } else { "nothing: it runs away".to_owned() };
+            format!("{change} ({with_it} with it, {} without)", mrad(left.without_it))
+        };
+        let all: Vec<String> = whole.left_out.iter().map(what).collect();
+        text += &format!(
+            " With all joints simulated at once the robot is worse with {}; that is left out of the whole and of what is exported.",
+            all.join(", then with ")
+        );
+    }
+    if whole.after > whole.before {
+        text += &format!(
+            " All at once the robot is not better with what was found: {} as given, {} with it.",
+            mrad(whole.before),
+            mrad(whole.after)
+        );
+    }
+    text
 }
 
 /// A joint's name as the name of a folder: descriptions have names with slashes, blanks and points.

@@ -40,12 +40,16 @@ pub fn robot_gap_animation(
     let given = moved(&case.nominal, entry, log)?;
     let answer = moved(&repaired, entry, log)?;
     let (logged, trunk) = logged(&case.nominal.model, log, &answer);
+    let model = &case.nominal.model;
+    let to_blame = diagnosis.location.joints.iter().filter_map(|name| model.joint(name).ok());
+    let lit: Vec<String> = to_blame.map(|id| model.bodies()[id.child().index()].name.clone()).collect();
     let title = format!("{}: as given, repaired and logged", case.robot());
     let note = format!("{}. {} {trunk}", entry.file, diagnosis.answer.sentence);
     let mut animation = Animation::new(title, note)
         .with("as given", Recording::of_run(&case.nominal.model, &given))
         .with("repaired", Recording::of_run(&repaired.model, &answer))
-        .with("logged", logged);
+        .with("logged", logged)
+        .lit(&lit);
     if case.study.scenario != RobotScenario::Floor {
         animation.floor_m = answer.base.first().map_or(0.0, |base| base.position_m.y) - BELOW_M;
     }

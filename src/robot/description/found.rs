@@ -25,6 +25,12 @@ pub enum FoundKey {
     Stiffness,
     /// See [`FoundKey::Stiffness`].
     Springref,
+    /// Static friction of a joint \[N m\]; no word of a description.
+    StaticFriction,
+    /// Its setpoints are late \[s\]; no word of a description.
+    Delay,
+    /// Its encoder reads so much less than the angle \[rad\]; no word of a description.
+    EncoderZero,
     /// Mass of a link \[kg\], its shape as described.
     Mass,
     /// Centre of mass in a link's frame \[m\].
@@ -45,10 +51,18 @@ impl FoundKey {
             Self::TorqueLimit => "torque_limit",
             Self::Stiffness => "stiffness",
             Self::Springref => "springref",
+            Self::StaticFriction => "static_friction",
+            Self::Delay => "delay",
+            Self::EncoderZero => "encoder_zero",
             Self::Mass => "mass",
             Self::Centre => "centre",
             Self::Payload => "payload",
         }
+    }
+
+    /// Whether descriptions have a word for it: URDF and MJCF have none for some.
+    pub fn is_described(self) -> bool {
+        !matches!(self, Self::StaticFriction | Self::Delay | Self::EncoderZero)
     }
 
     /// Whether it is of a joint, not of a link.
@@ -154,6 +168,7 @@ impl Description {
                 (servo.bias[2], servo.damping_ratio) = (-value, None);
             }
             FoundKey::TorqueLimit => self.servo(at).force_range_nm = Some([-value, value]),
+            FoundKey::StaticFriction | FoundKey::Delay | FoundKey::EncoderZero => {}
             FoundKey::Mass | FoundKey::Centre | FoundKey::Payload => {}
         }
     }

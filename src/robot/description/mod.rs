@@ -9,6 +9,7 @@
 //! element; what only a simulation would miss stands in [`Description::left_out`], likely mistakes in
 //! [`Description::warnings`].
 
+mod actuated;
 mod change;
 mod error;
 mod format;
@@ -18,7 +19,9 @@ mod mjcf;
 mod of_tables;
 mod parts;
 mod sanity;
+mod to_isaac;
 mod to_mjcf;
+mod to_pace;
 mod to_urdf;
 mod urdf;
 mod xml;
@@ -29,7 +32,9 @@ pub use format::Format;
 pub use found::{FoundKey, FoundNumber, NoSuchPart};
 pub use inertia::RigidInertia;
 pub use parts::{Actuator, ActuatorKind, Coupling, FreeJoint, JointKind, Link, LinkId, Mover, MoverId};
+pub use to_isaac::to_isaac;
 pub use to_mjcf::to_mjcf;
+pub use to_pace::to_pace;
 pub use to_urdf::to_urdf;
 
 use nalgebra::Vector3;
@@ -59,6 +64,9 @@ pub struct Description {
     pub free_joint: Option<FreeJoint>,
     /// Joints that follow others: `mimic`.
     pub couplings: Vec<Coupling>,
+    /// Joints that forces hold to others, with what is said of each in `left_out`: an MJCF's joint equalities. They are
+    /// freedoms unless [`Description::with_equalities`] makes followers of them.
+    pub equalities: Vec<(Coupling, String)>,
     /// Motors on joints.
     pub actuators: Vec<Actuator>,
     /// What looks like a mistake, with file and line.
@@ -74,6 +82,17 @@ impl Description {
     /// [`DescriptionError`] with file, line and element; a wrong TOML says so with line and key.
     pub fn read(file: &Path) -> Result<Self, DescriptionError> {
         format::read(file)
+    }
+
+    /// The same with joint equalities held rigidly: such a joint follows the other and is no freedom.
+    #[must_use]
+    pub fn with_equalities(&self) -> Self {
+        let mut held = self.clone();
+        for (coupling, said) in held.equalities.drain(..) {
+            held.couplings.push(coupling);
+            held.left_out.retain(|other| *other != said);
+        }
+        held
     }
 
     /// The joint of a name.

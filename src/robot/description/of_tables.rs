@@ -42,6 +42,7 @@ impl Description {
                 armature: 0.0,
             }),
             couplings: Vec::new(),
+            equalities: Vec::new(),
             actuators: Vec::new(),
             warnings: Vec::new(),
             left_out: Vec::new(),

@@ -91,16 +91,20 @@ impl Writer<'_> {
     }
 
     fn equalities(&mut self) {
-        if self.description.couplings.is_empty() {
+        let held = self.description.with_equalities();
+        if held.couplings.is_empty() {
             return;
         }
         self.line(1, "<equality>");
-        for coupling in &self.description.couplings {
+        for coupling in &held.couplings {
+            let drawn = |joint: super::MoverId| held.joints[joint.0].drawn_rad;
+            let offset_rad =
+                coupling.offset_rad - drawn(coupling.follower) + coupling.multiplier * drawn(coupling.leader);
             let name = |joint: super::MoverId| escaped(&self.description.joints[joint.0].name);
             let (follower, leader) = (name(coupling.follower), name(coupling.leader));
             let line = format!(
                 "<joint joint1=\"{follower}\" joint2=\"{leader}\" polycoef=\"{} {} 0 0 0\"/>",
-                coupling.offset_rad, coupling.multiplier
+                offset_rad, coupling.multiplier
             );
             self.line(2, &line);
         }

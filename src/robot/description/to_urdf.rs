@@ -20,7 +20,8 @@ pub fn to_urdf(description: &Description, found: &[FoundNumber]) -> Result<Strin
             write_joint(&mut text, description, link, &description.links[parent.0], found)?;
         }
     }
-    for coupling in &description.couplings {
+    let held = description.equalities.iter().map(|(coupling, _)| coupling);
+    for coupling in description.couplings.iter().chain(held) {
         let leader = escaped(&description.joints[coupling.leader.0].name);
         let follower = &description.joints[coupling.follower.0].name;
         let mimic = format!(

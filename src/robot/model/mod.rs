@@ -260,14 +260,22 @@ impl Model {
     /// # Errors
     /// None for a model that was made; those of [`Model::new`] otherwise.
     pub fn limb(&self, joint: JointId) -> Result<Self, RobotError> {
+        self.limbs(&[joint]).map(|(limb, _)| limb)
+    }
+
+    /// The same with the limbs of several joints, and which of the robot's joints these have, rising.
+    ///
+    /// # Errors
+    /// As [`Model::limb`].
+    pub fn limbs(&self, joints: &[JointId]) -> Result<(Self, Vec<JointId>), RobotError> {
         let first = |mut id: usize| {
             while let Some(above) = self.carrier[id].joint() {
                 id = above.index();
             }
             id
         };
-        let limb = first(joint.0);
-        let kept: Vec<usize> = (0..self.tables.joints.len()).filter(|id| first(*id) == limb).collect();
+        let limbs: Vec<usize> = joints.iter().map(|joint| first(joint.0)).collect();
+        let kept: Vec<usize> = (0..self.tables.joints.len()).filter(|id| limbs.contains(&first(*id))).collect();
         let place =
             |body: BodyId| body.joint().and_then(|above| kept.binary_search(&above.0).ok()).map_or(0, |k| k + 1);
         let mut tables = self.tables.clone();
@@ -278,7 +286,8 @@ impl Model {
         let armature = kept.iter().map(|id| self.armature_kg_m2[*id]).collect();
         let torque_limit_nm = kept.iter().map(|id| self.torque_limit_nm[*id]).collect();
         let made = Self::assemble(tables, bodies, carrier, armature)?;
-        Ok(Self { derivative: self.derivative, torque_limit_nm, ..made })
+        let made = Self { derivative: self.derivative, torque_limit_nm, ..made };
+        Ok((made, kept.into_iter().map(JointId).collect()))
     }
 
     /// The robot's name.

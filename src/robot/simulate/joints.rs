@@ -3,7 +3,8 @@
 use super::SimulateError;
 use crate::geometry::JointSpring;
 use crate::joint::{
-    Chain, Contact, EffectId, EndStop, Friction, Knee, Link, Motor, Push, Stribeck, StribeckCurve, TorqueLimit,
+    Chain, Contact, EffectForm, EffectId, EndStop, Friction, Knee, Link, Motor, Push, Stribeck, StribeckCurve,
+    TorqueLimit,
 };
 use crate::log::{Derivative, Hold, MotorSpec};
 use crate::robot::model::BASE_FREEDOMS;
@@ -186,7 +187,8 @@ impl Joints {
         }
     }
 
-    /// Puts an effect of the catalogue on a joint, its values under the catalogue's names and in their order.
+    /// Puts an effect of the catalogue on a joint in one of its forms (an id alone: the default one), its values under the
+    /// catalogue's names and in their order.
     ///
     /// # Errors
     /// [`SimulateError::Effect`] for values out of bounds, or too few of them; [`SimulateError::UnknownToRobots`] for a spring
@@ -195,14 +197,16 @@ impl Joints {
         &mut self,
         model: &Model,
         joint: JointId,
-        effect: EffectId,
+        effect: impl Into<EffectForm>,
         named: &[f64],
     ) -> Result<(), SimulateError> {
+        let form: EffectForm = effect.into();
+        let effect = form.id;
         if !effect.is_known_to_robots() {
             let joint = model.joints()[joint.index()].name.clone();
             return Err(SimulateError::UnknownToRobots { joint, effect: effect.id() });
         }
-        let parameters = effect.named_parameters();
+        let parameters = form.named_parameters();
         let wrong = |parameter: &'static str, value: f64, allowed: String| SimulateError::Effect {
             joint: model.joints()[joint.index()].name.clone(),
             effect: effect.id(),
@@ -224,8 +228,8 @@ impl Joints {
             drive.zero_rad = named[0];
             return Ok(());
         }
-        let searched = effect.searched(named, drive.chain.friction.coulomb_nm);
-        effect.apply(&searched, drive.chain.link.inertia_kg_m2, &mut drive.chain);
+        let searched = form.searched(named, drive.chain.friction.coulomb_nm);
+        form.apply(&searched, drive.chain.link.inertia_kg_m2, &mut drive.chain);
         if let Some(play) = &mut drive.chain.play {
             // The rotor's inertia is taken from the link's, which must be left with some even where others give way.
             play.motor_side_kg_m2 = play.motor_side_kg_m2.min(0.8 * drive.loose_kg_m2);
@@ -252,6 +256,15 @@ impl Joints {
     /// A joint, to be changed.
     pub fn drive_mut(&mut self, joint: JointId) -> &mut JointDrive {
         &mut self.drives[joint.index()]
+    }
+
+    /// Some of them, by rising places, as the joints of a model that has these alone.
+    #[must_use]
+    pub fn only(self, kept: &[JointId]) -> Self {
+        let drives = self.drives.into_iter().enumerate();
+        Self {
+            drives: drives.filter(|(k, _)| kept.iter().any(|id| id.index() == *k)).map(|(_, drive)| drive).collect(),
+        }
     }
 
     /// All joints in the model's order.

@@ -26,6 +26,11 @@ impl Limited {
         drive.may_saturate(command).then(|| Self { asked_nm: drive.unlimited_nm(command, at), saturated: None })
     }
 
+    /// What the law asks for at the step's start \[N m\].
+    pub fn asked_nm(&self) -> f64 {
+        self.asked_nm
+    }
+
     /// Torque at the step's start \[N m\] and its slopes, those of the law without limits being known.
     pub fn torque_and_slopes(&self, drive: &JointDrive, at: At, of_law: Slopes) -> (f64, Slopes) {
         match self.saturated {

@@ -211,7 +211,8 @@ impl<'a> Stiff<'a> {
             let motor_nm = drive.motor_nm(commands[j], at);
             self.motor_nm[j] = motor_nm;
             self.limited[j] = Limited::of(drive, commands[j], at).filter(|_| self.side_of[j].is_none());
-            self.driven[j] = JointDrive::motor_slopes(commands[j], at, |at| match self.limited[j] {
+            let here_nm = self.limited[j].map_or(motor_nm, |limited| limited.asked_nm());
+            self.driven[j] = JointDrive::motor_slopes(commands[j], at, here_nm, |at| match self.limited[j] {
                 Some(_) => drive.unlimited_nm(commands[j], at),
                 None => drive.motor_nm(commands[j], at),
             });

@@ -75,9 +75,8 @@ impl JointDrive {
         Slopes { damping: -by / RATE_NUDGE_RAD_S, ..Slopes::default() }.kept()
     }
 
-    /// Slopes of a torque of the motor.
-    pub(super) fn motor_slopes(command: Command<f64>, at: At, torque_nm: impl Fn(At) -> f64) -> Slopes {
-        let motor_nm = torque_nm(at);
+    /// Slopes of a torque of the motor that is `motor_nm` there.
+    pub(super) fn motor_slopes(command: Command<f64>, at: At, motor_nm: f64, torque_nm: impl Fn(At) -> f64) -> Slopes {
         let by = |at: At| torque_nm(at) - motor_nm;
         Slopes {
             stiffness: -by(At { angle_rad: at.angle_rad + ANGLE_NUDGE_RAD, ..at }) / ANGLE_NUDGE_RAD,

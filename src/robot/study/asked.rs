@@ -6,7 +6,7 @@ use crate::log::{Hold, RobotLog, Stamped};
 const SAME_S: f64 = 1e-7;
 
 /// The times of a table of setpoints: the log's, and within it the stamps of setpoints that have some of their own.
-pub(super) fn times(log: &RobotLog) -> Vec<f64> {
+pub(crate) fn times(log: &RobotLog) -> Vec<f64> {
     let mut t_s = log.t_s.clone();
     let (Some(first_s), Some(last_s)) = (t_s.first().copied(), t_s.last().copied()) else { return t_s };
     let own = log.joints.iter().filter_map(|joint| joint.setpoints.as_ref()).flat_map(|own| &own.t_s);
@@ -19,7 +19,7 @@ pub(super) fn times(log: &RobotLog) -> Vec<f64> {
 }
 
 /// A joint's setpoints at the times of the table: its own, or those that stand beside its readings.
-pub(super) fn setpoints(log: &RobotLog, beside: &[f64], own: Option<&Stamped>, t_s: &[f64], hold: Hold) -> Vec<f64> {
+pub(crate) fn setpoints(log: &RobotLog, beside: &[f64], own: Option<&Stamped>, t_s: &[f64], hold: Hold) -> Vec<f64> {
     match own {
         None if t_s.len() == log.len() => beside.to_vec(),
         None => t_s.iter().map(|t| at(&log.t_s, beside, *t, hold)).collect(),
@@ -28,7 +28,7 @@ pub(super) fn setpoints(log: &RobotLog, beside: &[f64], own: Option<&Stamped>, t
 }
 
 /// Whether the motor is on at the times of the table: as at the last sample.
-pub(super) fn switches(log: &RobotLog, on: &[bool], t_s: &[f64]) -> Vec<bool> {
+pub(crate) fn switches(log: &RobotLog, on: &[bool], t_s: &[f64]) -> Vec<bool> {
     let last = |t: &f64| log.t_s.partition_point(|sample| *sample < t + SAME_S).saturating_sub(1);
     t_s.iter().map(|t| on.get(last(t)).copied().unwrap_or(true)).collect()
 }

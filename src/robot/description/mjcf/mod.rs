@@ -71,6 +71,7 @@ pub(super) fn read(file: &Path, root: Element) -> Result<Description, Descriptio
         joints: Vec::new(),
         free_joint: None,
         couplings: Vec::new(),
+        equalities: Vec::new(),
         actuators: Vec::new(),
         warnings: Vec::new(),
         left_out: Vec::new(),
@@ -84,7 +85,7 @@ pub(super) fn read(file: &Path, root: Element) -> Result<Description, Descriptio
     let replicated = reader.bodies(&root)?;
     reader.totals();
     reader.tendons(&root)?;
-    reader.equalities(&root);
+    reader.equalities(&root)?;
     reader.actuators(&root, &replicated)?;
     Ok(description)
 }

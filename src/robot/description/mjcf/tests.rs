@@ -1,6 +1,6 @@
 //! Small files against what MuJoCo 4.0.0 makes of them.
 
-use crate::robot::description::{Description, DescriptionError, Link, Mover};
+use crate::robot::description::{Description, DescriptionError, Link, Mover, to_mjcf};
 use crate::robot::tree::{Tree, TreeBase};
 use nalgebra::Vector3;
 use std::fs;
@@ -206,4 +206,28 @@ fn what_moves_joints_and_is_not_read_is_said() {
         assert!(said.contains(part), "{part} not in {said}");
     }
     assert!(!said.contains("<fixed name=\"quiet\">"));
+}
+
+#[test]
+fn a_joint_equality_is_left_out_and_said_or_held() {
+    let text = |polycoef: &str| {
+        format!(
+            r#"<mujoco><compiler angle="radian"/><worldbody><body><joint name="a" axis="0 1 0" ref=".1"/>
+            <geom size=".1" pos=".2 0 0"/><body><joint name="b" axis="0 1 0"/><geom size=".1"/></body></body></worldbody>
+            <equality><joint joint1="b" joint2="a" polycoef="{polycoef}"/></equality></mujoco>"#
+        )
+    };
+    let made = read(&text("0.3 -2 0 0 0")).unwrap();
+    assert!(made.couplings.is_empty() && made.left_out[0].contains("an equality joint"), "{:?}", made.left_out);
+    let held = made.with_equalities();
+    assert!(held.left_out.is_empty() && held.equalities.is_empty());
+    assert_eq!(Tree::new(&held, TreeBase::Fixed).unwrap().freedoms(), 1);
+    let only = held.couplings[0];
+    assert_eq!((only.follower, only.leader), (held.joint("b").unwrap(), held.joint("a").unwrap()));
+    near([only.multiplier, only.offset_rad], &[-2.0, 0.5]);
+    // Written and read back it is the same.
+    let back = read(&to_mjcf(&held, &[])).unwrap().with_equalities();
+    near([back.couplings[0].multiplier, back.couplings[0].offset_rad], &[-2.0, 0.5]);
+    let curve = read(&text("0 1 0.5 0 0")).unwrap().with_equalities();
+    assert!(curve.couplings.is_empty() && curve.left_out.len() == 1);
 }

@@ -1,9 +1,9 @@
 //! Tendons, equalities and other sections: what of them moves joints is said or refused.
 
 use super::Reader;
-use crate::robot::description::Description;
 use crate::robot::description::error::DescriptionError;
 use crate::robot::description::xml::Element;
+use crate::robot::description::{Coupling, Description, MoverId};
 
 /// A section that is neither read nor silent.
 pub(super) fn section(section: &Element, into: &mut Description) -> Result<(), DescriptionError> {
@@ -53,14 +53,53 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Equalities hold by forces that are in neither mass matrix nor bias.
-    pub fn equalities(&mut self, root: &Element) {
+    /// Equalities hold by forces that are in neither mass matrix nor bias; those that are straight lines between two joints
+    /// can be held rigidly.
+    pub fn equalities(&mut self, root: &Element) -> Result<(), DescriptionError> {
         for one in root.all("equality").flat_map(|section| &section.children) {
             let what = match one.tag.as_str() {
                 "connect" | "weld" => format!("an equality {} closes a loop", one.tag),
                 tag => format!("an equality {tag} couples what moves"),
             };
-            self.into.left_out.push(one.say(format!("{what}; it is left out, the joints move freely")));
+            let said = one.say(format!("{what}; it is left out, the joints move freely"));
+            if one.tag == "joint" {
+                if one.word("active", &[("true", true), ("false", false)])? == Some(false) {
+                    continue;
+                }
+                if let Some(coupling) = self.joint_equality(one)? {
+                    self.into.equalities.push((coupling, said.clone()));
+                }
+            }
+            self.into.left_out.push(said);
         }
+        Ok(())
+    }
+
+    /// `joint1 - ref1 = a0 + a1 (joint2 - ref2)`; `None` for curves, for a joint that is held alone, and for one that follows
+    /// already or leads back to itself.
+    fn joint_equality(&self, one: &Element) -> Result<Option<Coupling>, DescriptionError> {
+        let named = |attribute: &str| -> Result<Option<MoverId>, DescriptionError> {
+            let Some(name) = one.text(attribute) else { return Ok(None) };
+            let known = self.into.joint(name);
+            known.map(Some).ok_or_else(|| one.bad(attribute, "the name of a joint"))
+        };
+        let (follower, leader) = (named("joint1")?, named("joint2")?);
+        let line = one.numbers("polycoef")?.unwrap_or_else(|| vec![0.0, 1.0]);
+        let (Some(follower), Some(leader)) = (follower, leader) else { return Ok(None) };
+        let at = |k: usize| line.get(k).copied().unwrap_or(0.0);
+        let leader_of = |joint: MoverId| {
+            let own = self.into.equalities.iter().find(|(known, _)| known.follower == joint);
+            own.map(|(known, _)| known.leader)
+        };
+        let mut above = Some(leader);
+        while let Some(joint) = above.filter(|joint| *joint != follower) {
+            above = leader_of(joint);
+        }
+        if above == Some(follower) || leader_of(follower).is_some() || (2..5).any(|k| at(k) != 0.0) || at(1) == 0.0 {
+            return Ok(None);
+        }
+        let drawn = |joint: MoverId| self.into.joints[joint.0].drawn_rad;
+        let offset_rad = drawn(follower) + at(0) - at(1) * drawn(leader);
+        Ok(Some(Coupling { follower, leader, multiplier: at(1), offset_rad }))
     }
 }

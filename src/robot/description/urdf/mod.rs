@@ -33,6 +33,7 @@ pub(super) fn read(file: &Path, root: &Element) -> Result<Description, Descripti
         joints: Vec::new(),
         free_joint: None,
         couplings: Vec::new(),
+        equalities: Vec::new(),
         actuators: Vec::new(),
         warnings,
         left_out: Vec::new(),

@@ -1,0 +1,145 @@
+//! A described robot as something to simulate: with what study and description believe, numbers that are others, and causes.
+
+use crate::gap::CauseShare;
+use crate::gap::clamped::{ClampedDiagnosis, ClampedSetup};
+use crate::joint::{EffectForm, EffectId, Knee, Motor, TorqueLimit};
+use crate::log::RobotLog;
+use crate::robot::description::{Description, FoundKey, FoundNumber, MoverId};
+use crate::robot::simulate::{Column, Joints, Method, Recording, Scenario, Setpoints, SimulateError, run};
+use crate::robot::study::asked;
+use crate::robot::{Model, State};
+
+/// Longest step \[s\].
+const STEP_S: f64 = 1e-3;
+
+/// An effect of the catalogue on a joint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlacedCause {
+    /// The joint's name.
+    pub joint: String,
+    /// Which effect, and how.
+    pub form: EffectForm,
+    /// Its values under the catalogue's names, in their order.
+    pub values: Vec<f64>,
+}
+
+/// What a diagnosis puts on joints beside numbers of the description; what holds in some logs only, springs before the link
+/// and late readings are left out.
+pub fn placed_causes(diagnosis: &ClampedDiagnosis) -> Vec<PlacedCause> {
+    let found = diagnosis.joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
+    let placed = found.flat_map(|own| {
+        // Springs and limits stand in the description.
+        let in_description = [EffectId::JointSpring, EffectId::TorqueLimit];
+        let is_told = |cause: &&CauseShare| cause.only.is_none() && cause.effect.is_known_to_robots();
+        let everywhere = own.causes.iter().filter(is_told);
+        everywhere.filter_map(move |cause| {
+            let form = EffectForm::named_so(cause.effect, Some(cause.form).filter(|form| !form.is_empty())).ok()?;
+            let is_said = in_description.contains(&cause.effect) && form.is_default();
+            let values = cause.parameters.iter().map(|number| number.value).collect();
+            (!is_said).then(|| PlacedCause { joint: own.joint.clone(), form, values })
+        })
+    });
+    placed.collect()
+}
+
+/// A robot with its joints, ready to run.
+pub struct WholeRobot {
+    /// Its tree.
+    pub model: Model,
+    /// Its joints with friction, servos and causes.
+    pub joints: Joints,
+}
+
+impl WholeRobot {
+    /// The robot of a setup with numbers of its description that are others, and causes.
+    ///
+    /// # Errors
+    /// Why it cannot be, in words.
+    pub fn of(setup: &ClampedSetup, numbers: &[FoundNumber], causes: &[PlacedCause]) -> Result<Self, String> {
+        let description: Description = setup.description.with_found(numbers).map_err(|error| error.to_string())?;
+        let description = Description { gravity_m_s2: setup.tree.gravity_m_s2(), ..description };
+        let model = Model::of_description(&description).map_err(|error| error.to_string())?;
+        let mut joints = Joints::passive(&model);
+        joints.set_friction(&model, "chosen").map_err(text)?;
+        for (at, mover) in setup.description.joints.iter().enumerate() {
+            let Ok(id) = model.joint(&mover.name) else { continue };
+            let found = |key: FoundKey| {
+                let own = numbers.iter().find(|number| number.key == key && number.name == mover.name);
+                own.map(|number| number.value)
+            };
+            joints.drive_mut(id).chain.motor = motor(setup, MoverId(at), &found);
+        }
+        for cause in causes {
+            let id = model.joint(&cause.joint).map_err(|error| error.to_string())?;
+            joints.add_effect(&model, id, cause.form, &cause.values).map_err(text)?;
+        }
+        Ok(Self { model, joints })
+    }
+
+    /// The readings of a log's joints at its samples \[rad\], from its start under its setpoints.
+    ///
+    /// # Errors
+    /// Why it cannot be, in words.
+    pub fn readings(&mut self, setup: &ClampedSetup, log: &RobotLog) -> Result<Vec<Vec<f64>>, String> {
+        let (t_s, hold) = (asked::times(log), setup.study.hold);
+        let mut start = State::at_rest(&self.model);
+        let mut columns = vec![None; self.model.joints().len()];
+        for id in self.model.joint_ids() {
+            let drive = self.joints.drive_mut(id);
+            let own = log.joint(&self.model.joints()[id.index()].name);
+            drive.is_rigid = own.is_none();
+            let Some(own) = own else { continue };
+            let [angle_rad, rate_rad_s, _] = crate::identify::smooth_along(&log.t_s, &own.q_rad)[0];
+            start.angle_rad[id.index()] = drive.true_rad(angle_rad);
+            start.rate_rad_s[id.index()] = rate_rad_s;
+            columns[id.index()] = own.q_ref_rad.as_ref().map(|beside| Column {
+                angle_rad: asked::setpoints(log, beside, own.setpoints.as_ref(), &t_s, hold),
+                on: own.drive.as_ref().map(|on| asked::switches(log, on, &t_s)),
+            });
+        }
+        let setpoints = Setpoints { t_s, columns, hold };
+        let period_s = (log.t_s[log.len() - 1] - log.t_s[0]) / (log.len() - 1) as f64;
+        let (model, joints) = (&self.model, &self.joints);
+        let scenario = Scenario { model, joints, setpoints: &setpoints, start: &start, surroundings: None, period_s };
+        let recording = run(&scenario, Method::Stiff { step_s: STEP_S }).map_err(text)?;
+        if let Some(diverged) = &recording.diverged {
+            return Err(diverged.to_string());
+        }
+        let readings = |joint: &crate::log::JointColumns| {
+            let id = model.joint(&joint.name).map_err(|error| error.to_string())?;
+            let drive = joints.drive(id);
+            Ok(log.t_s.iter().map(|t| drive.reading_rad(between(&recording, id.index(), *t))).collect())
+        };
+        log.joints.iter().map(readings).collect()
+    }
+}
+
+/// A joint's motor with what was found of its gains and its limit.
+fn motor(setup: &ClampedSetup, joint: MoverId, found: &dyn Fn(FoundKey) -> Option<f64>) -> Option<Motor<f64>> {
+    let mut spec = setup.motor(joint)?;
+    let limit = found(FoundKey::TorqueLimit);
+    if limit.is_some() && spec.speed_limit_rad_s.is_none() {
+        spec.torque_limit_nm = None;
+    }
+    let mut motor = Motor::new(spec);
+    if let Some(kp_nm_rad) = found(FoundKey::Kp).filter(|_| spec.kp_nm_rad > 0.0) {
+        motor.gain = kp_nm_rad / spec.kp_nm_rad;
+    }
+    if let Some(kd_nm_s_rad) = found(FoundKey::Kd).filter(|_| spec.kd_nm_s_rad > 0.0 && motor.gain > 0.0) {
+        motor.derivative_share = kd_nm_s_rad / spec.kd_nm_s_rad / motor.gain;
+    }
+    motor.torque_limit = limit.map(|most_nm| TorqueLimit { most_nm, knee: Knee::Hard });
+    Some(motor)
+}
+
+fn text(error: SimulateError) -> String {
+    error.to_string()
+}
+
+/// A joint's angle at an instant \[rad\].
+fn between(recording: &Recording, joint: usize, t_s: f64) -> f64 {
+    let (t, angle) = (&recording.t_s, &recording.angle_rad[joint]);
+    let after = t.partition_point(|own| *own < t_s).clamp(1, t.len() - 1);
+    let share = ((t_s - t[after - 1]) / (t[after] - t[after - 1])).clamp(0.0, 1.0);
+    angle[after - 1] + share * (angle[after] - angle[after - 1])
+}
