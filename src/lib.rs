@@ -48,6 +48,8 @@
 
 #[cfg(feature = "report")]
 pub mod blind;
+// Its docs are what the terminal shows, not Markdown.
+#[allow(rustdoc::invalid_html_tags)]
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;

@@ -7,7 +7,6 @@ use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
-use super::ahead::ahead;
 use super::bytes::{cut, read_up_to, skip};
 use super::crc::Crc;
 use super::intake::{LARGEST_MESSAGE, Topic, take_message};
@@ -83,7 +82,7 @@ impl Reader<'_> {
         if last == MAGIC { Ok(()) } else { Err("cut short after its data".to_owned()) }
     }
 
-    fn data(&mut self, input: &mut (dyn Read + Send), length: u64) -> Result<(), String> {
+    fn data(&mut self, input: &mut dyn Read, length: u64) -> Result<(), String> {
         let mut magic = [0; 8];
         input.read_exact(&mut magic).map_err(|_| "shorter than its first 8 bytes".to_owned())?;
         let end = self.records(input, length.saturating_sub(8), true)?;
@@ -94,7 +93,7 @@ impl Reader<'_> {
     }
 
     /// Reads records up to the end of the data; `left` is what the file can hold at the most.
-    fn records(&mut self, input: &mut (dyn Read + Send), left: u64, is_file: bool) -> Result<End, String> {
+    fn records(&mut self, input: &mut dyn Read, left: u64, is_file: bool) -> Result<End, String> {
         let mut left = left;
         loop {
             let mut head = [0; 9];
@@ -123,7 +122,7 @@ impl Reader<'_> {
         }
     }
 
-    fn known(&mut self, op: u8, input: &mut (dyn Read + Send), length: u64) -> Result<(), String> {
+    fn known(&mut self, op: u8, input: &mut dyn Read, length: u64) -> Result<(), String> {
         if op == 0x05 {
             // The channel's number says whether the rest is wanted.
             let mut id = [0; 2];
@@ -181,7 +180,7 @@ impl Reader<'_> {
     }
 
     /// The rest of a message, after its channel's number.
-    fn message(&mut self, at: usize, input: &mut (dyn Read + Send), length: u64) -> Result<(), String> {
+    fn message(&mut self, at: usize, input: &mut dyn Read, length: u64) -> Result<(), String> {
         let mut head = [0; 20];
         input.read_exact(&mut head).map_err(cut)?;
         if length > LARGEST_MESSAGE {
@@ -197,7 +196,7 @@ impl Reader<'_> {
         }
     }
 
-    fn chunk(&mut self, input: &mut (dyn Read + Send), length: u64) -> Result<(), String> {
+    fn chunk(&mut self, input: &mut dyn Read, length: u64) -> Result<(), String> {
         // Both ends, size, checksum, compression, size of what follows.
         let mut head = [0; 32];
         let Some(rest) = length.checked_sub(32) else { return Err("damaged: a chunk of fewer than 32 bytes".into()) };
@@ -222,11 +221,9 @@ impl Reader<'_> {
         let mut own = input.take(packed);
         let unpacked = match &*name {
             b"" => self.unpacked(&mut own, size, checksum),
-            b"lz4" => ahead(&mut lz4_flex::frame::FrameDecoder::new(&mut own).take(size), |unpacked| {
-                self.unpacked(unpacked, size, checksum)
-            }),
+            b"lz4" => self.unpacked(&mut lz4_flex::frame::FrameDecoder::new(&mut own), size, checksum),
             b"zstd" => match ruzstd::decoding::StreamingDecoder::new(&mut own) {
-                Ok(frames) => ahead(&mut frames.take(size), |unpacked| self.unpacked(unpacked, size, checksum)),
+                Ok(mut frames) => self.unpacked(&mut frames, size, checksum),
                 Err(error) => Err(format!("damaged: a chunk of zstd: {error}")),
             },
             other => {
@@ -238,7 +235,7 @@ impl Reader<'_> {
         skip(&mut own, left)
     }
 
-    fn unpacked(&mut self, chunk: &mut (dyn Read + Send), size: u64, checksum: u32) -> Result<(), String> {
+    fn unpacked(&mut self, chunk: &mut dyn Read, size: u64, checksum: u32) -> Result<(), String> {
         let mut summed = Summed { input: chunk.take(size), crc: Crc::default(), read: 0 };
         let mut buffered = BufReader::with_capacity(1 << 14, &mut summed);
         self.records(&mut buffered, size, false)?;

@@ -3,7 +3,6 @@
 //! Every reader makes a [`Source`]; logs of a joint and of a robot are made of one ([`assemble`]). What is asked of a
 //! joint and what is read of it stay apart, each at the times that its own messages or cells carry.
 
-mod ahead;
 mod assemble;
 mod bags;
 mod bam;
