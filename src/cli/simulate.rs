@@ -13,7 +13,7 @@ use crate::joint::{EffectForm, EffectId, Law, UnknownEffect};
 use crate::log::{LogError, Nominal, Outputs, Role, StudyKind, study_kind};
 use crate::report::{EffectFit, FitFile, Quantity, SCHEMA};
 use clap::Args;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
@@ -105,14 +105,21 @@ pub(super) fn run(args: &SimulateArgs) -> Result<u8, CliError> {
         "schema": SCHEMA, "joint": case.joint.name, "parameters": in_force.source, "logs": rows,
         "version": provenance.version, "command": provenance.command, "inputs": provenance.hashed(),
     });
-    args.common.add_json(&mut outputs, &found)?;
-    write_outputs(outputs, &inputs)?;
     drop(progress);
-    if !args.common.quiet {
-        print(&text);
-        print(&format!("\npredictions: {}\n", folder.display()));
+    args.end(outputs, &inputs, &found, &text)
+}
+
+impl SimulateArgs {
+    /// Writes what was predicted and says it.
+    fn end(&self, mut outputs: Outputs, inputs: &[PathBuf], found: &Value, text: &str) -> Result<u8, CliError> {
+        self.common.add_json(&mut outputs, found)?;
+        write_outputs(outputs, inputs)?;
+        if !self.common.quiet {
+            print(text);
+            print(&format!("\npredictions: {}\n", self.common.folder(&study_name(&self.study)).display()));
+        }
+        Ok(0)
     }
-    Ok(0)
 }
 
 /// The parameters of the fit file, or of the study.

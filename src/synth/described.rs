@@ -99,17 +99,8 @@ impl Make<'_> {
             let (model, period_s) = (&self.robot.model, self.period_s);
             let of = Of { blame: &blame, table: format!("[[log]] {}", k + 1), log, model, period_s };
             let file = of.file(plans.iter().map(|(plan, _)| plan.entry.file.as_str()))?;
-            let keys = [
-                ("released", log.released.is_some()),
-                ("release_time", log.release_time.is_some()),
-                ("angles", !log.angles.is_empty()),
-                ("angle", log.angle.is_some()),
-                ("gravity", log.gravity.is_some()),
-                ("extra", log.extra.is_some()),
-                ("base", log.base),
-                ("forward", log.forward.is_some()),
-            ];
-            of.refuse(keys, "scenario = \"fixed\"")?;
+            let of_walks = [("base", log.base), ("forward", log.forward.is_some())];
+            of.refuse(log.of_a_drop().into_iter().chain(of_walks), "scenario = \"fixed\"")?;
             let mut rng = ChaCha8Rng::seed_from_u64(self.spec.seed);
             rng.set_stream(1001 + k as u64);
             let setpoints = match excite::named(&of, &mut rng)? {

@@ -80,7 +80,11 @@ impl Of<'_> {
     }
 
     /// Keys that do not belong here.
-    pub(super) fn refuse<const N: usize>(&self, keys: [(&str, bool); N], place: &str) -> Result<(), SynthError> {
+    pub(super) fn refuse<'k>(
+        &self,
+        keys: impl IntoIterator<Item = (&'k str, bool)>,
+        place: &str,
+    ) -> Result<(), SynthError> {
         match keys.into_iter().find(|(_, stated)| *stated) {
             Some((name, _)) => Err(self.wrong(name, "it", format!("nothing: it does not go with {place}"))),
             None => Ok(()),
@@ -113,15 +117,7 @@ impl Of<'_> {
     /// A gait or a table of setpoints, in the air or on the floor.
     fn driven(&self, spec: &Path, file: String, role: Role, scenario: RobotScenario) -> Result<Plan, SynthError> {
         let log = self.log;
-        let keys = [
-            ("released", log.released.is_some()),
-            ("release_time", log.release_time.is_some()),
-            ("angles", !log.angles.is_empty()),
-            ("angle", log.angle.is_some()),
-            ("gravity", log.gravity.is_some()),
-            ("extra", log.extra.is_some()),
-        ];
-        self.refuse(keys, &format!("scenario = \"{}\"", scenario.word()))?;
+        self.refuse(log.of_a_drop(), &format!("scenario = \"{}\"", scenario.word()))?;
         let setpoints = self.setpoints(spec.parent().unwrap_or(Path::new("")), scenario)?;
         let end_s = setpoints.t_s.last().copied().unwrap_or(0.0);
         if let Some([from_s, to_s]) = log.forward {

@@ -236,6 +236,20 @@ pub struct LogSpec {
     pub extra: Option<ExtraSpec>,
 }
 
+impl LogSpec {
+    /// Keys that only drops know, and whether they are stated.
+    pub(super) fn of_a_drop(&self) -> [(&'static str, bool); 6] {
+        [
+            ("released", self.released.is_some()),
+            ("release_time", self.release_time.is_some()),
+            ("angles", !self.angles.is_empty()),
+            ("angle", self.angle.is_some()),
+            ("gravity", self.gravity.is_some()),
+            ("extra", self.extra.is_some()),
+        ]
+    }
+}
+
 /// `[log.extra]`, as in a study.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]

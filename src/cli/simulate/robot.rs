@@ -1,7 +1,7 @@
 //! `aibo-fit simulate` on the study of a robot with a clamped base: all joints at once.
 
 use super::super::CliError;
-use super::super::common::{log_name, print, study_name, warn, write_outputs};
+use super::super::common::{log_name, study_name, warn};
 use super::super::progress::Progress;
 use super::super::provenance::provenance;
 use super::{SimulateArgs, free_name, named_values};
@@ -69,14 +69,8 @@ pub(super) fn run(args: &SimulateArgs) -> Result<u8, CliError> {
         "schema": SCHEMA, "name": setup.description.name, "parameters": source, "logs": rows, "left_out": left_out,
         "version": provenance.version, "command": provenance.command, "inputs": provenance.hashed(),
     });
-    args.common.add_json(&mut outputs, &found)?;
-    write_outputs(outputs, &inputs)?;
     drop(progress);
-    if !args.common.quiet {
-        print(&text);
-        print(&format!("\npredictions: {}\n", folder.display()));
-    }
-    Ok(0)
+    args.end(outputs, &inputs, &found, &text)
 }
 
 /// Numbers and causes that `gap --json` wrote, and what of it is not simulated, in words.

@@ -66,7 +66,7 @@ enum End {
 }
 
 impl Reader<'_> {
-    fn file(&mut self, mut input: impl Read + Send, length: u64) -> Result<(), String> {
+    fn file(&mut self, mut input: impl Read, length: u64) -> Result<(), String> {
         self.data(&mut input, length)?;
         // What follows the data is an index, which nothing here needs; that it is whole says that the file is.
         let (mut last, mut piece) = (Vec::new(), [0; 4096]);
