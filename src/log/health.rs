@@ -14,6 +14,8 @@ use super::types::{DriveMode, Log, SensorSpec};
 /// A joint is at rest at the end if it stays still for at least this long \[s\] and [`REST_SAMPLES`].
 const REST_S: f64 = 0.25;
 const REST_SAMPLES: usize = 5;
+/// Readings whose levels are looked at.
+const READINGS: usize = 200_000;
 /// Levels closer than this are one \[rad\]: rounding of the log's decimals.
 const SAME_LEVEL: f64 = 1e-9;
 /// A step as fine as this is the log's decimals, not the encoder \[rad\].
@@ -207,15 +209,16 @@ fn jitter(t: &[f64], period_s: f64) -> (f64, usize) {
 ///
 /// The levels that occur are sorted; in a quantised signal the distances between neighbours are small multiples of one
 /// step. Candidates are fractions of their median and of the smallest; the largest that nearly all are multiples of
-/// wins, and is refined over the whole range.
+/// wins, and is refined over the whole range. Of a long log some of the readings show the levels.
 fn quantisation(q: &[f64]) -> Option<f64> {
-    let mut levels = q.to_vec();
+    let mut levels: Vec<f64> = q.iter().step_by(q.len().div_ceil(READINGS).max(1)).copied().collect();
+    let readings = levels.len();
     levels.sort_unstable_by(f64::total_cmp);
     levels.dedup_by(|a, b| (*a - *b).abs() <= SAME_LEVEL);
     let mut gaps: Vec<f64> = levels.windows(2).map(|pair| pair[1] - pair[0]).collect();
     gaps.sort_unstable_by(f64::total_cmp);
-    let crowded = levels.len() as f64 <= 0.8 * q.len() as f64;
-    let enough = gaps.len() >= 8 || levels.len() * 4 <= q.len();
+    let crowded = levels.len() as f64 <= 0.8 * readings as f64;
+    let enough = gaps.len() >= 8 || levels.len() * 4 <= readings;
     if gaps.is_empty() || !crowded || !enough {
         return None;
     }
