@@ -112,12 +112,13 @@ impl Implant {
         }
     }
 
-    /// Whether the implant is named and the control innocent of it or of another size; or the number undone.
-    fn is_found(self, control: &Value, found: &Value) -> bool {
+    /// Whether the implant is named and the control innocent of it or of another size; or the number moved by its size.
+    fn is_found(self, study: &Table, control: &Value, found: &Value) -> bool {
         let (id, parameter, zero, size) = self.to_find();
         if let Wrong(number, factor) = self {
             let value = |answer: &Value| answer["joint"][number]["value"].as_f64().unwrap();
-            let back = (value(found) / value(control)).ln().abs() < OFF * factor.ln().abs();
+            let implanted = (factor - 1.0) * study["joint"][number].as_float().unwrap();
+            let back = (value(found) - value(control)).abs() < OFF * implanted.abs();
             return back || names(found, id) && !names(control, id);
         }
         if !names(found, id) {
@@ -173,7 +174,7 @@ fn a_change_that_is_put_into_a_real_study_is_found_in_four_of_five() {
             let (changed, beside) = implant.put_into(&study, dir.path());
             let beside = beside.map(|study| diagnosed(&study, dir.path()));
             let answer = diagnosed(&changed, dir.path());
-            let found = implant.is_found(beside.as_ref().unwrap_or(&control), &answer);
+            let found = implant.is_found(&study, beside.as_ref().unwrap_or(&control), &answer);
             println!("  {implant:?}: {} | {}", if found { "found" } else { "MISSED" }, answer["sentence"]);
             found_in_all += usize::from(found);
             count += 1;

@@ -6,14 +6,12 @@ use super::compare::difference;
 use super::evidence::{Evidence, counts};
 use super::explore::{explore, one_of_each};
 use super::floor::noise_rad;
-use super::folds::Folds;
 use super::grow::{Growth, Looked};
-use super::held_out::{Elsewhere, FEW_LOGS};
+use super::judged::{Judged, judged};
 use super::laws::lawful;
-use super::refuted::{refutes_law, unrefuted};
+use super::refuted::refutes;
 use super::score::Measure;
 use super::trial::Trial;
-use super::within::within_logs;
 use crate::fit::Budget;
 use crate::identify::Experiment;
 use crate::joint::EffectId;
@@ -72,10 +70,6 @@ pub(super) const LEFT_OVER: f64 = 0.02;
 const WORTH_A_LAW: f64 = 0.3;
 /// Rivals within this score of the best are carried over to all samples.
 const NEAR: f64 = 60.0;
-/// Standard deviations by which a cause has to predict logs better that were not fitted.
-const PREDICTS: f64 = 0.5;
-/// Standard deviations from which on it clearly does.
-const CLEARLY: f64 = 2.0;
 
 impl Attribution {
     /// Fits all hypotheses about a study; `effects` is the catalogue that is considered.
@@ -127,6 +121,7 @@ impl Attribution {
             }
         }
         stage("exchanging causes")?;
+        let grown = best.effects().to_vec();
         let best = growth.pruned(best);
         let Looked { singles: mut firsts, mut sights } = looked;
         if sights.is_empty() {
@@ -136,16 +131,29 @@ impl Attribution {
         if firsts.is_empty() {
             firsts = explore(&coarse, &calibrated, &sights);
         }
-        let (exchanged, without, rivals) = growth.exchanged(best);
-        let members = exchanged.effects().to_vec();
-        let best = growth.formed(proven(&coarse, exchanged, without, chance));
-        stage("looking at single sessions")?;
-        let (best, refuted) = unrefuted(&coarse, evidence, within_logs(&growth, best, chance), &firsts);
+        let judge = |best: Trial| judged(&growth, evidence, best, chance, &firsts);
+        let mut judged = judge(best);
+        // What others had stood in for shows once they are gone.
+        let went = grown.iter().any(|e| !judged.best.effects().contains(e));
+        if went && !judged.best.effects().is_empty() && beyond(&judged.best, FAR, noise) {
+            stage("looking again")?;
+            let (again, _) = growth.from(&judged.best);
+            if again.effects().len() > judged.best.effects().len() {
+                let mut again = judge(growth.pruned(again));
+                let score = |t: &Trial| Measure::by(&coarse, &again.best).score(&coarse, t);
+                if score(&again.best) < score(&judged.best) && !refutes(&coarse, evidence, &again.best, &judged.best) {
+                    again.refuted.extend(judged.refuted);
+                    judged = again;
+                }
+            }
+        }
+        let Judged { best, members, rivals, mut refuted } = judged;
+        refuted.retain(|e| !best.effects().contains(e));
         stage("looking for a law in what is left")?;
         let step_rad = coarse.reach.resolution_rad;
         let worth_a_law = best.fit_loss(&coarse) > samples * step_rad.max(noise_of_law(noise)).powi(2);
         let law = if worth_a_law { lawful(&coarse, &best, &calibrated) } else { None };
-        let refutes_it = |law: &Trial| refutes_law(&coarse, evidence, law, &best);
+        let refutes_it = |law: &Trial| refutes(&coarse, evidence, law, &best);
         let law_refuted = law.as_ref().is_some_and(refutes_it);
         let law = law.filter(|_| !law_refuted);
         let best = match &law {
@@ -343,48 +351,4 @@ fn in_short_parts(coarse: &Evidence, growth: &Growth<'_>, calibrated: &Trial) ->
     found.insert(0, best);
     found.retain(|t| !t.effects().is_empty());
     growth.carried(calibrated, &found)
-}
-
-/// The set without members that chance may have brought, or that do not predict logs which were not fitted.
-fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance: f64) -> Trial {
-    while !best.effects().is_empty() {
-        let measure = Measure::by(evidence, &best);
-        let deviance = |t: &Trial| measure.deviance(evidence, t);
-        let folds = Folds::of(evidence);
-        let held = folds.residuals(&best);
-        // Few logs are as many conditions: what holds in one has to hold in the others. Where logs are held out, these say
-        // so better than one or two that are fitted.
-        let few = evidence.held.is_empty() && (2..=FEW_LOGS).contains(&evidence.fit.len());
-        let worth = |t: &Trial| {
-            let gained = deviance(t) - deviance(&best);
-            let lost = folds.difference(&folds.residuals(t), &held);
-            let elsewhere =
-                if few { Elsewhere::of(evidence, t, &best, measure.effective) } else { Elsewhere::default() };
-            // What predicts clearly need not exceed chance by itself, but its charge.
-            let clearly = lost.z() > CLEARLY || elsewhere.z > CLEARLY;
-            let needed = if clearly { measure.charge(&best) - measure.charge(t) } else { chance };
-            if lost.sum > PREDICTS * lost.sd && elsewhere.no_worse(lost.z()) {
-                gained - needed
-            } else {
-                f64::NEG_INFINITY
-            }
-        };
-        let worths: Vec<f64> = without.par_iter().map(worth).collect();
-        let worst = (0..worths.len()).min_by(|a, b| worths[*a].total_cmp(&worths[*b]));
-        match worst {
-            Some(k) if worths[k] < 0.0 => {
-                // Of several that do not predict, the one whose absence costs least goes first.
-                let failing: Vec<usize> = (0..worths.len()).filter(|k| worths[*k] < 0.0).collect();
-                let least =
-                    failing.into_iter().min_by(|a, b| deviance(&without[*a]).total_cmp(&deviance(&without[*b])));
-                best = without.swap_remove(least.unwrap_or(k));
-                without = (0..best.effects().len()).map(|k| best.without(evidence, k, AGAIN)).collect();
-            }
-            _ => break,
-        }
-    }
-    // Where all of them together do not exceed chance, none is there.
-    let measure = Measure::by(evidence, &best);
-    let bare = best.keeping(evidence, &[], AGAIN);
-    if measure.deviance(evidence, &bare) - measure.deviance(evidence, &best) > chance { best } else { bare }
 }

@@ -26,8 +26,15 @@ const SERIOUS: f64 = 1.15;
 const AT_LEAST: usize = 2;
 
 /// Effects that are easily taken for one another, whatever a look from afar says.
-const KIN: [&[EffectId]; 2] =
-    [&[EffectId::Delay, EffectId::SensorDelay, EffectId::SetpointHold], &[EffectId::TorqueLimit, EffectId::SpeedLimit]];
+const KIN: [&[EffectId]; 2] = [
+    &[EffectId::Delay, EffectId::SensorDelay, EffectId::SetpointHold, EffectId::SetpointProfile],
+    &[EffectId::TorqueLimit, EffectId::SpeedLimit],
+];
+
+/// Whether one effect is easily taken for another.
+pub(super) fn is_kin(a: EffectId, b: EffectId) -> bool {
+    KIN.iter().any(|kin| kin.contains(&a) && kin.contains(&b))
+}
 
 /// The best fits of `base` with one of the effects added, one for each effect that promises something; best first.
 pub(super) fn explore(evidence: &Evidence, base: &Trial, sights: &[Sight]) -> Vec<Trial> {
@@ -55,7 +62,7 @@ pub(super) fn explore_with_kin(
             kept.push(*effect);
         }
     }
-    let kin = |effect: &EffectId| of.is_some_and(|of| KIN.iter().any(|kin| kin.contains(&of) && kin.contains(effect)));
+    let kin = |effect: &EffectId| of.is_some_and(|of| is_kin(of, *effect));
     points.retain(|(_, effect, _)| kept.contains(effect) || kin(effect));
     let candidates = points.into_iter().map(|(_, effect, values)| (vec![effect.into()], values)).collect();
     let found = refitted(evidence, base, candidates);

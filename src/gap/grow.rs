@@ -5,7 +5,7 @@
 //! numbers.
 
 use super::evidence::{Evidence, counts};
-use super::explore::{explore, explore_with_kin, one_of_each, refitted};
+use super::explore::{explore, explore_with_kin, is_kin, one_of_each, refitted};
 use super::folds::Folds;
 use super::held_out::Elsewhere;
 use super::model::COULOMB;
@@ -167,10 +167,14 @@ impl Growth<'_> {
     pub fn rivals(&self, best: &Trial, without: &[Trial]) -> Vec<Vec<Trial>> {
         let of = |(k, without): (usize, &Trial)| {
             let member = best.effects()[k];
+            let mut others: Vec<EffectId> = self.others(best);
             if without.model.has_two_bodies() {
-                return Vec::new();
+                // Each costs many times as much: what is easily taken for the member, and no more.
+                others.retain(|other| is_kin(member, *other));
+                if others.is_empty() {
+                    return Vec::new();
+                }
             }
-            let others: Vec<EffectId> = self.others(best);
             let sights = self.sights(without, &others);
             let mut found = explore_with_kin(self.evidence, without, &sights, Some(member));
             found.retain(|t| !t.effects().contains(&member));
@@ -180,22 +184,25 @@ impl Growth<'_> {
         without.iter().enumerate().map(of).collect()
     }
 
-    /// The same with members exchanged where that explains the logs better.
-    pub fn exchanged(&self, best: Trial) -> (Trial, Vec<Trial>, Vec<Vec<Trial>>) {
-        let without = self.without_each(&best);
-        let rivals = self.rivals(&best, &without);
-        let measure = Measure::by(self.evidence, &best);
-        let score = |t: &Trial| measure.score(self.evidence, t);
-        let better = rivals.iter().flatten().min_by(|a, b| score(a).total_cmp(&score(b))).cloned();
-        match better {
-            Some(t) if score(&t) < score(&best) - EXCHANGE => {
-                let best = self.pruned(t.settled(self.evidence, SETTLE));
-                let without = self.without_each(&best);
-                let rivals = self.rivals(&best, &without);
-                (best, without, rivals)
+    /// The same with members exchanged where something simpler explains the logs as well, or anything better.
+    pub fn exchanged(&self, mut best: Trial) -> (Trial, Vec<Trial>, Vec<Vec<Trial>>) {
+        let mut without = self.without_each(&best);
+        let mut rivals = self.rivals(&best, &without);
+        for only_simpler in [true, false] {
+            let measure = Measure::by(self.evidence, &best);
+            let score = |t: &Trial| measure.score(self.evidence, t);
+            let allowed = |t: &&Trial| {
+                let behind = score(t) - score(&best);
+                if only_simpler { is_simpler(t, &best) && behind < AS_WELL } else { behind < -EXCHANGE }
+            };
+            let others = rivals.iter().flatten().filter(allowed);
+            if let Some(other) = others.min_by(|a, b| score(a).total_cmp(&score(b))) {
+                best = self.pruned(other.clone().settled(self.evidence, SETTLE));
+                without = self.without_each(&best);
+                rivals = self.rivals(&best, &without);
             }
-            _ => (best, without, rivals),
         }
+        (best, without, rivals)
     }
 
     /// The same causes in the forms that explain the logs best: the formula is a detail that the evidence picks.
@@ -268,3 +275,12 @@ const FORMING: Budget = Budget { evaluations: 30 };
 const FORM: f64 = 6.0;
 /// Score by which an exchange has to be better to be worth another round.
 const EXCHANGE: f64 = 2.0;
+/// Score by which something simpler may be behind.
+const AS_WELL: f64 = 3.0;
+
+/// Whether a set has a late setpoint where another has a late reading, which changes the loop as well.
+fn is_simpler(other: &Trial, than: &Trial) -> bool {
+    let [delay, sensor] = [EffectId::Delay, EffectId::SensorDelay];
+    let has = |t: &Trial, e| t.effects().contains(&e);
+    has(other, delay) && has(than, sensor) && !has(other, sensor)
+}

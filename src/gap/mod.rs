@@ -30,6 +30,7 @@ mod held_out;
 mod hold_fit;
 mod hold_scan;
 pub mod inverse;
+mod judged;
 mod law_candidates;
 mod law_found;
 mod law_shape;

@@ -33,7 +33,7 @@ pub(super) fn soundly_believed(evidence: &Evidence, best: &Trial) -> Option<Evid
     let all: Vec<usize> = (0..best.effects().len()).collect();
     let mut held_back = best.keeping(&normal, &all, AGAIN).settled(&normal, AGAIN);
     held_back.predict(&normal, Some(best));
-    refutes(evidence, best, &held_back).then_some(normal)
+    predicts_clearly_worse(evidence, best, &held_back).then_some(normal)
 }
 
 /// A hypothesis without the causes that the held-out logs refute or do not know, and these; everything else refitted.
@@ -107,7 +107,7 @@ fn unrefuted_on(
         };
         let better = |tried: &[Trial]| {
             let goes = |less: &Trial| {
-                refutes(evidence, &best, less)
+                predicts_clearly_worse(evidence, &best, less)
                     || is_idle(evidence, &best, less)
                     || causes > 1 && is_negligible(evidence, &best, less, all_rad)
             };
@@ -115,7 +115,7 @@ fn unrefuted_on(
         };
         let otherwise = || {
             let others = [in_simpler_forms(evidence, &best, predict), known.clone()].concat();
-            least(&others).filter(|less| refutes(evidence, &best, less))
+            least(&others).filter(|less| predicts_clearly_worse(evidence, &best, less))
         };
         let Some(less) = better(singly).or_else(|| better(at_once)).or_else(otherwise) else { break };
         refuted.extend(best.effects().iter().filter(|e| !less.effects().contains(e)));
@@ -159,23 +159,23 @@ fn held_rms_rad(evidence: &Evidence, trial: &Trial) -> f64 {
     (trial.held_loss(evidence) / samples).sqrt()
 }
 
-/// Whether the held-out logs refute a hypothesis that has a law, for one that has none.
-pub(super) fn refutes_law(coarse: &Evidence, evidence: &Evidence, law: &Trial, without: &Trial) -> bool {
+/// Whether the held-out logs refute what a hypothesis has more than another, both found on a choice of the samples.
+pub(super) fn refutes(coarse: &Evidence, evidence: &Evidence, more: &Trial, less: &Trial) -> bool {
     if evidence.held.is_empty() {
         return false;
     }
-    let [law, without] = [law, without].map(|t| {
+    let [more, less] = [more, less].map(|t| {
         let mut whole = t.clone();
         whole.begin_as(coarse, evidence);
         let mut whole = whole.on(evidence, AGAIN);
         whole.predict(evidence, None);
         whole
     });
-    refutes(evidence, &law, &without)
+    predicts_clearly_worse(evidence, &more, &less)
 }
 
 /// Whether the held-out logs are predicted clearly better by a hypothesis that has less.
-fn refutes(evidence: &Evidence, more: &Trial, less: &Trial) -> bool {
+fn predicts_clearly_worse(evidence: &Evidence, more: &Trial, less: &Trial) -> bool {
     let gained = Difference::of_a_whole(&blocks(&evidence.held, &more.held, &less.held).collect::<Vec<f64>>());
     less.held_loss(evidence) < BETTER * more.held_loss(evidence) && gained.z() > CLEARLY
 }

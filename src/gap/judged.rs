@@ -1,0 +1,87 @@
+//! What stays of a grown set of causes once each has had to show that it is needed, and predicts.
+
+use super::evidence::Evidence;
+use super::folds::Folds;
+use super::grow::Growth;
+use super::held_out::{Elsewhere, FEW_LOGS};
+use super::refuted::unrefuted;
+use super::score::Measure;
+use super::trial::Trial;
+use super::within::within_logs;
+use crate::fit::Budget;
+use crate::joint::EffectId;
+use rayon::prelude::*;
+
+/// Standard deviations by which a cause has to predict logs better that were not fitted.
+const PREDICTS: f64 = 0.5;
+/// Standard deviations from which on it clearly does.
+const CLEARLY: f64 = 2.0;
+/// Evaluations of a fit that begins near its end.
+const AGAIN: Budget = Budget { evaluations: 24 };
+
+/// A set of causes that was judged.
+pub(super) struct Judged {
+    /// With the causes that stay.
+    pub best: Trial,
+    /// The causes before they had to prove themselves.
+    pub members: Vec<EffectId>,
+    /// For each of these: the sets in which another effect stands in its place, best first.
+    pub rivals: Vec<Vec<Trial>>,
+    /// Causes that the fitted logs ask for and the held-out ones refute.
+    pub refuted: Vec<EffectId>,
+}
+
+/// A set of causes exchanged, proven, in its best forms, in the logs in which it holds, and without what held-out logs
+/// refute; `chance` is the deviance that chance alone may gain, `known` are hypotheses with fewer causes.
+pub(super) fn judged(growth: &Growth<'_>, whole: &Evidence, grown: Trial, chance: f64, known: &[Trial]) -> Judged {
+    let evidence = growth.evidence;
+    let (exchanged, without, rivals) = growth.exchanged(grown);
+    let members = exchanged.effects().to_vec();
+    let best = growth.formed(proven(evidence, exchanged, without, chance));
+    let (best, refuted) = unrefuted(evidence, whole, within_logs(growth, best, chance), known);
+    Judged { best, members, rivals, refuted }
+}
+
+/// The set without members that chance may have brought, or that do not predict logs which were not fitted.
+fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance: f64) -> Trial {
+    while !best.effects().is_empty() {
+        let measure = Measure::by(evidence, &best);
+        let deviance = |t: &Trial| measure.deviance(evidence, t);
+        let folds = Folds::of(evidence);
+        let held = folds.residuals(&best);
+        // Few logs are as many conditions: what holds in one has to hold in the others. Where logs are held out, these say
+        // so better than one or two that are fitted.
+        let few = evidence.held.is_empty() && (2..=FEW_LOGS).contains(&evidence.fit.len());
+        let worth = |t: &Trial| {
+            let gained = deviance(t) - deviance(&best);
+            let lost = folds.difference(&folds.residuals(t), &held);
+            let elsewhere =
+                if few { Elsewhere::of(evidence, t, &best, measure.effective) } else { Elsewhere::default() };
+            // What predicts clearly need not exceed chance by itself, but its charge.
+            let clearly = lost.z() > CLEARLY || elsewhere.z > CLEARLY;
+            let needed = if clearly { measure.charge(&best) - measure.charge(t) } else { chance };
+            if lost.sum > PREDICTS * lost.sd && elsewhere.no_worse(lost.z()) {
+                gained - needed
+            } else {
+                f64::NEG_INFINITY
+            }
+        };
+        let worths: Vec<f64> = without.par_iter().map(worth).collect();
+        let worst = (0..worths.len()).min_by(|a, b| worths[*a].total_cmp(&worths[*b]));
+        match worst {
+            Some(k) if worths[k] < 0.0 => {
+                // Of several that do not predict, the one whose absence costs least goes first.
+                let failing: Vec<usize> = (0..worths.len()).filter(|k| worths[*k] < 0.0).collect();
+                let least =
+                    failing.into_iter().min_by(|a, b| deviance(&without[*a]).total_cmp(&deviance(&without[*b])));
+                best = without.swap_remove(least.unwrap_or(k));
+                without = (0..best.effects().len()).map(|k| best.without(evidence, k, AGAIN)).collect();
+            }
+            _ => break,
+        }
+    }
+    // Where all of them together do not exceed chance, none is there.
+    let measure = Measure::by(evidence, &best);
+    let bare = best.keeping(evidence, &[], AGAIN);
+    if measure.deviance(evidence, &bare) - measure.deviance(evidence, &best) > chance { best } else { bare }
+}
