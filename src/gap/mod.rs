@@ -13,6 +13,7 @@ mod body_kind;
 mod calibrate;
 mod chance;
 mod check;
+#[cfg(feature = "robots")]
 pub mod clamped;
 mod compare;
 mod decide;
@@ -29,6 +30,7 @@ mod grow;
 mod held_out;
 mod hold_fit;
 mod hold_scan;
+#[cfg(feature = "robots")]
 pub mod inverse;
 mod law_candidates;
 mod law_found;
@@ -53,6 +55,7 @@ mod reach;
 mod refuted;
 mod residual_torque;
 mod rest;
+#[cfg(feature = "robots")]
 pub mod robot;
 mod score;
 mod sentence;
@@ -65,6 +68,7 @@ mod trial;
 mod twins;
 mod variables;
 mod waterfall;
+#[cfg(feature = "robots")]
 pub mod whole;
 mod within;
 
