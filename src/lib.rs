@@ -20,9 +20,9 @@
 //! thesis's chapter 3 · `report` draws (feature `report`) · `fleet` puts many studies
 //! together (feature `fleet`) · the program (feature `cli`) is on top.
 //!
-//! With `default-features = false` there are neither pages, exams nor the program, and none of what they depend on: logs as
-//! arrays or files go in, diagnoses come out, which serialise (`examples/from_arrays.rs`). The feature `parquet` reads
-//! LeRobot datasets.
+//! With `default-features = false` there are neither robots, pages, exams nor the program, and none of what they depend on:
+//! logs of a joint as arrays or files go in, diagnoses come out, which serialise (`examples/from_arrays.rs`). The feature
+//! `robots` has arms and whole robots, `recordings` reads bags, MCAP and `.npz`, `parquet` LeRobot datasets.
 //!
 //! # A swing, fitted
 //! ```

@@ -65,17 +65,16 @@ fn kill(process: u32) {
 
 /// The worker that answers a study, if it runs just now.
 fn worker_of(fleet: u32, study: &str) -> Option<u32> {
-    let threads = fs::read_dir(format!("/proc/{fleet}/task")).ok()?;
-    let children = threads.filter_map(|thread| fs::read_to_string(thread.ok()?.path().join("children")).ok());
-    let children: Vec<u32> = children
-        .flat_map(|all| all.split_whitespace().map(str::to_owned).collect::<Vec<_>>())
-        .filter_map(|id| id.parse().ok())
-        .collect();
-    let is_asked = |id: &u32| {
+    let processes = fs::read_dir("/proc").ok()?;
+    let mut ids = processes.filter_map(|entry| entry.ok()?.file_name().to_str()?.parse::<u32>().ok());
+    ids.find(|id| {
         let words = fs::read(format!("/proc/{id}/cmdline")).unwrap_or_default();
-        words.split(|byte| *byte == 0).any(|word| word == study.as_bytes())
-    };
-    children.into_iter().find(is_asked)
+        let is_asked = || words.split(|byte| *byte == 0).any(|word| word == study.as_bytes());
+        // After the name, which may hold anything: the state, then the parent.
+        let stat = fs::read_to_string(format!("/proc/{id}/stat")).unwrap_or_default();
+        let parent = stat.rsplit(')').next().and_then(|rest| rest.split_whitespace().nth(1)?.parse().ok());
+        parent == Some(fleet) && is_asked()
+    })
 }
 
 /// Kills every worker that is given a study, at most so many times, until the fleet has ended; gives how many it killed.

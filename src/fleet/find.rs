@@ -48,6 +48,12 @@ pub(super) fn find(patterns: &[String]) -> Result<Vec<Found>, FleetError> {
     Ok(found.into_iter().map(|(path, base)| Found { path, base }).collect())
 }
 
+/// A pattern as it is written in a shell.
+pub(super) fn in_shell(pattern: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || matches!(c, '/' | '.' | '-' | '_');
+    if pattern.chars().all(is_plain) { pattern.to_owned() } else { format!("'{}'", pattern.replace('\'', "'\\''")) }
+}
+
 fn has_wildcard(part: &str) -> bool {
     part.contains(['*', '?', '['])
 }
@@ -84,6 +90,12 @@ mod tests {
         assert_eq!(found, expected);
         let named = find(&[word("logs/a/1/study.toml"), word("logs/b/study.toml")]).unwrap();
         assert!(named.iter().all(|study| study.base == at("logs")), "{named:?}");
+    }
+
+    #[test]
+    fn a_pattern_is_quoted_where_a_shell_would_take_it_apart() {
+        assert_eq!(in_shell("logs/a-1/study.toml"), "logs/a-1/study.toml");
+        assert_eq!(in_shell("logs/**/it's.toml"), "'logs/**/it'\\''s.toml'");
     }
 
     #[test]

@@ -174,7 +174,8 @@ impl Fleet {
             })
         };
         let studies = self.studies.iter().map(study).collect::<Result<Vec<_>, FleetError>>()?;
-        let words = self.patterns.iter().cloned().chain(self.options.words()).collect::<Vec<_>>().join(" ");
+        let patterns = self.patterns.iter().map(|pattern| find::in_shell(pattern));
+        let words = patterns.chain(self.options.words()).collect::<Vec<_>>().join(" ");
         Ok(FleetReport::new(&studies, env!("CARGO_PKG_VERSION"), &format!("aibo-fit fleet {words}")))
     }
 

@@ -49,11 +49,7 @@ impl Worker {
                     Ok(text) => Outcome::of_text(&text),
                     Err(error) => Outcome::Lost(format!("its process left no answer: {error}")),
                 },
-                Some(code) if code <= IO => {
-                    let told = String::from_utf8_lossy(&output.stderr);
-                    let told = told.rsplit_once("error: ").map_or(&*told, |(_, told)| told);
-                    Outcome::None(told.trim().to_owned())
-                }
+                Some(code) if code <= IO => Outcome::None(error_of(&String::from_utf8_lossy(&output.stderr))),
                 _ => Outcome::Lost(ended_by(output.status)),
             },
         };
@@ -76,4 +72,22 @@ fn ended_by(status: ExitStatus) -> String {
         return format!("its process was ended by signal {signal}{meaning}");
     }
     format!("its process crashed ({status}; please report this)")
+}
+
+/// What the program says after `error:`, warnings before it left out.
+fn error_of(told: &str) -> String {
+    let from = if told.starts_with("error: ") { Some(0) } else { told.find("\nerror: ").map(|at| at + 1) };
+    told[from.map_or(0, |at| at + "error: ".len())..].trim().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_is_told_without_the_warnings_before_it() {
+        assert_eq!(error_of("error: a.toml: an error: it\n  | more\n"), "a.toml: an error: it\n  | more");
+        assert_eq!(error_of("warning: no mass\nerror: b\n"), "b");
+        assert_eq!(error_of("something\n"), "something");
+    }
 }

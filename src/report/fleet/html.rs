@@ -4,7 +4,6 @@ use super::{FleetReport, JointTrend, TrendPoint};
 use crate::report::ReportError;
 use crate::report::html::render;
 use crate::report::number::{UNKNOWN, significant};
-use crate::report::rows::typeset_unit;
 use minijinja::{Value, context};
 use std::fmt::Write as _;
 
@@ -51,7 +50,6 @@ fn of_joint(joint: &JointTrend, page: Option<&String>) -> Value {
         gap => joint.measure().quantity(joint.gap()),
         growth => joint.growth().map(|growth| format!("× {}", significant(growth, 3))),
         cause => latest.cause.as_deref().unwrap_or_default(),
-        size => latest.size.as_ref().map(|size| typeset_unit(&size.words())),
         probability => latest.probability.map(|share| format!("{:.0} %", 100.0 * share)),
         sentence => latest.sentence.as_deref().unwrap_or_default(),
         study => latest.study.as_str(),
