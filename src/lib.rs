@@ -22,7 +22,7 @@
 //!
 //! With `default-features = false` there are neither robots, pages, exams nor the program, and none of what they depend on:
 //! logs of a joint as arrays or files go in, diagnoses come out, which serialise (`examples/from_arrays.rs`). The feature
-//! `robots` has arms and whole robots, `recordings` reads bags, MCAP and `.npz`, `parquet` LeRobot datasets.
+//! `robots` has arms and whole robots and reads bags, MCAP and `.npz`, `parquet` reads LeRobot datasets.
 //!
 //! # A swing, fitted
 //! ```

@@ -1,18 +1,18 @@
 //! Bags: files of ROS 1, of ROS 2 in SQLite and of MCAP, packed as a whole or not, and folders of them.
 
 use std::fs;
-#[cfg(feature = "recordings")]
+#[cfg(feature = "robots")]
 use std::fs::File;
-#[cfg(feature = "recordings")]
+#[cfg(feature = "robots")]
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-#[cfg(feature = "recordings")]
+#[cfg(feature = "robots")]
 use super::bytes::{MCAP_MAGIC, ROS1_MAGIC};
 use super::channel::Source;
-#[cfg(feature = "recordings")]
+#[cfg(feature = "robots")]
 use super::topics::Topics;
-#[cfg(feature = "recordings")]
+#[cfg(feature = "robots")]
 use super::{mcap, packed, ros1_bag, rosbag};
 use crate::log::error::LogError;
 use crate::log::format::Format;
@@ -57,9 +57,9 @@ fn parts(name: &str) -> Vec<(String, u64)> {
 ///
 /// # Errors
 /// [`LogError::Format`] in any case.
-#[cfg(not(feature = "recordings"))]
+#[cfg(not(feature = "robots"))]
 pub(super) fn read_bags(path: &Path, _: &[PathBuf]) -> Result<Source, LogError> {
-    let what = "this build reads no bags; build with the feature `recordings`".to_owned();
+    let what = "this build reads no bags; build with the feature `robots`".to_owned();
     Err(LogError::Format { file: path.to_path_buf(), format: Format::Rosbag2, what })
 }
 
@@ -67,7 +67,7 @@ pub(super) fn read_bags(path: &Path, _: &[PathBuf]) -> Result<Source, LogError> 
 ///
 /// # Errors
 /// [`LogError`] where one cannot be read, is damaged, or none has a message of joints.
-#[cfg(feature = "recordings")]
+#[cfg(feature = "robots")]
 pub(super) fn read_bags(path: &Path, files: &[PathBuf]) -> Result<Source, LogError> {
     let mut topics = Topics::default();
     let mut format = Format::Rosbag2;
