@@ -1,7 +1,6 @@
 //! A row of the fleet's table.
 
 use crate::log::Day;
-use crate::number::quantity;
 use serde::{Deserialize, Serialize};
 
 /// Where the day of a log is from.
@@ -41,13 +40,6 @@ pub struct FleetSize {
     pub interval: Option<[f64; 2]>,
     /// Of value and interval.
     pub unit: String,
-}
-
-impl FleetSize {
-    /// `T = 0.0161 [0.0159, 0.0164] s`
-    pub fn words(&self) -> String {
-        format!("{} = {}", self.parameter, quantity(self.value, self.interval, &self.unit))
-    }
 }
 
 /// A joint in a log of a study; of a study without an answer the study alone.

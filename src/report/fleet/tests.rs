@@ -49,8 +49,12 @@ fn a_joint_drifts_since_the_first_of_the_last_studies_that_say_so() {
 #[test]
 fn a_size_is_the_effects_own_or_the_number_that_is_off() {
     let found = report(&[study("2026-03-01", "effect", 0.01), study("2026-03-02", "calibration", 0.01)]);
-    let words: Vec<String> = found.rows.iter().map(|row| row.size.as_ref().unwrap().words()).collect();
-    assert_eq!(words, ["k = 9.0 [8.0, 10.0] N m/rad", "moment = 0.20 [0.10, 0.30] kg m"]);
+    let size = |parameter: &str, value, interval, unit: &str| {
+        let [parameter, unit] = [parameter, unit].map(str::to_owned);
+        Some(FleetSize { parameter, value, interval: Some(interval), unit })
+    };
+    assert_eq!(found.rows[0].size, size("k", 9.0, [8.0, 10.0], "N m/rad"));
+    assert_eq!(found.rows[1].size, size("moment", 0.2, [0.1, 0.3], "kg m"));
     assert_eq!(report(&[study("2026-03-01", "none", 0.01)]).rows[0].size, None);
 }
 
