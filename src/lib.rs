@@ -17,11 +17,12 @@
 //! [`log`] reads and checks · [`geometry`] lumps a leg into a pendulum · [`joint`] has the stages · [`integrate`] and
 //! [`pendulum`] move them · [`fit`] minimises and says how sure it is · [`identify`] brings logs and models together ·
 //! [`robot`] moves a whole tree of bodies · [`blind`] tests the diagnosis on sealed studies · [`synth`] makes logs from a known truth · [`thesis`] repeats the
-//! thesis's chapter 3 · `report` draws (feature `report`) · the program (feature `cli`) is on top.
+//! thesis's chapter 3 · `report` draws (feature `report`) · `fleet` puts many studies
+//! together (feature `fleet`) · the program (feature `cli`) is on top.
 //!
-//! With `default-features = false` there are neither pages, exams nor the program, and none of what they depend on: logs as
-//! arrays or files go in, diagnoses come out, which serialise (`examples/from_arrays.rs`). The feature `parquet` reads
-//! LeRobot datasets.
+//! With `default-features = false` there are neither robots, pages, exams nor the program, and none of what they depend on:
+//! logs of a joint as arrays or files go in, diagnoses come out, which serialise (`examples/from_arrays.rs`). The feature
+//! `robots` has arms and whole robots and reads bags, MCAP and `.npz`, `parquet` reads LeRobot datasets.
 //!
 //! # A swing, fitted
 //! ```
@@ -54,6 +55,8 @@ pub mod blind;
 #[doc(hidden)]
 pub mod cli;
 pub mod fit;
+#[cfg(feature = "fleet")]
+pub mod fleet;
 pub mod gap;
 pub mod geometry;
 pub mod identify;
@@ -65,7 +68,9 @@ pub mod pendulum;
 pub mod progress;
 #[cfg(feature = "report")]
 pub mod report;
+#[cfg(feature = "robots")]
 pub mod robot;
+#[cfg(feature = "robots")]
 pub mod synth;
 #[cfg(feature = "report")]
 pub mod thesis;

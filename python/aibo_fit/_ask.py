@@ -49,13 +49,9 @@ def gap(
 
     Raises ``aibo_fit.Error`` with the program's words; ``aibo_fit.NeverMoved`` where nothing moves.
     """
-    path, text, arrays = _asked(study, logs, robot)
     return Gap(
         _core.gap(
-            path=path,
-            study=text,
-            logs=arrays,
-            robot=robot,
+            _asked(study, logs, robot),
             without=_names(without),
             only=_names(only),
             twins=twins,
@@ -76,8 +72,7 @@ def check(
 
     Raises ``aibo_fit.Error`` with the program's words; ``aibo_fit.NeverMoved`` where nothing moves.
     """
-    path, text, arrays = _asked(study, logs, robot)
-    return Check(_core.check(path=path, study=text, logs=arrays, robot=robot, progress=progress))
+    return Check(_core.check(_asked(study, logs, robot), progress=progress))
 
 
 def drop(
@@ -100,13 +95,10 @@ def drop(
     names = [os.fspath(path) for path in paths]
     if names and (study is not None or logs is not None):
         raise _core.Error("drop takes the paths of logs, or a study, not both")
-    path, text, arrays = (None, None, []) if names else _asked(study, logs, None)
     return Drop(
         _core.drop(
-            paths=names,
-            path=path,
-            study=text,
-            logs=arrays,
+            names,
+            (None, None, [], None) if names else _asked(study, logs, None),
             joint=joint,
             method=method,
             stribeck=stribeck,
@@ -122,19 +114,20 @@ def _names(ids: Iterable[str]) -> List[str]:
 
 def _asked(
     study: Study, logs: Optional[Logs], robot: Optional[PathLike]
-) -> Tuple[Optional[str], Optional[str], List[_Arrays]]:
-    """A path, or a study as JSON with the arrays that it names."""
+) -> Tuple[Optional[str], Optional[str], List[_Arrays], Optional[str]]:
+    """A path, or a study as JSON with the arrays that it names, and the robot."""
+    model = None if robot is None else os.fspath(robot)
     if study is not None and not isinstance(study, Mapping):
         path = os.fspath(study)
         if not logs:
-            return path, None, []
+            return path, None, [], model
         raise _core.Error(f"{path}: a study in a file names its logs; with arrays give the study as a dictionary")
     if study is None and robot is None:
         raise _core.Error("nothing is believed: give a study (a path or a dictionary), or a robot")
     document: Dict[str, Any] = {"schema": 1}
     document.update(study or {})
     if robot is not None:
-        of_robot = {"model": os.fspath(robot), "scenario": "fixed"}
+        of_robot = {"model": model, "scenario": "fixed"}
         of_robot.update(document.get("robot") or {})
         document["robot"] = of_robot
     given = {str(name): dict(log) for name, log in (logs or {}).items()}
@@ -148,7 +141,7 @@ def _asked(
         if name not in named:
             entries.append(_entry(name, {ours.get(column, column) for column, _, _ in columns}))
     document["log"] = entries
-    return None, _json.dumps(document, default=_plain), arrays
+    return None, _json.dumps(document, default=_plain), arrays, model
 
 
 def _entry(name: str, columns: Iterable[str]) -> Dict[str, str]:

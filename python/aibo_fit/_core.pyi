@@ -16,39 +16,41 @@ class Answer:
     text: str
 
 _Arrays = Tuple[str, List[np.ndarray], List[Tuple[str, int, np.ndarray]]]
+_Question = Tuple[Optional[str], Optional[str], List[_Arrays], Optional[str]]
 _Progress = Optional[Callable[[str, int, int], Any]]
 _Base = Optional[Tuple[List[float], List[float], List[float], List[float]]]
 
-def main(words: Sequence[str]) -> int: ...
+def main(program: Sequence[str], words: Sequence[str]) -> int: ...
 def gap(
-    path: Optional[str] = None,
-    study: Optional[str] = None,
-    logs: Sequence[_Arrays] = (),
-    robot: Any = None,
+    question: _Question,
     without: Sequence[str] = (),
     only: Sequence[str] = (),
     twins: int = 0,
     seed: int = 0,
     progress: _Progress = None,
 ) -> Answer: ...
-def check(
-    path: Optional[str] = None,
-    study: Optional[str] = None,
-    logs: Sequence[_Arrays] = (),
-    robot: Any = None,
-    progress: _Progress = None,
-) -> Answer: ...
+def check(question: _Question, progress: _Progress = None) -> Answer: ...
 def drop(
-    paths: Sequence[str] = (),
-    path: Optional[str] = None,
-    study: Optional[str] = None,
-    logs: Sequence[_Arrays] = (),
+    paths: Sequence[str],
+    question: _Question,
     joint: Optional[str] = None,
     method: str = "lm",
     stribeck: bool = False,
     lump: bool = False,
     progress: _Progress = None,
 ) -> Answer: ...
+
+class Fleet:
+    def __init__(
+        self, patterns: Sequence[str], folder: str, without: Sequence[str], only: Sequence[str], pages: bool
+    ) -> None: ...
+    def __len__(self) -> int: ...
+    def pending(self) -> List[int]: ...
+    def path(self, study: int) -> str: ...
+    def pages_of(self, study: int) -> str: ...
+    def store_answer(self, study: int, document: str) -> None: ...
+    def store_error(self, study: int, why: str, lost: bool) -> None: ...
+    def finish(self, json: Optional[str] = None) -> Tuple[str, bool]: ...
 
 class Robot:
     @staticmethod

@@ -27,6 +27,15 @@ pub struct Answer {
     pub text: String,
 }
 
+impl Answer {
+    /// Of a diagnosis: verdict, sentence and probability, document, page and text.
+    pub fn of_diagnosis(said: (&str, &str, f64), json: String, html: String, text: String) -> Self {
+        let (verdict, sentence, probability) = said;
+        let (verdict, sentence) = (Some(verdict.to_owned()), Some(sentence.to_owned()));
+        Self { verdict, sentence, probability: Some(probability), json, html, text }
+    }
+}
+
 /// A document as the program writes it.
 pub fn json_text(document: &impl Serialize) -> Result<String, Failed> {
     Ok(serde_json::to_string_pretty(document)? + "\n")

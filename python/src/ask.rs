@@ -12,6 +12,9 @@ use std::path::{Path, PathBuf};
 /// A log of arrays: its name, the stamps \[s\] of its clocks, and its columns, each with the number of its clock.
 pub type Arrays<'py> = (String, Vec<PyReadonlyArray1<'py, f64>>, Vec<(String, usize, PyReadonlyArray1<'py, f64>)>);
 
+/// A question from the Python half: a path, or a study as JSON with arrays, and a robot.
+pub type Question<'py> = (Option<PathBuf>, Option<String>, Vec<Arrays<'py>>, Option<PathBuf>);
+
 /// What errors call a study that is no file.
 const NO_FILE: &str = "<study>";
 
@@ -36,18 +39,13 @@ pub enum Subject {
 }
 
 impl Asked {
-    /// Of a path, or a study as JSON with arrays.
-    pub fn new(
-        path: Option<PathBuf>,
-        study: Option<&str>,
-        logs: Vec<Arrays<'_>>,
-        robot: Option<PathBuf>,
-    ) -> Result<Self, Failed> {
+    /// Takes the question out of the interpreter's hands.
+    pub fn new((path, study, logs, robot): Question<'_>) -> Result<Self, Failed> {
         match (path, study, robot) {
             (Some(log), _, Some(robot)) => Ok(Self::LogOf { log, robot }),
             (Some(path), _, None) => Ok(Self::Study(path)),
             (None, study, _) => {
-                let value: serde_json::Value = serde_json::from_str(study.unwrap_or("{}"))?;
+                let value: serde_json::Value = serde_json::from_str(study.as_deref().unwrap_or("{}"))?;
                 let text = toml::to_string(&value).map_err(|error| format!("the study as TOML: {error}"))?;
                 let logs = logs.into_iter().map(source).collect::<Result<_, _>>()?;
                 Ok(Self::Text { text, logs })

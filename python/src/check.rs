@@ -1,7 +1,7 @@
 //! What logs are like and what they can tell, as `aibo-fit check` says it.
 
 use crate::answer::{Answer, json_text};
-use crate::ask::{Arrays, Asked, Subject, provenance};
+use crate::ask::{Asked, Question, Subject, provenance};
 use crate::errors::Failed;
 use crate::run::{Listener, run};
 use aibo_fit::gap::clamped::{ClampedCase, ClampedSetup};
@@ -10,19 +10,11 @@ use aibo_fit::identify::Case;
 use aibo_fit::progress::{Progress, Step};
 use aibo_fit::report::{CheckReport, Provenance, check_html, check_json, check_text, checks_json, checks_text};
 use pyo3::prelude::*;
-use std::path::PathBuf;
 
 #[pyfunction]
-#[pyo3(signature = (path=None, study=None, logs=vec![], robot=None, progress=None))]
-pub fn check(
-    py: Python<'_>,
-    path: Option<PathBuf>,
-    study: Option<&str>,
-    logs: Vec<Arrays<'_>>,
-    robot: Option<PathBuf>,
-    progress: Option<Py<PyAny>>,
-) -> PyResult<Answer> {
-    let asked = Asked::new(path, study, logs, robot)?;
+#[pyo3(signature = (question, progress=None))]
+pub fn check(py: Python<'_>, question: Question<'_>, progress: Option<Py<PyAny>>) -> PyResult<Answer> {
+    let asked = Asked::new(question)?;
     let command = format!("aibo-fit check {}", asked.words());
     run(py, progress, move |listener| match asked.read()? {
         Subject::Joint(case) => joint(&case, provenance(command, case.inputs())?, listener),

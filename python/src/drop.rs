@@ -1,7 +1,7 @@
 //! The fit of swings, as `aibo-fit drop` makes it.
 
 use crate::answer::{Answer, json_text};
-use crate::ask::{Arrays, Asked, Subject, provenance};
+use crate::ask::{Asked, Question, Subject, provenance};
 use crate::errors::Failed;
 use crate::run::run;
 use aibo_fit::cli::full_drop;
@@ -14,14 +14,12 @@ use pyo3::prelude::*;
 use std::path::PathBuf;
 
 #[pyfunction]
-#[pyo3(signature = (paths=vec![], path=None, study=None, logs=vec![], joint=None, method="lm", stribeck=false, lump=false, progress=None))]
+#[pyo3(signature = (paths, question, joint=None, method="lm", stribeck=false, lump=false, progress=None))]
 #[expect(clippy::too_many_arguments, reason = "keywords of the Python half")]
 pub fn drop(
     py: Python<'_>,
     paths: Vec<PathBuf>,
-    path: Option<PathBuf>,
-    study: Option<&str>,
-    logs: Vec<Arrays<'_>>,
+    question: Question<'_>,
     joint: Option<String>,
     method: &str,
     stribeck: bool,
@@ -34,7 +32,7 @@ pub fn drop(
         "dfp" => Method::Dfp,
         other => return Err(Failed::of(format!("method `{other}`: expected lm, bfgs or dfp")).into()),
     };
-    let asked = if paths.is_empty() { Some(Asked::new(path, study, logs, None)?) } else { None };
+    let asked = if paths.is_empty() { Some(Asked::new(question)?) } else { None };
     let about = match &asked {
         Some(asked) => format!("--study {}", asked.words()),
         None => paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(" "),

@@ -1,7 +1,7 @@
 //! The diagnosis, as `aibo-fit gap` makes it.
 
 use crate::answer::{Answer, json_text};
-use crate::ask::{Arrays, Asked, Subject, provenance};
+use crate::ask::{Asked, Question, Subject, provenance};
 use crate::errors::Failed;
 use crate::run::{Listener, run};
 use aibo_fit::gap::clamped::{BodyKind, ClampedSetup};
@@ -16,7 +16,6 @@ use aibo_fit::report::{
     gap_text, render_gap_html, robot_gap_html, robot_gap_json, robot_gap_text,
 };
 use pyo3::prelude::*;
-use std::path::PathBuf;
 
 /// What is asked beside the study.
 struct Options {
@@ -28,21 +27,17 @@ struct Options {
 }
 
 #[pyfunction]
-#[pyo3(signature = (path=None, study=None, logs=vec![], robot=None, without=vec![], only=vec![], twins=0, seed=0, progress=None))]
-#[expect(clippy::too_many_arguments, reason = "keywords of the Python half")]
+#[pyo3(signature = (question, without=vec![], only=vec![], twins=0, seed=0, progress=None))]
 pub fn gap(
     py: Python<'_>,
-    path: Option<PathBuf>,
-    study: Option<&str>,
-    logs: Vec<Arrays<'_>>,
-    robot: Option<PathBuf>,
+    question: Question<'_>,
     without: Vec<String>,
     only: Vec<String>,
     twins: u32,
     seed: u64,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Answer> {
-    let asked = Asked::new(path, study, logs, robot)?;
+    let asked = Asked::new(question)?;
     let named = |option: &str, ids: &[String]| match ids {
         [] => String::new(),
         ids => format!(" --{option} {}", ids.join(",")),
@@ -113,14 +108,8 @@ fn joint(case: &Case, options: &Options, listener: &Listener) -> Result<Answer, 
     })?;
     let report = GapReport::new(case, diagnosis, asked, provenance(options.command.clone(), case.inputs())?);
     let answer = &report.diagnosis.answer;
-    Ok(Answer {
-        verdict: Some(answer.verdict.name().to_owned()),
-        sentence: Some(answer.sentence.clone()),
-        probability: Some(answer.probability),
-        json: json_text(&gap_json(&report))?,
-        html: render_gap_html(&report)?,
-        text: gap_text(&report),
-    })
+    let said = (answer.verdict.name(), answer.sentence.as_str(), answer.probability);
+    Ok(Answer::of_diagnosis(said, json_text(&gap_json(&report))?, render_gap_html(&report)?, gap_text(&report)))
 }
 
 fn clamped(setup: &ClampedSetup, options: &Options, listener: &Listener) -> Result<Answer, Failed> {
@@ -141,14 +130,13 @@ fn clamped(setup: &ClampedSetup, options: &Options, listener: &Listener) -> Resu
         }
     };
     let answer = &report.diagnosis.answer;
-    Ok(Answer {
-        verdict: Some(answer.verdict.name().to_owned()),
-        sentence: Some(answer.sentence.clone()),
-        probability: Some(answer.probability),
-        json: json_text(&clamped_gap_json(&report)?)?,
-        html: clamped_gap_html(&report)?,
-        text: clamped_gap_text(&report),
-    })
+    let said = (answer.verdict.name(), answer.sentence.as_str(), answer.probability);
+    Ok(Answer::of_diagnosis(
+        said,
+        json_text(&clamped_gap_json(&report)?)?,
+        clamped_gap_html(&report)?,
+        clamped_gap_text(&report),
+    ))
 }
 
 fn whole(case: &RobotCase, options: &Options, listener: &Listener) -> Result<Answer, Failed> {
@@ -163,12 +151,11 @@ fn whole(case: &RobotCase, options: &Options, listener: &Listener) -> Result<Ans
     })?;
     let report = RobotGapReport::new(case, diagnosis, asked, provenance(options.command.clone(), case.inputs())?);
     let answer = &report.diagnosis.answer;
-    Ok(Answer {
-        verdict: Some(answer.verdict.name().to_owned()),
-        sentence: Some(answer.sentence.clone()),
-        probability: Some(answer.probability),
-        json: json_text(&robot_gap_json(&report))?,
-        html: robot_gap_html(&report)?,
-        text: robot_gap_text(&report),
-    })
+    let said = (answer.verdict.name(), answer.sentence.as_str(), answer.probability);
+    Ok(Answer::of_diagnosis(
+        said,
+        json_text(&robot_gap_json(&report))?,
+        robot_gap_html(&report)?,
+        robot_gap_text(&report),
+    ))
 }

@@ -8,6 +8,7 @@ mod ask;
 mod check;
 mod drop;
 mod errors;
+mod fleet;
 mod gap;
 mod robot;
 mod run;
@@ -15,10 +16,11 @@ mod run;
 use pyo3::prelude::*;
 use std::ffi::OsString;
 
-/// Runs the program on a command line, its own name first, and gives its exit code.
+/// Runs the program on a command line, its own name first, and gives its exit code; `program` begins a command line that
+/// starts it again.
 #[pyfunction]
-fn main(py: Python<'_>, words: Vec<OsString>) -> u8 {
-    py.detach(|| aibo_fit::cli::run_with(words))
+fn main(py: Python<'_>, program: Vec<OsString>, words: Vec<OsString>) -> u8 {
+    py.detach(|| aibo_fit::cli::run_within(program, words))
 }
 
 #[pymodule]
@@ -27,6 +29,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("Error", module.py().get_type::<errors::Error>())?;
     module.add("NeverMoved", module.py().get_type::<errors::NeverMoved>())?;
     module.add_class::<answer::Answer>()?;
+    module.add_class::<fleet::Fleet>()?;
     module.add_class::<robot::Robot>()?;
     module.add_function(wrap_pyfunction!(main, module)?)?;
     module.add_function(wrap_pyfunction!(gap::gap, module)?)?;

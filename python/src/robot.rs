@@ -110,11 +110,11 @@ impl Robot {
         ddq: PyReadonlyArray1<'_, f64>,
         base: Option<Base>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let state = self.state(Some(q), Some(dq), base)?;
-        let ddq = self.of_freedoms("ddq", &ddq)?;
-        let mut force = vec![0.0; self.tree.freedoms()];
-        TreeDynamics::new(&self.tree).inverse(&state, &ddq, &mut force);
-        Ok(force.to_pyarray(py))
+        let ahead = self.of_freedoms("ddq", &ddq)?;
+        self.answered(py, [q, dq], base, |dynamics, state, force| {
+            dynamics.inverse(state, &ahead, force);
+            Ok(())
+        })
     }
 
     #[pyo3(signature = (q, dq, tau, base=None))]
@@ -126,16 +126,29 @@ impl Robot {
         tau: PyReadonlyArray1<'_, f64>,
         base: Option<Base>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let state = self.state(Some(q), Some(dq), base)?;
-        let tau = self.of_joints("tau", &tau)?;
-        let force: Vec<f64> = std::iter::repeat_n(0.0, self.tree.base_freedoms()).chain(tau).collect();
-        let mut acceleration = vec![0.0; self.tree.freedoms()];
-        TreeDynamics::new(&self.tree).forward(&state, &force, &mut acceleration).map_err(Failed::of)?;
-        Ok(acceleration.to_pyarray(py))
+        let of_base = std::iter::repeat_n(0.0, self.tree.base_freedoms());
+        let force: Vec<f64> = of_base.chain(self.of_joints("tau", &tau)?).collect();
+        self.answered(py, [q, dq], base, |dynamics, state, ahead| {
+            dynamics.forward(state, &force, ahead).map_err(Failed::of)
+        })
     }
 }
 
 impl Robot {
+    /// A number for each freedom, in a state.
+    fn answered<'py>(
+        &self,
+        py: Python<'py>,
+        [q, dq]: [PyReadonlyArray1<'_, f64>; 2],
+        base: Option<Base>,
+        work: impl FnOnce(&mut TreeDynamics<'_>, &TreeState, &mut [f64]) -> Result<(), Failed>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let state = self.state(Some(q), Some(dq), base)?;
+        let mut answer = vec![0.0; self.tree.freedoms()];
+        work(&mut TreeDynamics::new(&self.tree), &state, &mut answer)?;
+        Ok(answer.to_pyarray(py))
+    }
+
     fn state(&self, q: Array<'_>, dq: Array<'_>, base: Option<Base>) -> Result<TreeState, Failed> {
         let mut state = TreeState::drawn(&self.tree);
         if let Some(q) = q {

@@ -1,5 +1,6 @@
 //! How a command fails, and with which exit code.
 
+use crate::fleet::FleetError;
 use crate::gap::GapError;
 use crate::gap::clamped::ClampedCaseError;
 use crate::gap::robot::RobotGapError;
@@ -23,7 +24,7 @@ const DATA: u8 = 3;
 /// The search did not converge, or the motion diverged.
 pub(super) const NOT_CONVERGED: u8 = 4;
 /// A file cannot be read or written.
-const IO: u8 = 5;
+pub(super) const IO: u8 = 5;
 
 /// Why a command failed.
 #[derive(Debug, thiserror::Error)]
@@ -118,6 +119,9 @@ pub enum CliError {
     /// The tables cannot be made.
     #[error(transparent)]
     Tables(Box<TablesError>),
+    /// A fleet cannot run.
+    #[error(transparent)]
+    Fleet(#[from] FleetError),
     /// The worker threads cannot be started.
     #[error("cannot start the worker threads: {0}")]
     Threads(String),
@@ -194,7 +198,8 @@ impl CliError {
             CliError::Description(error) if error.is_io() => IO,
             CliError::Description(_) | CliError::Tree(_) => DATA,
             CliError::Case(_) | CliError::FitFile { .. } | CliError::Robot(_) | CliError::States { .. } => DATA,
-            CliError::Report(_) | CliError::Threads(_) | CliError::Encode(_) => IO,
+            CliError::Fleet(FleetError::Pattern { .. } | FleetError::Nothing { .. } | FleetError::Busy { .. }) => USAGE,
+            CliError::Fleet(_) | CliError::Report(_) | CliError::Threads(_) | CliError::Encode(_) => IO,
         }
     }
 }

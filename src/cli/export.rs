@@ -1,8 +1,9 @@
 //! `aibo-fit export`: a robot's description with what was found in it.
 
 use super::CliError;
-use super::common::{CommonArgs, print, study_name, warn, write_outputs};
+use super::common::{CommonArgs, json_text, print, study_name, warn, write_outputs};
 use crate::log::{LogError, Outputs};
+use crate::report::{friction_csv, friction_tables};
 use crate::robot::description::{Description, FoundKey, FoundNumber, to_isaac, to_mjcf, to_pace, to_urdf};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
@@ -16,7 +17,7 @@ use std::path::{Path, PathBuf};
 #[derive(Args, Debug)]
 #[command(
     after_help = "Reads what `gap --json` wrote of a robot's study (its description is known from there), or a joint's \
-fit.json with --model; a joint of that name has to be in the description.\nUnits are SI; exit code 3 where numbers and \
+fit.json with --model; a joint of that name has to be in the description. --to table takes what gap --json wrote of a joint, too.\nUnits are SI; exit code 3 where numbers and \
 description do not fit.\n\nExample: aibo-fit export gap.json --to mjcf --out exported"
 )]
 pub(super) struct ExportArgs {
@@ -43,6 +44,8 @@ enum Format {
     Isaac,
     /// Parameters of PACE, as YAML
     Pace,
+    /// Friction over speed with its interval, as CSV and JSON, for any simulator; needs no description
+    Table,
     /// The changed numbers alone
     Json,
 }
@@ -56,7 +59,11 @@ struct Found {
 
 /// Runs the command.
 pub(super) fn run(args: &ExportArgs) -> Result<u8, CliError> {
-    let found = read(&args.file)?;
+    let document = read_document(&args.file)?;
+    if args.to == Format::Table {
+        return friction(args, &document);
+    }
+    let found = read(&args.file, &document)?;
     let model =
         args.model.clone().or(found.model).ok_or_else(|| {
             CliError::Usage(format!("{} says of no description; add --model FILE", args.file.display()))
@@ -92,7 +99,8 @@ pub(super) fn run(args: &ExportArgs) -> Result<u8, CliError> {
             let text = to_pace(&changed, &found.numbers);
             ("pace.yaml", text.map_err(|what| wrong(format!("PACE's parameters cannot say this robot: {what}")))?)
         }
-        Format::Json => {
+        // Friction alone is written without a description.
+        Format::Table | Format::Json => {
             let document = json!({ "schema": 1, "model": model, "found": found.numbers, "cannot_say": cannot_say });
             let text = serde_json::to_string_pretty(&document).map_err(|error| CliError::Encode(error.to_string()))?;
             ("robot.json", text + "\n")
@@ -125,7 +133,7 @@ pub(super) fn run(args: &ExportArgs) -> Result<u8, CliError> {
 fn says(format: Format, key: FoundKey) -> bool {
     use FoundKey::{Armature, Damping, Delay, EncoderZero, Frictionloss, Kd, Kp, Springref, Stiffness};
     match format {
-        Format::Json => true,
+        Format::Table | Format::Json => true,
         Format::Mjcf => key.is_described(),
         Format::Urdf => key.is_described() && !matches!(key, Armature | Kd | Kp | Springref | Stiffness),
         Format::Isaac => key.is_of_joint() && !matches!(key, EncoderZero | Springref | Stiffness),
@@ -133,13 +141,47 @@ fn says(format: Format, key: FoundKey) -> bool {
     }
 }
 
-fn read(file: &Path) -> Result<Found, CliError> {
+/// Writes the friction of joints as tables over their speed.
+fn friction(args: &ExportArgs, document: &Value) -> Result<u8, CliError> {
+    let tables = friction_tables(document);
+    if tables.is_empty() {
+        let what = "expected `joint` with coulomb and viscous (a fit, or what gap --json wrote of a joint or an arm)";
+        return Err(CliError::FitFile { file: args.file.clone(), what: what.to_owned() });
+    }
+    let folder = args.common.folder(&study_name(&args.file));
+    let all = json!({ "schema": 1, "tables": tables });
+    let mut outputs = Outputs::default();
+    outputs.add(folder.join("friction.csv"), friction_csv(&tables));
+    outputs.add(folder.join("friction.json"), json_text(&all)?);
+    args.common.add_json(&mut outputs, &all)?;
+    write_outputs(outputs, std::slice::from_ref(&args.file))?;
+    if !args.common.quiet {
+        for table in &tables {
+            let top = table.speed_rad_s.last().copied().unwrap_or_default();
+            print(&format!("{}: friction up to {top:.3} rad/s\n", table.joint));
+        }
+        let cannot_say: Vec<&String> = tables.iter().flat_map(|table| &table.cannot_say).collect();
+        if !cannot_say.is_empty() {
+            print("\nNot in this format:\n");
+            cannot_say.iter().for_each(|what| print(&format!("- {what}\n")));
+        }
+        print(&format!("\nwritten: {}\n", folder.join("friction.csv").display()));
+    }
+    Ok(0)
+}
+
+fn read_document(file: &Path) -> Result<Value, CliError> {
     let text = std::fs::read_to_string(file).map_err(|source| LogError::Read { file: file.to_path_buf(), source })?;
     let wrong = |what: String| CliError::FitFile { file: file.to_path_buf(), what };
     let document: Value = serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
     if document["schema"] != 1 {
         return Err(wrong("`schema` is not 1".to_owned()));
     }
+    Ok(document)
+}
+
+fn read(file: &Path, document: &Value) -> Result<Found, CliError> {
+    let wrong = |what: String| CliError::FitFile { file: file.to_path_buf(), what };
     if let Some(numbers) = document.get("found") {
         let numbers = serde_json::from_value(numbers.clone()).map_err(|error| wrong(format!("`found`: {error}")))?;
         let said = document["cannot_say"].as_array().into_iter().flatten();

@@ -83,7 +83,8 @@ pub(super) enum Named {
 }
 
 impl Named {
-    fn id(self) -> &'static str {
+    /// As it is written.
+    pub(super) fn id(self) -> &'static str {
         match self {
             Self::Cause(cause) => cause.id(),
             Self::Body(kind) => kind.id(),
@@ -100,7 +101,7 @@ impl Named {
     }
 }
 
-fn named(word: &str) -> Result<Named, UnknownCause> {
+pub(super) fn named(word: &str) -> Result<Named, UnknownCause> {
     let word = word.trim();
     let body = [BodyKind::BodyMass, BodyKind::BodyCom].into_iter().find(|kind| kind.id() == word);
     body.map_or_else(|| word.parse().map(Named::Cause), |kind| Ok(Named::Body(kind)))

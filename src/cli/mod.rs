@@ -10,12 +10,14 @@ mod drop;
 mod dynamics;
 mod error;
 mod export;
+mod fleet;
 mod full_drop;
 mod gap;
 mod gate;
 mod init;
 mod progress;
 mod provenance;
+mod restart;
 mod robot_gap;
 mod sensor_test;
 mod simulate;
@@ -49,6 +51,7 @@ enum Command {
     Drop(Box<drop::DropArgs>),
     Dynamics(dynamics::DynamicsArgs),
     Export(export::ExportArgs),
+    Fleet(fleet::FleetArgs),
     Gap(gap::GapArgs),
     Gate(gate::GateArgs),
     Init(init::InitArgs),
@@ -62,6 +65,12 @@ enum Command {
 /// Runs the program and answers with its exit code.
 pub fn run() -> ExitCode {
     ExitCode::from(run_with(std::env::args_os()))
+}
+
+/// As [`run_with`], in a process that is another program: what begins a command line that starts this one.
+pub fn run_within(program: Vec<OsString>, words: impl IntoIterator<Item = OsString>) -> u8 {
+    restart::remember(program);
+    run_with(words)
 }
 
 /// Runs the program on a command line, its own name first.
@@ -83,6 +92,7 @@ pub fn run_with(words: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Drop(args) => drop::run(&args),
         Command::Dynamics(args) => dynamics::run(&args),
         Command::Export(args) => export::run(&args),
+        Command::Fleet(args) => fleet::run(&args),
         Command::Gap(args) => gap::run(&args),
         Command::Gate(args) => gate::run(&args),
         Command::Init(args) => init::run(&args),

@@ -13,6 +13,7 @@ mod body_kind;
 mod calibrate;
 mod chance;
 mod check;
+#[cfg(feature = "robots")]
 pub mod clamped;
 mod compare;
 mod decide;
@@ -29,6 +30,7 @@ mod grow;
 mod held_out;
 mod hold_fit;
 mod hold_scan;
+#[cfg(feature = "robots")]
 pub mod inverse;
 mod judged;
 mod law_candidates;
@@ -54,6 +56,7 @@ mod reach;
 mod refuted;
 mod residual_torque;
 mod rest;
+#[cfg(feature = "robots")]
 pub mod robot;
 mod score;
 mod sentence;
@@ -66,6 +69,7 @@ mod trial;
 mod twins;
 mod variables;
 mod waterfall;
+#[cfg(feature = "robots")]
 pub mod whole;
 mod within;
 

@@ -3,12 +3,14 @@
 //! [`read_log`] and [`read_study`] accept the formats of the specification and nothing else: a file that they accept
 //! has finite numbers, rising time, and very likely seconds and radians. [`health`] then says what a log is like.
 
+mod about;
 mod arrays;
 mod at_hand;
 mod beliefs;
 mod clamped_study;
 mod column;
 mod columns;
+mod day;
 mod document;
 mod error;
 mod format;
@@ -56,12 +58,14 @@ pub(crate) use schema::{RawSensor, RawUncertain};
 pub(crate) use study::{check_schema, read_sidecar};
 pub(crate) use toml_text::{toml_key, toml_string};
 
+pub use about::{About, read_about};
 pub use arrays::ArrayLog;
 pub use at_hand::{StudyAtHand, read_at_hand};
 pub use clamped_study::{
     ClampedStudy, ClampedStudyLog, JointBeliefs, Predict, read_clamped_study, read_clamped_study_logs,
 };
 pub use columns::{ColumnSpec, Columns, Unit};
+pub use day::Day;
 pub use error::{CellFault, FileKind, LogError, UnitFault};
 pub use format::Format;
 pub use health::{Health, health};

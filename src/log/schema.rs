@@ -3,6 +3,7 @@
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::about::RawAbout;
 use super::document::{Number, Text};
 use super::raw_columns::RawColumns;
 
@@ -10,6 +11,8 @@ use super::raw_columns::RawColumns;
 #[serde(deny_unknown_fields)]
 pub(super) struct RawStudy {
     pub schema: Option<Spanned<i64>>,
+    #[serde(default)]
+    pub about: RawAbout,
     pub joint: Option<RawJoint>,
     #[serde(default)]
     pub sensor: RawSensor,

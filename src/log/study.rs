@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use toml::Spanned;
 
+use super::about::about;
 use super::beliefs::{JOINT_NAMES, uncertain};
 use super::document::{ANGLE, Document, FINITE, NOT_NEGATIVE, PERIOD, Range64, Text, range};
 use super::error::LogError;
@@ -45,6 +46,7 @@ pub fn read_study(path: &Path) -> Result<Study, LogError> {
 pub(super) fn study_of(document: &Document<'_>) -> Result<Study, LogError> {
     let raw: RawStudy = document.parse()?;
     check_schema(document, &raw.schema)?;
+    about(document, &raw.about)?;
     let joint_table =
         raw.joint.as_ref().ok_or_else(|| document.missing("[joint]", "the nominal model of the joint"))?;
     let joint = joint(document, joint_table, true)?;
@@ -94,6 +96,7 @@ pub(crate) fn read_sidecar(log_path: &Path) -> Result<Option<(Study, bool)>, Log
     let document = Document::open(&path)?;
     let mut raw: RawStudy = document.parse()?;
     check_schema(&document, &raw.schema)?;
+    about(&document, &raw.about)?;
     let own_name = log_path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let mut joint = joint(&document, raw.joint.as_ref().unwrap_or(&RawJoint::default()), false)?;
     if joint.name.is_empty() {

@@ -21,6 +21,9 @@ pub enum ReportError {
     /// The report page could not be put together.
     #[error("report page: {0}")]
     Page(#[from] minijinja::Error),
+    /// A table could not be put into Parquet.
+    #[error("Parquet: {0}")]
+    Parquet(String),
     /// The moving picture could not be encoded.
     #[error("moving picture: {0}")]
     Gif(#[from] gif::EncodingError),

@@ -14,6 +14,9 @@ mod data_health;
 mod draft;
 mod error;
 mod fit_json;
+#[cfg(feature = "fleet")]
+mod fleet;
+mod friction_table;
 mod full;
 mod gap;
 mod gate;
@@ -48,6 +51,12 @@ pub use clamped_gap::{
 pub use draft::{Draft, DraftError, draft_study};
 pub use error::ReportError;
 pub use fit_json::{EffectFit, FitFile, JointFit, LogFit, ModelFit, Quantity, SCHEMA};
+#[cfg(feature = "fleet")]
+pub use fleet::{
+    DayFrom, FleetReport, FleetRow, FleetSize, FleetStudy, JointTrend, TrendPoint, fleet_html, fleet_json,
+    fleet_parquet, fleet_text,
+};
+pub use friction_table::{FrictionTable, friction_csv, friction_tables};
 pub use full::{FullCurves, FullDrop, FullRow, HeldRow, RefitFit, RefitSummary};
 pub use gap::{GapReport, NEXT_FILE, gap_figures, gap_json, gap_text, law_figure, render_gap_html};
 pub use gate::{GateBounds, GateRow, GateStudy, gate_baseline, gate_json, gate_junit, gate_markdown, gate_text};

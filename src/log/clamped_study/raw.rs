@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use toml::Spanned;
 
+use crate::log::about::RawAbout;
 use crate::log::document::{Number, Text};
 use crate::log::raw_columns::RawColumns;
 use crate::log::schema::{RawMotor, RawSensor, RawUncertain};
@@ -13,6 +14,8 @@ use crate::log::schema::{RawMotor, RawSensor, RawUncertain};
 #[serde(deny_unknown_fields)]
 pub(super) struct RawClampedStudy {
     pub schema: Option<Spanned<i64>>,
+    #[serde(default)]
+    pub about: RawAbout,
     pub robot: RawDescribed,
     #[serde(default)]
     pub joints: BTreeMap<String, RawBeliefs>,

@@ -7,6 +7,7 @@ use toml::Spanned;
 
 use super::raw::{RawBeliefs, RawBelieved, RawClampedLog, RawClampedStudy};
 use super::{ClampedStudy, ClampedStudyLog, JointBeliefs, Predict};
+use crate::log::about::about;
 use crate::log::beliefs::{ANY_NAME, uncertain};
 use crate::log::columns::Columns;
 use crate::log::document::{Document, NOT_NEGATIVE, PERIOD, POSITIVE, Range64, range};
@@ -36,6 +37,7 @@ pub fn read_clamped_study(path: &Path) -> Result<ClampedStudy, LogError> {
 pub(in crate::log) fn clamped_study_of(document: &Document<'_>) -> Result<ClampedStudy, LogError> {
     let raw: RawClampedStudy = document.parse_any()?;
     check_schema(document, &raw.schema)?;
+    about(document, &raw.about)?;
     if raw.log.is_empty() {
         return Err(document.missing("[[log]]", "at least one log"));
     }

@@ -10,6 +10,7 @@ use super::{
     ControlSpec, FloorSpec, Forward, LegFrictionSpec, RobotRelease, RobotScenario, RobotSensorSpec, RobotStudy,
     RobotStudyLog,
 };
+use crate::log::about::about;
 use crate::log::beliefs::{ANY_NAME, uncertain};
 use crate::log::document::{Document, FINITE, NOT_NEGATIVE, PERIOD, POSITIVE, Range64, range};
 use crate::log::document::{Number, Text};
@@ -89,6 +90,7 @@ pub(in crate::log) fn robot_study_of(document: &Document<'_>) -> Result<RobotStu
     }
     let raw: RawRobotStudy = document.parse_any()?;
     check_schema(document, &raw.schema)?;
+    about(document, &raw.about)?;
     let Sections { model, model_path, scenario, drop_height_m, friction, control, floor, sensor } = robot_sections(
         document,
         &raw.robot,

@@ -57,6 +57,7 @@ impl Source {
             file: self.file.clone(),
             format: self.format,
             clocks,
+            from_s: self.from_s,
             channels: self.channels.iter().map(bare).collect(),
             ignored: self.ignored.clone(),
             notes: self.notes.clone(),

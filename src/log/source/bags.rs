@@ -1,11 +1,18 @@
 //! Bags: files of ROS 1, of ROS 2 in SQLite and of MCAP, packed as a whole or not, and folders of them.
 
-use std::fs::{self, File};
+use std::fs;
+#[cfg(feature = "robots")]
+use std::fs::File;
+#[cfg(feature = "robots")]
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
+#[cfg(feature = "robots")]
+use super::bytes::{MCAP_MAGIC, ROS1_MAGIC};
 use super::channel::Source;
+#[cfg(feature = "robots")]
 use super::topics::Topics;
+#[cfg(feature = "robots")]
 use super::{mcap, packed, ros1_bag, rosbag};
 use crate::log::error::LogError;
 use crate::log::format::Format;
@@ -46,10 +53,21 @@ fn parts(name: &str) -> Vec<(String, u64)> {
     parts
 }
 
+/// Refuses bags.
+///
+/// # Errors
+/// [`LogError::Format`] in any case.
+#[cfg(not(feature = "robots"))]
+pub(super) fn read_bags(path: &Path, _: &[PathBuf]) -> Result<Source, LogError> {
+    let what = "this build reads no bags; build with the feature `robots`".to_owned();
+    Err(LogError::Format { file: path.to_path_buf(), format: Format::Rosbag2, what })
+}
+
 /// Reads bags that follow one another.
 ///
 /// # Errors
 /// [`LogError`] where one cannot be read, is damaged, or none has a message of joints.
+#[cfg(feature = "robots")]
 pub(super) fn read_bags(path: &Path, files: &[PathBuf]) -> Result<Source, LogError> {
     let mut topics = Topics::default();
     let mut format = Format::Rosbag2;
@@ -65,12 +83,12 @@ pub(super) fn read_bags(path: &Path, files: &[PathBuf]) -> Result<Source, LogErr
         let is_whole = opened.read_exact(&mut start).is_ok();
         opened.seek(SeekFrom::Start(0)).map_err(failed)?;
         let ending = bare(file);
-        let is_mcap = is_whole && start.starts_with(mcap::MAGIC)
+        let is_mcap = is_whole && start.starts_with(MCAP_MAGIC)
             || !is_whole && ending.extension().is_some_and(|ending| ending == "mcap");
         if is_mcap {
             format = Format::Mcap;
             mcap::read_mcap(file, opened, &mut topics)?;
-        } else if is_whole && start.starts_with(ros1_bag::MAGIC) {
+        } else if is_whole && start.starts_with(ROS1_MAGIC) {
             format = Format::Rosbag1;
             ros1_bag::read_ros1(file, opened, &mut topics)?;
         } else {

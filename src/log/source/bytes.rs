@@ -3,6 +3,12 @@
 use std::fs::File;
 use std::io::{ErrorKind, Read, Seek, SeekFrom};
 
+/// The first bytes of an SQLite file.
+pub(super) const SQLITE_MAGIC: &[u8] = b"SQLite format 3\0";
+/// The first bytes of an MCAP file, and its last.
+pub(super) const MCAP_MAGIC: &[u8] = b"\x89MCAP0\r\n";
+/// The first bytes of a bag of ROS 1.
+pub(super) const ROS1_MAGIC: &[u8] = b"#ROSBAG V";
 /// The first bytes of a file or message that zstd packed.
 pub(super) const ZSTD_MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::log::column::{Column, column_of};
 use crate::log::columns::ColumnSpec;
+use crate::log::day::Day;
 use crate::log::format::Format;
 use crate::log::place::{Place, Subject};
 use crate::log::plausible::Row;
@@ -34,6 +35,8 @@ pub struct Source {
     pub format: Format,
     /// Stamps \[s\], strictly increasing; channels that were sampled together share one.
     pub clocks: Vec<Vec<f64>>,
+    /// What the stamps are counted from, where that is not the file's own zero \[s\].
+    pub from_s: f64,
     /// In file order.
     pub channels: Vec<Channel>,
     /// What the file calls that which is not used, in file order.
@@ -62,6 +65,7 @@ impl Source {
             file,
             format,
             clocks: Vec::new(),
+            from_s: 0.0,
             channels: Vec::new(),
             ignored: Vec::new(),
             notes: Vec::new(),
@@ -77,6 +81,12 @@ impl Source {
     /// Stamps of a channel \[s\].
     pub fn t_s(&self, channel: &Channel) -> &[f64] {
         &self.clocks[channel.clock]
+    }
+
+    /// The day of the first sample, where stamps count from 1970.
+    pub fn day(&self) -> Option<Day> {
+        let first_s = self.clocks.iter().filter_map(|clock| clock.first()).copied().reduce(f64::min);
+        Day::of_epoch_s(self.from_s + first_s?)
     }
 
     /// Joints that have an angle, in file order; the joint of a log of one has the name `None`.

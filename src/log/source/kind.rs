@@ -4,9 +4,9 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use super::bytes::ZSTD_MAGIC;
+use super::bytes::{MCAP_MAGIC, ROS1_MAGIC, SQLITE_MAGIC, ZSTD_MAGIC};
 use super::joint_layout::Layout;
-use super::{bags, mcap, npy, npz, ros1_bag, sage, sqlite};
+use super::{bags, npy, npz, sage};
 use crate::log::column::Column;
 use crate::log::columns::Columns;
 use crate::log::error::LogError;
@@ -14,7 +14,7 @@ use crate::log::format::Format;
 use crate::log::rows;
 
 /// How bags begin, of any kind.
-const BAGS: [&[u8]; 4] = [sqlite::MAGIC, mcap::MAGIC, ros1_bag::MAGIC, &ZSTD_MAGIC];
+const BAGS: [&[u8]; 4] = [SQLITE_MAGIC, MCAP_MAGIC, ROS1_MAGIC, &ZSTD_MAGIC];
 
 /// What a path is.
 #[derive(Debug)]

@@ -7,7 +7,7 @@ use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
-use super::bytes::{cut, read_up_to, skip};
+use super::bytes::{MCAP_MAGIC, cut, read_up_to, skip};
 use super::crc::Crc;
 use super::intake::{LARGEST_MESSAGE, Topic, take_message};
 use super::message::{Encoding, KINDS, Kind};
@@ -15,8 +15,6 @@ use super::topics::Topics;
 use crate::log::error::LogError;
 use crate::log::format::Format;
 
-/// First and last bytes of a file.
-pub(super) const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 /// Largest chunk, unpacked \[bytes\].
 const LARGEST_CHUNK: u64 = 1 << 30;
 /// Schemas and channels of one file.
@@ -75,11 +73,11 @@ impl Reader<'_> {
                 0 => break,
                 count => {
                     last.extend_from_slice(&piece[..count]);
-                    last.drain(..last.len().saturating_sub(MAGIC.len()));
+                    last.drain(..last.len().saturating_sub(MCAP_MAGIC.len()));
                 }
             }
         }
-        if last == MAGIC { Ok(()) } else { Err("cut short after its data".to_owned()) }
+        if last == MCAP_MAGIC { Ok(()) } else { Err("cut short after its data".to_owned()) }
     }
 
     fn data(&mut self, input: &mut dyn Read, length: u64) -> Result<(), String> {

@@ -15,6 +15,7 @@ mod crc;
 mod defects;
 mod guess;
 mod heading;
+#[cfg(feature = "robots")]
 mod intake;
 mod joint_columns;
 mod joint_layout;
@@ -23,19 +24,24 @@ mod json_message;
 mod kind;
 #[cfg(feature = "parquet")]
 mod lerobot;
+#[cfg(feature = "robots")]
 mod mcap;
 mod message;
 mod npy;
 mod npz;
+#[cfg(feature = "robots")]
 mod packed;
 #[cfg(feature = "parquet")]
 mod parquet_numbers;
 mod plotjuggler;
 mod read;
 mod roles;
+#[cfg(feature = "robots")]
 mod ros1_bag;
+#[cfg(feature = "robots")]
 mod rosbag;
 mod sage;
+#[cfg(feature = "robots")]
 mod sqlite;
 mod stamps;
 mod stream;
@@ -43,6 +49,7 @@ mod table;
 mod topics;
 mod units;
 mod want;
+#[cfg(feature = "robots")]
 mod zip;
 
 pub(super) use assemble::{joint_log, robot_log};

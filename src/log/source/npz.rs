@@ -9,6 +9,7 @@ use super::channel::{Channel, Source};
 use super::guess::guess;
 use super::npy::{Array, read_array};
 use super::stamps::{NS, ns_per_unit, unit_word};
+#[cfg(feature = "robots")]
 use super::zip::Archive;
 use crate::log::column::Column;
 use crate::log::columns::{ColumnSpec, Columns, Unit};
@@ -20,7 +21,20 @@ use crate::log::plausible::median_step;
 /// Numbers of one file at the most: half a gigabyte.
 const MOST_NUMBERS: u64 = 1 << 26;
 
+/// Whether a zip file holds arrays; nobody looks into it here.
+#[cfg(not(feature = "robots"))]
+pub(super) fn holds_arrays(_: &Path) -> bool {
+    false
+}
+
+/// Refuses arrays in a zip file.
+#[cfg(not(feature = "robots"))]
+fn arrays(_: File, _: &Columns) -> Result<Vec<Array>, String> {
+    Err("this build unpacks no arrays; build with the feature `robots`".to_owned())
+}
+
 /// Whether a zip file holds arrays.
+#[cfg(feature = "robots")]
 pub(super) fn holds_arrays(path: &Path) -> bool {
     let entries = File::open(path).ok().and_then(|file| Archive::open(file).ok());
     entries.is_some_and(|archive| archive.entries.iter().any(|entry| entry.name.ends_with(".npy")))
@@ -83,6 +97,7 @@ fn unnamed(path: &Path, columns: &[Array]) -> LogError {
     LogError::Defects { first: Box::new(first), count: 1, others: Vec::new(), beyond: 0, mend: Columns(mend) }
 }
 
+#[cfg(feature = "robots")]
 fn arrays(file: File, columns: &Columns) -> Result<Vec<Array>, String> {
     let mut archive = Archive::open(file)?;
     let mut left = MOST_NUMBERS;

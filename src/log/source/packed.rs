@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 
-use super::bytes::ZSTD_MAGIC;
+use super::bytes::{MCAP_MAGIC, SQLITE_MAGIC, ZSTD_MAGIC};
 use super::sqlite;
 
 /// Largest bag, unpacked \[bytes\]; one of SQLite says by itself how large it is.
@@ -67,10 +67,10 @@ fn at_end(input: &mut BufReader<File>) -> std::io::Result<bool> {
 
 /// How large what begins like that may be \[bytes\].
 fn size_of(head: &[u8]) -> Result<u64, String> {
-    if head.starts_with(sqlite::MAGIC) && head.len() == HEAD {
+    if head.starts_with(SQLITE_MAGIC) && head.len() == HEAD {
         return Ok(sqlite::announced(head).unwrap_or(LARGEST));
     }
-    if head.starts_with(super::mcap::MAGIC) {
+    if head.starts_with(MCAP_MAGIC) {
         return Ok(LARGEST);
     }
     Err("packed by zstd, and no bag in it: it begins neither as SQLite nor as MCAP".to_owned())

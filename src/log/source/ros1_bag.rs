@@ -13,8 +13,6 @@ use super::topics::Topics;
 use crate::log::error::LogError;
 use crate::log::format::Format;
 
-/// The first bytes of every bag; the version follows.
-pub(super) const MAGIC: &[u8] = b"#ROSBAG V";
 const VERSION: &[u8] = b"#ROSBAG V2.0\n";
 /// Largest header of a record \[bytes\].
 const LARGEST_HEAD: u32 = 1 << 20;

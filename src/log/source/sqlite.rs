@@ -6,8 +6,6 @@
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 
-/// The first bytes of a database.
-pub(super) const MAGIC: &[u8] = b"SQLite format 3\0";
 /// Deeper trees than this are none: 2^32 pages with two children each.
 const DEEPEST: usize = 40;
 /// Largest row that is read \[bytes\].

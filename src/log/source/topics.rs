@@ -125,6 +125,7 @@ impl Topics {
             source.notes.extend(stream.settle(offset_ns));
         }
         let base_ns = self.streams.iter().filter_map(|stream| stream.stamps_ns.first()).min().copied().unwrap_or(0);
+        source.from_s = base_ns as f64 * 1e-9;
         self.streams.retain(|stream| !stream.stamps_ns.is_empty());
         if self.streams.is_empty() {
             return Err(wrong("no message in which every position is a number".to_owned()));

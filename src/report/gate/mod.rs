@@ -112,7 +112,7 @@ impl GateStudy {
     }
 }
 
-fn text_of<'a>(document: &'a Value, key: &str) -> &'a str {
+pub(in crate::report) fn text_of<'a>(document: &'a Value, key: &str) -> &'a str {
     document.get(key).and_then(Value::as_str).unwrap_or_default()
 }
 
@@ -136,7 +136,8 @@ fn rows(study: &str, joint: &str, document: &Value) -> Vec<GateRow> {
     logs.into_iter().flatten().map(row).collect()
 }
 
-fn cause(document: &Value) -> String {
+/// The causes of a diagnosis by their ids, or its verdict.
+pub(in crate::report) fn cause(document: &Value) -> String {
     let effects = document.get("effects").and_then(Value::as_array);
     let ids: Vec<&str> = effects.into_iter().flatten().map(|effect| text_of(effect, "id")).collect();
     match (text_of(document, "verdict"), text_of(document, "effect")) {

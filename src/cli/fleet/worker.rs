@@ -1,0 +1,93 @@
+//! A process that answers one study, so that nothing that happens to it happens to another.
+
+use crate::cli::CliError;
+use crate::cli::error::{IO, NO};
+use crate::cli::restart::program;
+use crate::fleet::{Fleet, Outcome};
+use std::fs;
+use std::process::{Command, ExitStatus, Stdio};
+
+/// Starts processes.
+pub(super) struct Worker {
+    program: Vec<std::ffi::OsString>,
+    threads: usize,
+}
+
+impl Worker {
+    /// Of this program, with so many threads each.
+    pub fn new(threads: usize) -> Result<Self, CliError> {
+        Ok(Self { program: program()?, threads: threads.max(1) })
+    }
+
+    /// What comes of a study; one whose process has crashed is tried once more.
+    pub fn answer(&self, fleet: &Fleet, study: usize) -> Outcome {
+        match self.once(fleet, study) {
+            Outcome::Lost(_) => match self.once(fleet, study) {
+                Outcome::Lost(why) => Outcome::Lost(format!("{why}, twice")),
+                outcome => outcome,
+            },
+            outcome => outcome,
+        }
+    }
+
+    fn once(&self, fleet: &Fleet, study: usize) -> Outcome {
+        let working = fleet.working(study);
+        let pages = if fleet.options().pages { fleet.pages_of(study) } else { working.clone() };
+        let document = working.join("gap.json");
+        // What an earlier process left is no answer of this one.
+        let _ = fs::remove_file(&document);
+        let mut command = Command::new(&self.program[0]);
+        command.args(&self.program[1..]).arg("gap").arg(fleet.path(study)).args(fleet.options().words());
+        command.args(["--threads".to_owned(), self.threads.to_string(), "--quiet".to_owned()]);
+        command.arg("--json").arg(&document).arg("--out").arg(pages);
+        command.env("RAYON_NUM_THREADS", self.threads.to_string());
+        let ended = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped()).output();
+        let outcome = match ended {
+            Err(error) => Outcome::Lost(format!("its process cannot be started: {error}")),
+            Ok(output) => match output.status.code().and_then(|code| u8::try_from(code).ok()) {
+                Some(0 | NO) => match fs::read_to_string(&document) {
+                    Ok(text) => Outcome::of_text(&text),
+                    Err(error) => Outcome::Lost(format!("its process left no answer: {error}")),
+                },
+                Some(code) if code <= IO => Outcome::None(error_of(&String::from_utf8_lossy(&output.stderr))),
+                _ => Outcome::Lost(ended_by(output.status)),
+            },
+        };
+        let _ = fs::remove_dir_all(&working);
+        // The last one out leaves no empty folder.
+        let _ = working.parent().map(fs::remove_dir);
+        outcome
+    }
+}
+
+/// `its process was ended by signal 9 (killed; out of memory ends so, too)`
+fn ended_by(status: ExitStatus) -> String {
+    #[cfg(unix)]
+    if let Some(signal) = std::os::unix::process::ExitStatusExt::signal(&status) {
+        let meaning = match signal {
+            9 => " (killed; out of memory ends so, too)",
+            6 | 11 => " (crashed; please report this)",
+            _ => "",
+        };
+        return format!("its process was ended by signal {signal}{meaning}");
+    }
+    format!("its process crashed ({status}; please report this)")
+}
+
+/// What the program says after `error:`, warnings before it left out.
+fn error_of(told: &str) -> String {
+    let from = if told.starts_with("error: ") { Some(0) } else { told.find("\nerror: ").map(|at| at + 1) };
+    told[from.map_or(0, |at| at + "error: ".len())..].trim().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_is_told_without_the_warnings_before_it() {
+        assert_eq!(error_of("error: a.toml: an error: it\n  | more\n"), "a.toml: an error: it\n  | more");
+        assert_eq!(error_of("warning: no mass\nerror: b\n"), "b");
+        assert_eq!(error_of("something\n"), "something");
+    }
+}
