@@ -101,8 +101,8 @@ mod tests {
         let filed = found(dir.path(), "dog/2026-03-01/run/study.toml", "");
         assert_eq!(told(&filed), (day, DayFrom::Path));
         let stamped = found(dir.path(), "dog/study.toml", "");
-        let rows: Vec<String> =
-            (0..50).map(|i| format!("{}.{i:02},{}", 1_772_323_200 + i, 0.1 * f64::from(i))).collect();
+        let row = |i: i32| format!("{:.2},{:.3}", 1_772_323_200.0 + 0.01 * f64::from(i), 0.01 * f64::from(i));
+        let rows: Vec<String> = (0..50).map(row).collect();
         fs::write(dir.path().join("dog/log.csv"), format!("t,q\n{}\n", rows.join("\n"))).unwrap();
         assert_eq!(told(&stamped), (day, DayFrom::Stamps));
         fs::write(dir.path().join("dog/log.csv"), "t,q\n0.0,0.1\n0.01,0.2\n").unwrap();

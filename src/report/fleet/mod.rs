@@ -83,6 +83,7 @@ impl FleetReport {
     pub fn sentence(&self) -> String {
         let (failed, off) = (self.failed().count(), self.off().count());
         let answered = match failed {
+            0 if self.studies == 1 => "1 study is answered".to_owned(),
             0 => format!("{} studies are answered", self.studies),
             failed => format!("{} of {} studies are answered", self.studies - failed, self.studies),
         };
@@ -92,6 +93,7 @@ impl FleetReport {
         };
         let of = match robots(&mut self.joints.iter()) {
             0 => return format!("{answered}."),
+            1 if self.joints.len() == 1 => "1 joint".to_owned(),
             1 => format!("{} joints", self.joints.len()),
             all => format!("{} joints of {all} robots", self.joints.len()),
         };

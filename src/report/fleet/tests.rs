@@ -43,7 +43,7 @@ fn a_joint_drifts_since_the_first_of_the_last_studies_that_say_so() {
     assert!(found.rows.iter().all(|row| row.since == joint.since));
     let mended = report(&[study("2026-03-01", "effect", 0.01), study("2026-03-02", "none", 0.002)]);
     assert_eq!((mended.joints[0].since, mended.off().count()), (None, 0));
-    assert_eq!(mended.sentence(), "2 studies are answered; none of 1 joints parts from its model.");
+    assert_eq!(mended.sentence(), "2 studies are answered; none of 1 joint parts from its model.");
 }
 
 #[test]
