@@ -14,6 +14,8 @@ const LONGEST_M: f64 = 10.0;
 const ENERGY: f64 = 30.0;
 /// By so much a torque may exceed what acts in the logs.
 const TORQUE: f64 = 10.0;
+/// By so much Coulomb friction may: by more the joint would not move at all.
+const HOLD: f64 = 3.0;
 /// By so much a free swing may be slower or faster than stated.
 const FREQUENCY: f64 = 10.0;
 /// From so many reversals on a swing has a frequency.
@@ -121,7 +123,7 @@ fn too_heavy(item: &Item, acting: &Acting, nominal: &Nominal) -> Option<String> 
 
 fn too_rough(item: &Item, acting: &Acting, nominal: &Nominal) -> Option<String> {
     let (all_nm, speed_rad_s) = (acting.all_nm(), item.health.top_speed_rad_s);
-    if nominal.coulomb_nm > TORQUE * all_nm {
+    if nominal.coulomb_nm > HOLD * all_nm {
         return Some(format!(
             "The stated Coulomb friction, {} N m, would hold the joint against all that gravity and drive as stated give \
              ({all_nm:.3} N m), and it moved: is it in N m?",
@@ -201,9 +203,9 @@ mod tests {
         let cases: [(&str, Change, &str); 6] = [
             (DRIVEN, |n| n.inertia_kg_m2 = 19.0, "pendulum of 380 m"),
             (DRIVEN, |n| (n.inertia_kg_m2, n.moment_kg_m) = (11.0, 0.0), "stated inertia, 11 kg m^2"),
-            (DRIVEN, |n| n.coulomb_nm = 40.0, "Coulomb friction, 40 N m"),
-            (DRIVEN, |n| n.viscous_nm_s_rad = 30.0, "viscous friction, 30 N m s/rad"),
-            (DRIVEN, |n| n.moment_kg_m = 50.0, "Gravity as stated asks for"),
+            (DRIVEN, |n| n.coulomb_nm = 200.0, "Coulomb friction, 200 N m"),
+            (DRIVEN, |n| n.viscous_nm_s_rad = 300.0, "viscous friction, 300 N m s/rad"),
+            (DRIVEN, |n| n.moment_kg_m = 500.0, "Gravity as stated asks for"),
             (FREE, |n| n.inertia_kg_m2 /= 1000.0, "times a second"),
         ];
         for (study, change, words) in cases {
