@@ -19,7 +19,7 @@ const HOLD: f64 = 3.0;
 /// By so much a free swing may be slower or faster than stated.
 const FREQUENCY: f64 = 10.0;
 /// From so many reversals on a swing has a frequency.
-const SWINGS: usize = 4;
+const SWINGS: usize = 2;
 
 impl Case {
     /// Numbers of the study that are far from any joint that moves like its logs, in sentences; empty where all may be, and
