@@ -1,4 +1,4 @@
-//! The demonstration of docs/diagnosis.md: a pendulum whose setpoints act 16 ms late, which the study does not know, ten
+//! The demonstration of docs/gallery/delay.md: a pendulum whose setpoints act 16 ms late, which the study does not know, ten
 //! times with fresh readings. The logs come from data/examples/make.py, which shares nothing with the program.
 
 mod support;
@@ -13,7 +13,7 @@ const TRUTH: [(&str, f64); 4] = [("inertia", 0.011), ("moment", 0.05), ("coulomb
 const DELAY_S: f64 = 0.016;
 
 #[test]
-#[ignore = "slow: ten diagnoses; see docs/diagnosis.md"]
+#[ignore = "slow: ten diagnoses; see docs/gallery/delay.md"]
 fn a_delay_is_named_and_its_intervals_cover_the_truth() {
     let examples = root().join("data/examples/delay");
     let text = std::fs::read_to_string(examples.join("study.toml")).expect("the study is there");

@@ -34,7 +34,7 @@ def gap(
 
     ``study`` is the path of a study (TOML), or the same as a dictionary: ``{"joint": {"name": "elbow", "inertia": ...
     [kg m^2], "moment": ... [kg m], "coulomb": ... [N m], "viscous": ... [N m s/rad]}, "motor": {"kp": ... [N m/rad],
-    "kd": ... [N m s/rad]}}``; all keys with units are in data/README.md. With ``robot`` (URDF, MJCF, TOML) it may be left
+    "kd": ... [N m s/rad]}}``; all keys with units are in docs/reference/study.md. With ``robot`` (URDF, MJCF, TOML) it may be left
     out, or be the path of a log.
 
     ``logs`` are arrays by the name of the log: ``{"motion": {"t": ..., "q": ..., "q_ref": ...}}`` with ``t`` [s], ``q``

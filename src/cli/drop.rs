@@ -1,7 +1,7 @@
 //! `aibo-fit drop`: fits the simple and the extensive pendulum to logged swings.
 
 use super::CliError;
-use super::common::{CommonArgs, json_text, log_name, print, study_name, write_outputs};
+use super::common::{CommonArgs, json_text, log_name, print, study_name, warn, write_outputs};
 use super::demands::DemandArgs;
 use super::error::NOT_CONVERGED;
 use super::full_drop::full_drop;
@@ -9,8 +9,8 @@ use super::progress::Progress;
 use super::provenance::provenance;
 use super::still::never_moved;
 use crate::fit::{Budget, Method, Stop};
-use crate::identify::{Case, DropError, DropFit, DropOptions, fit_drop};
-use crate::log::Outputs;
+use crate::identify::{Case, DropError, DropFit, DropOptions, Item, fit_drop};
+use crate::log::{DriveMode, Outputs};
 use crate::report::{DropReport, FitFile, drop_report, drop_text, figures, render_html};
 use crate::robot::Model;
 use clap::{Args, ValueEnum};
@@ -24,7 +24,7 @@ use std::path::PathBuf;
 #[command(after_help = "Parameters: inertia [kg m^2], moment [kg m], coulomb [N m], viscous [N m s/rad], rest [rad]; \
 legs of the ERS-7: mass_shoulder, mass_upper_leg, mass_lower_leg [kg], zero [rad]; \
 simple model: b_over_ml2 [1/s], g_over_l [1/s^2].\n\n\
-Sidecar and study, all keys with units and defaults in data/README.md: schema = 1; [joint] name, inertia, moment, coulomb, \
+Sidecar and study, all keys with units and defaults in docs/reference/study.md: schema = 1; [joint] name, inertia, moment, coulomb, \
 viscous, gravity, rest; [sensor] resolution, period; [motor] kp, ki, kd, hold, torque_limit, model, encoder, armature, ...; \
 [uncertain]; [[log]] file, role, drive, session, tau_is, motor, extra. A log with a varying q_ref or tau needs a sidecar or \
 study that states its drive: \"position\" (needs [motor]), \"torque\", or \"off\".\n\nExample: aibo-fit drop data/q1.csv")]
@@ -97,6 +97,10 @@ pub(super) fn run(args: &DropArgs) -> Result<u8, CliError> {
         }
     };
     let robot = args.robot.as_deref().map(Model::read).transpose()?;
+    let surprising = driven(&case);
+    if let Some(told) = surprising.as_deref().filter(|_| !args.common.quiet) {
+        progress.pause(|| warn(told));
+    }
     let inputs: Vec<PathBuf> = case.inputs().into_iter().chain(args.robot.clone()).collect();
     let options = DropOptions {
         method: args.method.into(),
@@ -115,6 +119,7 @@ pub(super) fn run(args: &DropArgs) -> Result<u8, CliError> {
     progress.say("drawing");
     let mut report = drop_report(&case, &fit, provenance(inputs)?);
     report.full = full;
+    report.notes.splice(0..0, surprising);
     let written = write_report(args, &case, &fit, &report, &name)?;
     drop(progress);
     if !args.common.quiet {
@@ -123,6 +128,19 @@ pub(super) fn run(args: &DropArgs) -> Result<u8, CliError> {
     }
     let budget_spent = fit.extensive.stop() == Stop::BudgetSpent;
     Ok(if budget_spent { NOT_CONVERGED } else { 0 })
+}
+
+/// What a fit of swings makes of logs in which a servo follows setpoints.
+fn driven(case: &Case) -> Option<String> {
+    let by_setpoints = |item: &&Item| item.entry.drive == DriveMode::Position;
+    let files: Vec<&str> = case.items.iter().filter(by_setpoints).map(|item| item.entry.file.as_str()).collect();
+    (!files.is_empty()).then(|| {
+        format!(
+            "{}: driven by setpoints. Inertia and friction are fitted through [motor] as the study has it: whatever else the \
+             drive does ends up in them. A swing with the motor off measures them; `gap` asks what the drive does.",
+            files.join(", ")
+        )
+    })
 }
 
 /// Draws everything first and writes it then, so that an error leaves no half of a report.

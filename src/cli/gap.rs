@@ -1,7 +1,7 @@
 //! `aibo-fit gap`: where model and logs of a joint part, which effect is behind it, how far the gap closes. Studies of
 //! robots go to [`robot_gap`] and [`clamped_gap`].
 
-use super::common::{CommonArgs, json_text, print, study_name, write_outputs};
+use super::common::{CommonArgs, json_text, print, study_name, warn, write_outputs};
 use super::demands::DemandArgs;
 use super::init::drafted;
 use super::progress::Progress;
@@ -64,7 +64,7 @@ fn after_help() -> String {
         "Effects: {}; of a robot also {}.\n\
          Names for --fix, --free, --bound and --start (of a joint): inertia, moment, coulomb, viscous, gain, kd, ki, rest, and \
          parameters of effects such as delay.T.\nAngles are in rad, times in s, torques in N m; the exit code is 0 for any verdict.\n\n\
-         Study, all keys with units and defaults in data/README.md: schema = 1; [joint] name, inertia [kg m^2], moment [kg m], \
+         Study, all keys with units and defaults in docs/reference/study.md: schema = 1; [joint] name, inertia [kg m^2], moment [kg m], \
          coulomb [N m], viscous [N m s/rad], gravity, rest [rad]; [sensor] resolution [rad], period [s]; [motor] kp [N m/rad], \
          kd, model = torque|voltage, encoder = link|motor, armature, ...; [uncertain], relative; [[log]] file, role = fit|validate, \
          drive = off|position|torque, session, tau_is = applied|commanded|current, motor, extra.\n\n\
@@ -175,6 +175,9 @@ pub(super) fn run(args: &GapArgs) -> Result<u8, CliError> {
     let progress = Progress::new(args.common.quiet);
     progress.say("reading");
     let case = Case::of_study(&args.study)?;
+    if !args.common.quiet {
+        progress.pause(|| case.doubts().iter().for_each(|doubt| warn(doubt)));
+    }
     let diagnosis = args.common.on_threads(|| diagnose(&case, &options, &progress))?;
     let diagnosis = match diagnosis {
         Err(GapError::NeverMoved) => return never_moved(&args.common, &case, "no diagnosis"),

@@ -20,22 +20,32 @@ mod provenance;
 mod restart;
 mod robot_gap;
 mod sensor_test;
+mod shell;
 mod simulate;
 mod still;
 mod synth;
 mod tables;
 mod walk;
 
-use clap::{Parser, Subcommand};
+use crate::report::limit_width;
+use clap::{CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;
+use std::io::Write;
 use std::process::ExitCode;
 
 pub use error::CliError;
 pub use full_drop::full_drop;
 
-/// Turns logs of robot joints into trustworthy dynamics.
+/// What `--version` says: which logs can be read depends on how the program was built.
+const VERSION: &str = if cfg!(feature = "parquet") {
+    concat!(env!("CARGO_PKG_VERSION"), "\nfeatures: cli, report, parquet (LeRobot datasets)")
+} else {
+    concat!(env!("CARGO_PKG_VERSION"), "\nfeatures: cli, report; without parquet (no LeRobot datasets)")
+};
+
+/// Says why a robot does not do what its simulation does, and turns logs of joints into trustworthy dynamics.
 #[derive(Parser, Debug)]
-#[command(name = "aibo-fit", version, max_term_width = 100, propagate_version = true)]
+#[command(name = "aibo-fit", version, long_version = VERSION, max_term_width = 100, propagate_version = true)]
 #[command(after_help = "Exit codes: 0 done; 1 the answer is no (the joint never moved); 2 usage; 3 bad data; \
 4 did not converge or diverged; 5 could not read or write.\n\nExample: aibo-fit drop data/q1.csv")]
 struct Cli {
@@ -47,6 +57,7 @@ struct Cli {
 enum Command {
     Blind(Box<blind::BlindArgs>),
     Check(check::CheckArgs),
+    Completions(shell::CompletionsArgs),
     Convert(convert::ConvertArgs),
     Drop(Box<drop::DropArgs>),
     Dynamics(dynamics::DynamicsArgs),
@@ -55,11 +66,17 @@ enum Command {
     Gap(gap::GapArgs),
     Gate(gate::GateArgs),
     Init(init::InitArgs),
+    Man(shell::ManArgs),
     SensorTest(sensor_test::SensorTestArgs),
     Simulate(simulate::SimulateArgs),
     Synth(synth::SynthArgs),
     Tables(tables::TablesArgs),
     Walk(walk::WalkArgs),
+}
+
+/// The program with all its commands and options.
+fn program() -> clap::Command {
+    Cli::command()
 }
 
 /// Runs the program and answers with its exit code.
@@ -85,9 +102,13 @@ pub fn run_with(words: impl IntoIterator<Item = OsString>) -> u8 {
         }
     };
     provenance::remember(&words);
+    if let Some((terminal_size::Width(columns), _)) = terminal_size::terminal_size_of(std::io::stdout()) {
+        limit_width(usize::from(columns));
+    }
     let result = match cli.command {
         Command::Blind(args) => blind::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Completions(args) => shell::completions(&args),
         Command::Convert(args) => convert::run(&args),
         Command::Drop(args) => drop::run(&args),
         Command::Dynamics(args) => dynamics::run(&args),
@@ -96,6 +117,7 @@ pub fn run_with(words: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Gap(args) => gap::run(&args),
         Command::Gate(args) => gate::run(&args),
         Command::Init(args) => init::run(&args),
+        Command::Man(args) => shell::man(&args),
         Command::SensorTest(args) => sensor_test::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Synth(args) => synth::run(&args),
@@ -105,7 +127,8 @@ pub fn run_with(words: impl IntoIterator<Item = OsString>) -> u8 {
     match result {
         Ok(code) => code,
         Err(error) => {
-            eprintln!("error: {error}");
+            // Nobody may be listening any more.
+            let _ = writeln!(std::io::stderr().lock(), "error: {error}");
             error.exit_code()
         }
     }

@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "Examples: aibo-fit synth data/examples/synth/weak-knees.toml\n          \
 aibo-fit synth --robot so101.xml --effect elbow_flex.delay=0.02 --out sealed")]
 pub(super) struct SynthArgs {
-    /// What is believed, what is true, and which logs to make; format in data/README.md
+    /// What is believed, what is true, and which logs to make; format in docs/reference/robot.md
     #[arg(value_name = "SPEC.toml", required_unless_present = "robot")]
     spec: Option<PathBuf>,
     #[command(flatten)]

@@ -370,7 +370,7 @@ fn notes(
     if let Some((_, worst)) = spread.max_by(|a, b| a.0.total_cmp(&b.0))
         && decision.verdict == Verdict::Unexplained
     {
-        notes.push(format!("Most of what stays lies in {}.", worst.file));
+        notes.push(format!("Most of the error that is left is in {}.", worst.file));
     }
     notes
 }

@@ -101,9 +101,37 @@ pub(super) fn probability(standing: &str, rates: &Rates) -> (f64, String) {
     let &(beginning, (answers, right)) =
         counted.iter().find(|(_, (answers, _))| *answers >= ENOUGH).unwrap_or(&counted[2]);
     let probability = (f64::from(right) + 1.0) / (f64::from(answers) + 2.0);
-    let source =
-        format!("{right} of {answers} answers of this standing ({beginning}) were right in `{}`", rates.command);
+    let source = format!(
+        "{right} of {answers} answers like this one ({}) were right in `{}`",
+        in_words(beginning),
+        rates.command
+    );
     (probability, source)
+}
+
+/// A standing as a reader takes it in; what is plain needs no words.
+fn in_words(standing: &str) -> String {
+    let word = |part| match part {
+        "effect" => "one effect is named",
+        "two effects" => "several effects are named",
+        "joint effect" => "one effect at joints is named",
+        "two causes" => "two causes are named",
+        "robot cause" => "a cause of the whole robot is named",
+        "none" => "nothing is missing",
+        "calibration" => "the numbers are off",
+        "unexplained" => "no effect explains it",
+        "clamped" => "trunk clamped",
+        "floor" => "on the floor",
+        "to the noise" => "nothing of size is left",
+        "with a rest" => "something is left",
+        "clear" => "far ahead of the next",
+        "narrow" => "little ahead of the next",
+        "one of several" => "others do as well",
+        "nearest effect named" | "nearest cause named" => "what comes closest is told",
+        other => other,
+    };
+    let parts = standing.split(", ").filter(|part| *part != "plain");
+    parts.map(word).collect::<Vec<_>>().join(", ")
 }
 
 /// Shares an answer's probability out among the candidates that cannot be told apart.
@@ -129,6 +157,16 @@ mod tests {
             [("none, to the noise, plain", true), ("none, to the noise, plain", false), ("effect, x, y", true)];
         let rates = Rates::count("aibo-fit blind".into(), answers.into_iter());
         assert_eq!((rates.of("none"), rates.of("effect, x"), rates.of("two effects")), ((2, 1), (1, 1), (0, 0)));
+    }
+
+    #[test]
+    fn every_standing_that_is_counted_has_words() {
+        assert_eq!(in_words("effect, with a rest"), "one effect is named, something is left");
+        for rates in [Rates::shipped(), Rates::shipped_for_robots()] {
+            for part in rates.rate.iter().flat_map(|rate| rate.standing.split(", ")) {
+                assert!(part == "plain" || in_words(part) != part, "{part}");
+            }
+        }
     }
 
     #[test]

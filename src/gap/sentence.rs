@@ -39,15 +39,18 @@ fn only(decision: &Decision<'_>, effect: EffectId) -> String {
     set.map_or(String::new(), |set| format!(" {}", set.words))
 }
 
-/// What causes close of the gap that recalibration leaves.
+/// The error as given, with refitted numbers and with the causes, and what these close of what the numbers leave.
 fn closing(gap: &Gap) -> String {
-    let (from, to) = (mrad(gap.calibrated), mrad(gap.after));
+    let [before, calibrated, after] = [gap.before, gap.calibrated, gap.after].map(mrad);
     let left = gap.calibrated - gap.floor;
     if !(left > 0.0) {
-        return format!("with it {to} stay of {} as given", mrad(gap.before));
+        return format!("the error goes from {before} as given to {after} with it");
     }
     let closed = share(((gap.calibrated - gap.after) / left).clamp(0.0, 1.0));
-    format!("it closes {closed} of what recalibrated numbers leave, {from} to {to} ({} as given)", mrad(gap.before))
+    format!(
+        "the error goes from {before} as given to {calibrated} with refitted numbers and to {after} with it, which closes \
+         {closed} of what they leave"
+    )
 }
 
 /// What a law is, and what it closes.
@@ -59,7 +62,7 @@ fn unnamed(law: &LawFound) -> String {
         LawActs::Reading => "a shift of the reading",
     };
     let of: Vec<&str> = table.variables.iter().map(|variable| variable.words()).collect();
-    let closed = |closed: f64| format!("; it closes {} of what recalibrated numbers leave", share(closed.max(0.0)));
+    let closed = |closed: f64| format!("; it closes {} of what refitted numbers leave", share(closed.max(0.0)));
     let closed = table.closed.map_or(String::new(), closed);
     format!("there is {what} that depends on the {} ({}){closed}.", of.join(" and the "), table.looks_like)
 }
@@ -111,7 +114,7 @@ pub(super) fn sentence(
             let nearest =
                 partial.map_or(String::new(), |_| format!(" What is known so far is {}; {}.", all(), closing(gap)));
             let unnamed = law.map_or(String::new(), |law| format!(" Without a name {}", unnamed(law)));
-            let stays = format!("{} stay above the sensor's {}", mrad(gap.after), mrad(gap.floor));
+            let stays = format!("{} are left, and the sensor itself makes {}", mrad(gap.after), mrad(gap.floor));
             if gap.calibrated < MOST_BY_NUMBERS * gap.before {
                 let most = parameter.map_or(String::new(), |name| format!(", the {name} most of all,"));
                 let [before, calibrated] = [gap.before, gap.calibrated].map(mrad);

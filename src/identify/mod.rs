@@ -4,6 +4,7 @@ mod belief;
 mod case;
 mod conclude;
 mod directives;
+mod doubts;
 mod drop;
 mod equation_error;
 mod experiment;

@@ -2,8 +2,25 @@
 
 use comfy_table::{Cell, CellAlignment, ContentArrangement, Table, TableComponent, presets};
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use super::ParameterRow;
 use super::rows::{ParameterCells, shorten};
+
+/// Columns of the terminal, where there is one.
+static COLUMNS: AtomicUsize = AtomicUsize::new(usize::MAX);
+/// Nothing can be read that is narrower.
+const NARROWEST: usize = 40;
+
+/// Keeps all text that is written from now on to the columns of a terminal.
+pub fn limit_width(columns: usize) {
+    COLUMNS.store(columns.max(NARROWEST), Ordering::Relaxed);
+}
+
+/// The width that is meant, or the terminal's where that is less.
+fn at_most(width: usize) -> usize {
+    width.min(COLUMNS.load(Ordering::Relaxed))
+}
 
 /// Parameters with both intervals and the nominal value.
 pub(super) fn parameter_table<'a>(width: usize, rows: impl IntoIterator<Item = &'a ParameterRow>) -> String {
@@ -35,7 +52,7 @@ pub(super) fn table(width: usize, words: &[&str], numbers: &[&str]) -> Table {
         .set_style(TableComponent::HeaderLines, '-')
         .set_style(TableComponent::MiddleHeaderIntersections, '-')
         .set_content_arrangement(ContentArrangement::Dynamic)
-        .set_width(u16::try_from(width).unwrap_or(u16::MAX))
+        .set_width(u16::try_from(at_most(width)).unwrap_or(u16::MAX))
         .set_header(header);
     for column in table.column_iter_mut() {
         column.set_padding((0, 1));
@@ -60,6 +77,7 @@ pub(super) fn one_line(text: &str) -> String {
 
 /// Breaks a text at blanks, but not before a `%`, so that it is `width` columns wide; the first line begins with `first`, the others with `rest`.
 pub(super) fn wrap(width: usize, text: &str, first: &str, rest: &str) -> String {
+    let width = at_most(width);
     let mut lines = vec![first.to_owned()];
     let mut length = first.chars().count();
     let mut is_fresh = true;

@@ -2,7 +2,9 @@
 #![allow(dead_code, reason = "every test file uses a part")]
 
 pub mod arm;
+pub mod console;
 pub mod real;
+pub mod signature;
 pub mod swing;
 
 use aibo_fit::blind::{Cause, Truth, make_with};

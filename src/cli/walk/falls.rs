@@ -161,7 +161,7 @@ pub(super) fn run(args: &WalkArgs, model: &Model) -> Result<u8, CliError> {
         report.figures.push(figure(&rows, nominal_s)?);
     }
     report.rows = rows;
-    write(&args.common, &report, &args.gait_file().into_iter().chain(args.robot.clone()).collect::<Vec<_>>())?;
+    write(args, &report, &args.gait_file().into_iter().chain(args.robot.clone()).collect::<Vec<_>>())?;
     Ok(if nominal_s.is_none() { super::super::error::NO } else { 0 })
 }
 

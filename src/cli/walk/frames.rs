@@ -85,7 +85,7 @@ pub(super) fn run(args: &WalkArgs, model: &Model) -> Result<u8, CliError> {
         report.figures.push(figure(file, kinds[k].0, &gait, model, &runs[k])?);
     }
     report.rows = rows;
-    write(&args.common, &report, &args.gait_file().into_iter().chain(args.robot.clone()).collect::<Vec<_>>())?;
+    write(args, &report, &args.gait_file().into_iter().chain(args.robot.clone()).collect::<Vec<_>>())?;
     Ok(0)
 }
 

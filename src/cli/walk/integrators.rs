@@ -124,7 +124,7 @@ pub(super) fn run(args: &WalkArgs, model: &Model, which: IntegratorsArg) -> Resu
     report.table = table(&rows);
     report.figures = figures(&rows, &asked, &runs)?;
     report.rows = rows;
-    write(&args.common, &report, args.robot.as_slice())?;
+    write(args, &report, args.robot.as_slice())?;
     Ok(0)
 }
 

@@ -14,7 +14,7 @@ mod study;
 mod weak;
 
 use super::CliError;
-use super::common::{CommonArgs, print, write_outputs};
+use super::common::{CommonArgs, log_name, print, write_outputs};
 use super::error::NOT_CONVERGED;
 use super::progress::Progress;
 use super::provenance::provenance;
@@ -147,6 +147,12 @@ enum SensorArg {
 }
 
 impl WalkArgs {
+    /// The output folder: as asked for, or `fits/<name>`, with the robot's name where it is not the ERS-7.
+    fn folder(&self, name: &str) -> PathBuf {
+        let of_robot = |robot: &PathBuf| format!("{name}-{}", log_name(robot));
+        self.common.folder(&self.robot.as_ref().map_or_else(|| name.to_owned(), of_robot))
+    }
+
     /// The gait's file, where it is one.
     fn gait_file(&self) -> Option<PathBuf> {
         self.gait.as_ref().filter(|name| name.contains(['.', '/', '\\'])).map(PathBuf::from)
@@ -238,7 +244,7 @@ pub(super) fn run(args: &WalkArgs) -> Result<u8, CliError> {
     let mut report = answer::report(&asked, &recording, provenance(inputs.iter().cloned())?);
     let film = film::Film::of(model, &recording, (&report.title(), &report.sentence, 1.0 / plan.frequency_hz));
     report.cycle = film.cycle()?;
-    let folder = args.common.folder(if args.air { "walk-air" } else { "walk" });
+    let folder = args.folder(if args.air { "walk-air" } else { "walk" });
     let mut outputs = Outputs::default();
     for figure in walk_figures(&report)? {
         outputs.add(folder.join(figure.file_name), figure.svg);

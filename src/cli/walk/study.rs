@@ -1,7 +1,7 @@
 //! What the studies share: running, measuring, writing.
 
 use super::super::CliError;
-use super::super::common::{CommonArgs, print, write_outputs};
+use super::super::common::{print, write_outputs};
 use super::setting::Setting;
 use super::{WalkArgs, ground};
 use crate::log::Outputs;
@@ -45,20 +45,20 @@ impl Run {
 
 /// Writes a study's report, page, figures and JSON.
 pub(super) fn write<R: Serialize>(
-    common: &CommonArgs,
+    args: &WalkArgs,
     report: &StudyReport<R>,
     inputs: &[PathBuf],
 ) -> Result<(), CliError> {
-    let folder = common.folder(&format!("walk-{}", report.study));
+    let folder = args.folder(&format!("walk-{}", report.study));
     let mut outputs = Outputs::default();
     for figure in &report.figures {
         outputs.add(folder.join(&figure.file_name), figure.svg.clone());
     }
     let page = folder.join("report.html");
     outputs.add_page(&page, study_html(report)?);
-    common.add_json(&mut outputs, report)?;
+    args.common.add_json(&mut outputs, report)?;
     write_outputs(outputs, inputs)?;
-    if !common.quiet {
+    if !args.common.quiet {
         print(&study_text(report));
         print(&format!("\nreport: {}\n", page.display()));
     }

@@ -96,7 +96,7 @@ pub(super) fn run(args: &WalkArgs) -> Result<u8, CliError> {
     report.figures = vec![figure(&rows)?];
     report.rows = rows;
     drop(progress);
-    write(&args.common, &report, &[])?;
+    write(args, &report, &[])?;
     Ok(0)
 }
 

@@ -11,8 +11,9 @@ use crate::report::text::wrap;
 
 /// Writes a check as plain text, at most 100 columns wide where file names allow it, ending in a newline.
 pub fn check_text(report: &CheckReport) -> String {
-    let mut blocks = vec![health_text(&report.health), motion_text(&report.health)];
-    blocks.extend(report.doubts.iter().map(|doubt| paragraph(doubt)));
+    // What makes all below it doubtful comes first.
+    let mut blocks: Vec<String> = report.doubts.iter().map(|doubt| paragraph(doubt)).collect();
+    blocks.extend([health_text(&report.health), motion_text(&report.health)]);
     match &report.checkup {
         None => blocks.push(paragraph(NO_STUDY)),
         Some(checkup) => {

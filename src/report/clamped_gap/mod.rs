@@ -86,7 +86,7 @@ impl ClampedGapReport {
         let report = |((name, diagnosis), torques): ((&String, Diagnosis), Vec<TorqueTraces>)| {
             let (options, provenance) = (options.clone(), provenance.clone());
             let health = health_rows_of_joint(setup, name);
-            (folder_of(name), GapReport { diagnosis, options, health, provenance, torques })
+            (folder_of(name), GapReport { diagnosis, options, health, doubts: Vec::new(), provenance, torques })
         };
         let joints = diagnosed.zip(traces).map(report).collect();
         let numbers = found_robot(setup, Some(&found)).unwrap_or_default();

@@ -173,15 +173,17 @@ pub(in crate::report) fn refit_words(refit: &RefitSummary) -> String {
     let by = significant(refit.gives_by.abs(), 3);
     let verdict = match refit.verdict.as_str() {
         "held joints give" => format!(
-            "the held joints give (better by {by} in Schwarz's criterion, {DECIDED} decide), which explains {} of the mean \
+            "the held joints give (the logs tell by {by} points of Schwarz's criterion, where {DECIDED} decide), which explains {} of the mean \
              square that rigid ones leave above the noise",
             percent(refit.share)
         ),
         "rigid" => {
-            format!("the other joints were held rigidly (better by {by} in Schwarz's criterion, {DECIDED} decide)")
+            format!(
+                "the other joints were held rigidly (the logs tell by {by} points of Schwarz's criterion, where {DECIDED} decide)"
+            )
         }
         _ => format!(
-            "these drops do not tell whether the held joints give ({by} in Schwarz's criterion, {DECIDED} decide)"
+            "these drops do not tell whether the held joints give ({by} points of Schwarz's criterion, where {DECIDED} decide)"
         ),
     };
     let needed = refit.fits.iter().filter(|fit| fit.what == "without" && fit.needed.is_some_and(|by| by > DECIDED));

@@ -5,6 +5,7 @@ use minijinja::{HtmlEscape, Value, context};
 use super::GapReport;
 use super::plot::GapFigures;
 use super::rows::{effect_rows, joint_rows};
+use super::text::of_answer;
 use super::{waterfall, words};
 use crate::gap::{Candidate, Detectable, Diagnosis, LogGap};
 use crate::joint::Stage;
@@ -33,7 +34,7 @@ pub fn render_gap_html(report: &GapReport) -> Result<String, ReportError> {
         joint => diagnosis.joint.as_str(),
         sentence => with_code(&answer.sentence),
         verdict => answer.verdict.name(),
-        probability => share(answer.probability),
+        probability => of_answer(answer.probability),
         source => with_code(answer.probability_source.trim_end_matches('.')),
         answer => words::answer(diagnosis),
         has_second => answer.second.is_some(),

@@ -42,6 +42,8 @@ pub struct GapReport {
     pub options: GapOptions,
     /// One row per log.
     pub health: Vec<LogHealthRow>,
+    /// Numbers of the study that are far from any joint that moves like its logs, in sentences.
+    pub doubts: Vec<String>,
     /// Where the report comes from.
     pub provenance: Provenance,
     /// Curves of the logs where torques are predicted.
@@ -51,6 +53,7 @@ pub struct GapReport {
 impl GapReport {
     /// The report of a case's diagnosis.
     pub fn new(case: &Case, diagnosis: Diagnosis, options: GapOptions, provenance: Provenance) -> Self {
-        Self { diagnosis, options, health: health_rows(case), provenance, torques: Vec::new() }
+        let doubts = case.doubts();
+        Self { diagnosis, options, health: health_rows(case), doubts, provenance, torques: Vec::new() }
     }
 }

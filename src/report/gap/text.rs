@@ -22,16 +22,18 @@ const BAR: usize = 24;
 
 /// Writes a diagnosis as plain text, as a rule at most 100 columns wide, ending in a newline.
 ///
-/// The sentence with its probability, the health of the logs, the steps from as given to the floor, which numbers are not as believed, what the
-/// logs cannot determine, where the gap lies, which effects were considered, how far the gap closes, the parameters, what
-/// the logs could not have shown, what to do next, then the notes.
+/// The sentence with its probability, the steps from as given to the floor, what to do next, the health of the logs, which
+/// numbers are not as believed, what the logs cannot determine, where the gap lies, which effects were considered, how far
+/// the gap closes, the parameters, what the logs could not have shown, then the notes.
 pub fn gap_text(report: &GapReport) -> String {
     let diagnosis = &report.diagnosis;
     let answer = &diagnosis.answer;
+    // The first screen holds the answer, how far it goes, and what to do next.
     let blocks = [
         Some(opening(&answer.sentence, answer.probability, &answer.probability_source)),
-        (!report.health.is_empty()).then(|| format!("Data health:\n{}", health_text(&report.health))),
         Some(waterfall(diagnosis)),
+        next(diagnosis),
+        (!report.health.is_empty()).then(|| format!("Data health:\n{}", health_text(&report.health))),
         beliefs(diagnosis),
         undetermined(&diagnosis.undetermined),
         Some(location(diagnosis)),
@@ -39,7 +41,6 @@ pub fn gap_text(report: &GapReport) -> String {
         Some(how_far(&diagnosis.gap)),
         parameters(diagnosis),
         detectable(&diagnosis.detectable),
-        next(diagnosis),
         notes(report),
     ];
     blocks.into_iter().flatten().collect::<Vec<_>>().join("\n\n") + "\n"
@@ -47,8 +48,14 @@ pub fn gap_text(report: &GapReport) -> String {
 
 /// What is answered, and how sure it is.
 pub(in crate::report) fn opening(sentence: &str, probability: f64, source: &str) -> String {
-    let sure = format!("Probability {}: {}.", share(probability), source.trim_end_matches('.'));
+    let sure = format!("Probability {}: {}.", of_answer(probability), source.trim_end_matches('.'));
     format!("{}\n{}", paragraph(sentence), paragraph(&sure))
+}
+
+/// The probability of an answer and that of all others; together they are everything.
+pub(in crate::report) fn of_answer(probability: f64) -> String {
+    let percent = (100.0 * probability).round() / 100.0;
+    format!("{}, of something else {}", share(percent), share(1.0 - percent))
 }
 
 /// The steps from as given to the floor, each with a bar.
@@ -181,10 +188,17 @@ fn ranking(diagnosis: &Diagnosis) -> String {
         ]);
     }
     plain(&mut table, "(sensor noise)", gap.floor);
+    let named: f64 = diagnosis.ranking.iter().map(|candidate| candidate.probability).sum();
+    if named > 0.0 {
+        let cells = ["(something else)", "", "", "", ""].map(Cell::new);
+        table.add_row(cells.into_iter().chain([number(share((1.0 - named).max(0.0)))]));
+    }
     let mut text = finish(&mut table);
     if let Some(mark) = words::mark(&diagnosis.answer) {
         text += &format!("\n* {mark}");
     }
+    text += "\n";
+    text += &paragraph(words::BEHIND);
     if !screened.is_empty() {
         let names: Vec<&str> = screened.iter().map(|c| c.effect.id()).collect();
         text += "\n";

@@ -111,12 +111,12 @@ pub(super) fn heading(diagnosis: &Diagnosis) -> &'static str {
 /// What the columns of the steps mean, and what is to be kept in mind with these causes.
 pub(super) fn explanation(diagnosis: &Diagnosis) -> String {
     let mut text = format!(
-        "RMS of the {} over the held-out logs. Closes: share of the whole gap above the floor; what recalibrating the \
-         numbers closes is not the work of any effect.",
+        "RMS of the {} over the held-out logs. Closes: share of the whole gap above the floor; refitting the numbers \
+         is the work of no effect.",
         Measure::of(diagnosis.gap.unit).what
     );
     if !diagnosis.causes.is_empty() {
-        text += " Alone and last: share of what recalibration leaves that the cause closes by itself, and with all \
+        text += " Alone and last: share of what refitted numbers leave that the cause closes by itself, and with all \
                  others in place.";
     }
     if steps(diagnosis).iter().any(|step| step.closes.is_some_and(|share| share < OPENS)) {

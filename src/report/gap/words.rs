@@ -3,13 +3,17 @@
 use super::GapReport;
 use super::rows::{is_side, number_row};
 use crate::gap::{Answer, Detectable, Diagnosis, MapCell, Number, Phase, Variable, Verdict, Where};
-use crate::joint::EffectId;
+use crate::joint::{EffectId, Stage};
 use crate::report::number::{between, quantity, share, shares, significant, spoken, stands_out};
 use crate::report::rows::ParameterCells;
 
 /// What stands beside intervals that cannot be believed.
 pub(in crate::report) const UNTRUSTED: &str = "Something is left in these logs that the model does not explain: the intervals allow \
     for its correlation but not for the bias that comes with it, so do not trust them.";
+
+/// What the column `behind` of the ranking means.
+pub(in crate::report) const BEHIND: &str = "Closes alone: share of what refitted numbers leave. Behind: how much worse than the best it \
+    predicts, in standard deviations of that difference; less than two may be chance.";
 
 /// What stands above the sizes that would have been seen.
 pub(in crate::report) const DETECTABLE: &str = "Smallest size of each effect that these logs would have shown:";
@@ -31,6 +35,19 @@ pub(in crate::report) fn variable(variable: Variable) -> &'static str {
         Variable::SetpointRate => "slope of the setpoint",
         Variable::Torque => "motor torque",
         Variable::Amplitude => "amplitude of the swing",
+    }
+}
+
+/// A stage in a sentence: where something is missing.
+fn stage(stage: Stage) -> &'static str {
+    match stage {
+        Stage::Setpoint => "in the setpoints that reach the controller",
+        Stage::Delay => "in the time at which setpoints act",
+        Stage::Controller => "in the control law",
+        Stage::Motor => "in the torque that the motor delivers",
+        Stage::Gearing => "between motor and link",
+        Stage::Link => "at the link: its friction, gravity, springs or stops",
+        Stage::Sensor => "in the reading of the angle",
     }
 }
 
@@ -103,7 +120,7 @@ pub(super) fn names_without_folder(files: &[&str]) -> Vec<String> {
 /// Where the gap lies, in a few sentences.
 pub(super) fn location(location: &Where) -> String {
     let mut sentences = vec![match location.stage {
-        Some(stage) => format!("The gap lies in the stage `{}`.", stage.name()),
+        Some(of) => format!("The gap lies {} (stage `{}`).", stage(of), of.name()),
         None => "There is no gap to place.".to_owned(),
     }];
     if let Some(variable_of) = location.variable {
@@ -181,9 +198,10 @@ pub(super) fn part(share: f64) -> String {
     if share.is_finite() { crate::report::number::share(share) } else { String::new() }
 }
 
-/// The notes of the diagnosis, then what was left out by demand.
+/// Doubts of the study's numbers, the notes of the diagnosis, then what was left out by demand.
 pub(super) fn notes(report: &GapReport) -> Vec<String> {
-    let mut notes = report.diagnosis.notes.clone();
+    let mut notes = report.doubts.clone();
+    notes.extend(report.diagnosis.notes.iter().cloned());
     if !report.diagnosis.withheld.is_empty() {
         let ids: Vec<&str> = report.diagnosis.withheld.iter().map(|effect| effect.id()).collect();
         notes.push(format!("Withheld from the catalogue on demand: {}.", ids.join(", ")));
@@ -207,7 +225,7 @@ mod tests {
         let mut place = sample::set_of_two().diagnosis.location;
         assert_eq!(
             location(&place),
-            "The gap lies in the stage `link`. The torque that is missing depends most on the speed, between 0 and 0.42 \
+            "The gap lies at the link: its friction, gravity, springs or stops (stage `link`). The torque that is missing depends most on the speed, between 0 and 0.42 \
              rad/s. 71 % of the gap is there, most of it around reversals. Logs with more than their share: \
              swing-03-220g.csv, swing-02-220g.csv."
         );

@@ -13,7 +13,8 @@ const WIDTH: usize = 100;
 /// Writes the tables and the explanation as plain text at most 100 columns wide, ending in a newline.
 pub fn thesis_text(report: &ThesisReport) -> String {
     let sections = sections(&report.tables);
-    let mut blocks: Vec<String> = sections.iter().filter(|s| !s.rows.is_empty()).map(block).collect();
+    let mut blocks: Vec<String> = summary(&sections).map(|words| wrap(WIDTH, &words, "", "")).into_iter().collect();
+    blocks.extend(sections.iter().filter(|s| !s.rows.is_empty()).map(block));
     for answer in explanations(report) {
         let mut text = wrap(WIDTH, &answer.question, "", "");
         for sentence in &answer.sentences {
@@ -27,6 +28,22 @@ pub fn thesis_text(report: &ThesisReport) -> String {
         blocks.push(text);
     }
     blocks.join("\n\n") + "\n"
+}
+
+/// How many of the printed numbers the swings agree with, table by table.
+fn summary(sections: &[Section<'_>]) -> Option<String> {
+    let printed = sections.iter().filter(|section| section.beside == "thesis").filter_map(|section| {
+        let judged: Vec<bool> = section.rows.iter().filter_map(|row| row.inside()).collect();
+        let inside = judged.iter().filter(|inside| **inside).count();
+        (!judged.is_empty()).then(|| format!("{}: {inside} of {}", section.title, judged.len()))
+    });
+    let printed: Vec<String> = printed.collect();
+    (!printed.is_empty()).then(|| {
+        format!(
+            "How many of the thesis's numbers lie inside the 95 % intervals of these swings: {}.",
+            printed.join("; ")
+        )
+    })
 }
 
 fn add_rows(table: &mut comfy_table::Table, words: usize, rows: &[Vec<String>]) {

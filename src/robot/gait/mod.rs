@@ -1,7 +1,7 @@
 //! Gaits (section 4.1): which angle does the walk ask of each joint at which time?
 //!
 //! - [`Setpoints`]: anything that has an answer.
-//! - [`Gait`]: stand, then walk; one wave for each joint. Gaits are files (`data/gaits/`), format in `data/README.md`.
+//! - [`Gait`]: stand, then walk; one wave for each joint. Gaits are files (`data/gaits/`), format in `docs/reference/robot.md`.
 //! - [`Sampled`]: setpoints as a controller gets them, at a period, held or joined by lines: 8 ms frames, or the 128 ms
 //!   of a motion file (C.3).
 //! - [`Motion`]: a gait as a Tekkotsu motion file (section 4.2.1), written and read back.

@@ -1,0 +1,216 @@
+//! Numbers of a study that no joint has which moves like its logs: questions, not errors.
+//!
+//! A unit that is wrong by a factor of a thousand is the commonest slip. What is stated is held against what the logs show by
+//! energy and torque alone, without simulating anything, and with so much room that no honest guess is questioned.
+
+use super::case::{Case, Item};
+use crate::geometry::inertia::hollow_cylinder_across;
+use crate::log::{DriveMode, MotorModel, MotorSpec, Nominal};
+use std::f64::consts::PI;
+
+/// No link is longer than this \[m\].
+const LONGEST_M: f64 = 10.0;
+/// By so much the energy of a link may exceed what gravity and drive can give it over its travel.
+const ENERGY: f64 = 30.0;
+/// By so much a torque may exceed what acts in the logs.
+const TORQUE: f64 = 10.0;
+/// By so much Coulomb friction may: by more the joint would not move at all.
+const HOLD: f64 = 3.0;
+/// By so much a free swing may be slower or faster than stated.
+const FREQUENCY: f64 = 10.0;
+/// From so many reversals on a swing has a frequency.
+const SWINGS: usize = 2;
+
+impl Case {
+    /// Numbers of the study that are far from any joint that moves like its logs, in sentences; empty where all may be, and
+    /// where nothing is stated.
+    pub fn doubts(&self) -> Vec<String> {
+        // A robot's link is computed from its description, and may well hang on an axis that stands upright.
+        let is_computed = self.items.iter().flat_map(|item| &item.experiments).any(|e| e.carriage.is_some());
+        let Some(nominal) = self.joint.nominal.filter(|_| !is_computed) else { return Vec::new() };
+        let mut doubts: Vec<String> = long_lever(&nominal).into_iter().collect();
+        let moved = || self.items.iter().filter(|item| item.health.moved);
+        let acting = |item: &Item| Acting::of(item, &nominal, self.joint.gravity_m_s2);
+        let first = |doubt: &dyn Fn(&Item, &Acting) -> Option<String>| {
+            moved().find_map(|item| doubt(item, &acting(item)).map(|words| format!("{words} ({})", item.entry.file)))
+        };
+        doubts.extend(first(&|item, acting| too_heavy(item, acting, &nominal)).filter(|_| doubts.is_empty()));
+        doubts.extend(first(&|item, acting| too_rough(item, acting, &nominal)));
+        doubts.extend(first(&|item, acting| too_much_gravity(item, acting)));
+        doubts.extend(first(&|item, acting| other_swing(item, acting)).filter(|_| doubts.is_empty()));
+        doubts
+    }
+}
+
+/// What acts on a joint in a log, at the most.
+struct Acting {
+    /// Of gravity, extra mass included \[N m\].
+    gravity_nm: f64,
+    /// Of the drive \[N m\]; infinite where it is not known.
+    drive_nm: f64,
+    /// Of link, extra mass and armature \[kg m^2\].
+    inertia_kg_m2: f64,
+}
+
+impl Acting {
+    fn of(item: &Item, nominal: &Nominal, gravity_m_s2: f64) -> Self {
+        let of_extra = item.entry.extra.map_or([0.0; 2], |extra| {
+            let across_kg_m2 = hollow_cylinder_across(extra.mass_kg, extra.radius_m, extra.length_m);
+            let moment_kg_m = extra.mass_kg * extra.distance_m;
+            [moment_kg_m, across_kg_m2 + moment_kg_m * extra.distance_m]
+        });
+        let drive_nm = match item.entry.drive {
+            DriveMode::Off => 0.0,
+            DriveMode::Torque => largest(item.log.tau_nm.iter().flatten().copied()),
+            DriveMode::Position => item.entry.motor.as_ref().map_or(f64::INFINITY, |motor| asked_nm(item, motor)),
+        };
+        let armature_kg_m2 = item.entry.motor.as_ref().map_or(0.0, |motor| motor.armature_kg_m2);
+        Self {
+            gravity_nm: gravity_m_s2 * (nominal.moment_kg_m + of_extra[0]),
+            drive_nm,
+            inertia_kg_m2: nominal.inertia_kg_m2 + of_extra[1] + armature_kg_m2,
+        }
+    }
+
+    fn all_nm(&self) -> f64 {
+        self.gravity_nm + self.drive_nm
+    }
+}
+
+/// What a servo gives at the most, by its law and its limits \[N m\].
+fn asked_nm(item: &Item, motor: &MotorSpec) -> f64 {
+    let log = &item.log;
+    let error_rad = match (&log.q_ref_rad, &log.setpoints) {
+        (Some(q_ref), _) => largest(q_ref.iter().zip(&log.q_rad).map(|(asked, read)| asked - read)),
+        // Their stamps are not those of the readings; the widest that they can be apart will do.
+        (None, Some(own)) => largest(own.values.iter().copied()) + largest(log.q_rad.iter().copied()),
+        (None, None) => return f64::INFINITY,
+    };
+    let law = motor.kp_nm_rad * error_rad + motor.kd_nm_s_rad * item.health.top_speed_rad_s;
+    match motor.model {
+        MotorModel::Torque if motor.ki_nm_rad_s == 0.0 => motor.torque_limit_nm.map_or(law, |limit| law.min(limit)),
+        _ => motor.torque_limit_nm.unwrap_or(f64::INFINITY),
+    }
+}
+
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.map(f64::abs).filter(|value| value.is_finite()).fold(0.0, f64::max)
+}
+
+/// What a link's inertia would say of its length, where no link is that long.
+fn long_lever(nominal: &Nominal) -> Option<String> {
+    let length_m = nominal.inertia_kg_m2 / nominal.moment_kg_m;
+    (length_m.is_finite() && length_m > LONGEST_M).then(|| {
+        format!(
+            "The stated inertia and moment are those of a pendulum of {length_m:.0} m (inertia / moment): is the inertia in \
+             kg m^2 and the moment in kg m, or is a geared rotor in it (`armature` in [motor])?"
+        )
+    })
+}
+
+fn too_heavy(item: &Item, acting: &Acting, nominal: &Nominal) -> Option<String> {
+    let speed_rad_s = item.health.top_speed_rad_s;
+    let carried_j = 0.5 * acting.inertia_kg_m2 * speed_rad_s * speed_rad_s;
+    let given_j = acting.all_nm() * item.health.travel_rad;
+    (carried_j > ENERGY * given_j).then(|| {
+        format!(
+            "The stated inertia, {} kg m^2, would carry {carried_j:.2} J at the log's {speed_rad_s:.1} rad/s, and gravity and \
+             drive as stated give {given_j:.3} J over its travel: is it in kg m^2?",
+            nominal.inertia_kg_m2
+        )
+    })
+}
+
+fn too_rough(item: &Item, acting: &Acting, nominal: &Nominal) -> Option<String> {
+    let (all_nm, speed_rad_s) = (acting.all_nm(), item.health.top_speed_rad_s);
+    if nominal.coulomb_nm > HOLD * all_nm {
+        return Some(format!(
+            "The stated Coulomb friction, {} N m, would hold the joint against all that gravity and drive as stated give \
+             ({all_nm:.3} N m), and it moved: is it in N m?",
+            nominal.coulomb_nm
+        ));
+    }
+    let viscous_nm = nominal.viscous_nm_s_rad * speed_rad_s;
+    (viscous_nm > TORQUE * all_nm).then(|| {
+        format!(
+            "The stated viscous friction, {} N m s/rad, would take {viscous_nm:.2} N m at the log's {speed_rad_s:.1} rad/s, and \
+             gravity and drive as stated give {all_nm:.3} N m: is it in N m s/rad?",
+            nominal.viscous_nm_s_rad
+        )
+    })
+}
+
+fn too_much_gravity(item: &Item, acting: &Acting) -> Option<String> {
+    let asked_nm = acting.gravity_nm * item.health.travel_rad.min(1.0);
+    let is_driven = item.entry.drive == DriveMode::Position;
+    (is_driven && asked_nm > TORQUE * acting.drive_nm).then(|| {
+        format!(
+            "Gravity as stated asks for {asked_nm:.2} N m over the log's travel, and the drive as stated gives {:.3} N m at the \
+             most: is the moment in kg m, and kp in N m/rad?",
+            acting.drive_nm
+        )
+    })
+}
+
+fn other_swing(item: &Item, acting: &Acting) -> Option<String> {
+    let health = &item.health;
+    if item.entry.drive != DriveMode::Off || health.reversals < SWINGS {
+        return None;
+    }
+    // What rests at the end swings no more.
+    let swings_s = health.rest_from_s.map_or(health.duration_s, |rest_s| rest_s - item.log.t_s[0]);
+    let seen_hz = health.reversals as f64 / (2.0 * swings_s);
+    let stated_hz = (acting.gravity_nm / acting.inertia_kg_m2).sqrt() / (2.0 * PI);
+    let ratio = stated_hz / seen_hz;
+    (ratio.is_finite() && !(FREQUENCY.recip()..FREQUENCY).contains(&ratio)).then(|| {
+        format!(
+            "With the stated inertia and moment it would swing {stated_hz:.2} times a second, and it swings {seen_hz:.2} times: \
+             are they in kg m^2 and kg m?"
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    /// The demonstration's doubts with other numbers.
+    fn with(study: &str, change: impl Fn(&mut Nominal)) -> Vec<String> {
+        let mut case = Case::of_study(Path::new(study)).unwrap();
+        change(case.joint.nominal.as_mut().unwrap());
+        case.doubts()
+    }
+
+    const DRIVEN: &str = "data/examples/delay/study.toml";
+    const FREE: &str = "data/examples/ambiguous/study.toml";
+
+    #[test]
+    fn honest_numbers_are_not_questioned() {
+        for study in [DRIVEN, FREE] {
+            assert_eq!(with(study, |_| {}), [""; 0], "{study}");
+            let guess = |n: &mut Nominal| {
+                (n.inertia_kg_m2, n.coulomb_nm, n.viscous_nm_s_rad) =
+                    (3.0 * n.inertia_kg_m2, 3.0 * n.coulomb_nm, n.viscous_nm_s_rad / 3.0);
+            };
+            assert_eq!(with(study, guess), [""; 0], "{study}");
+        }
+    }
+
+    #[test]
+    fn a_number_a_thousand_times_off_is_questioned_with_its_size() {
+        type Change = fn(&mut Nominal);
+        let cases: [(&str, Change, &str); 6] = [
+            (DRIVEN, |n| n.inertia_kg_m2 = 19.0, "pendulum of 380 m"),
+            (DRIVEN, |n| (n.inertia_kg_m2, n.moment_kg_m) = (11.0, 0.0), "stated inertia, 11 kg m^2"),
+            (DRIVEN, |n| n.coulomb_nm = 200.0, "Coulomb friction, 200 N m"),
+            (DRIVEN, |n| n.viscous_nm_s_rad = 300.0, "viscous friction, 300 N m s/rad"),
+            (DRIVEN, |n| n.moment_kg_m = 500.0, "Gravity as stated asks for"),
+            (FREE, |n| n.inertia_kg_m2 /= 1000.0, "times a second"),
+        ];
+        for (study, change, words) in cases {
+            let doubts = with(study, change).join("\n");
+            assert!(doubts.contains(words), "{words}: {doubts}");
+        }
+    }
+}

@@ -1,0 +1,247 @@
+//! The reference pages of the docs against the program: commands, effects, JSON, words.
+//!
+//! `AIBO_FIT_REWRITE=1 cargo test --release --test reference` writes the page of the effects and its pictures anew.
+
+mod support;
+
+use aibo_fit::gap::robot::Cause;
+use aibo_fit::joint::{EffectId, Stage};
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+use support::signature::{Alike, alike, picture};
+use support::{everything_in, expect_code, json, root};
+
+const EFFECTS: &str = "docs/reference/effects.md";
+/// Another effect that takes up less than this share does not look alike.
+const LOOKS_ALIKE: f64 = 0.5;
+
+/// Compares a generated file with what is there, or writes it.
+fn expect_file(path: &Path, generated: &str) {
+    if std::env::var_os("AIBO_FIT_REWRITE").is_some() {
+        fs::create_dir_all(path.parent().expect("a file is in a folder")).expect("a folder can be made");
+        fs::write(path, generated).expect("a file can be written");
+        return;
+    }
+    let there = fs::read_to_string(path).unwrap_or_default();
+    let same = there == generated;
+    assert!(same, "{} is not what the program says; AIBO_FIT_REWRITE=1 writes it anew", path.display());
+}
+
+/// The comment at the head of an effect's file: its physics, its formula, its forms, how it shows.
+fn physics(effect: EffectId) -> String {
+    let source = fs::read_to_string(root().join(format!("src/joint/effect/{effect}.rs"))).expect("an effect is a file");
+    let lines = source.lines().map_while(|line| line.strip_prefix("//!"));
+    lines.map(|line| line.strip_prefix(' ').unwrap_or(line)).collect::<Vec<_>>().join("\n")
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.0} %", 100.0 * share)
+}
+
+fn section(effect: EffectId, alike: &Alike) -> String {
+    let picture = picture(effect);
+    let svg = root().join(format!("docs/reference/effects/{effect}.svg"));
+    expect_file(&svg, &picture.svg);
+    let mut text = format!("### {effect}\n{}\n\n", physics(effect));
+    let forms: Vec<&str> = effect.forms().map(|form| form.name()).filter(|name| !name.is_empty()).collect();
+    if !forms.is_empty() {
+        let _ = writeln!(text, "Forms by name, the first by default: `{}`.\n", forms.join("`, `"));
+    }
+    text += "| parameter | unit | absent at | values |\n|---|---|---|---|\n";
+    for named in effect.named_parameters() {
+        let unit = if named.unit.is_empty() { "-" } else { named.unit };
+        let zero = if named.zero.is_finite() { named.zero.to_string() } else { "infinity".to_owned() };
+        let _ = writeln!(text, "| `{}` | {unit} | {zero} | {} |", named.name, named.bounds);
+    }
+    let motion = if picture.driven { "a motion driven by setpoints" } else { "a free swing" };
+    let sizes = effect.named_parameters().iter().zip(&picture.values);
+    let sizes: Vec<String> = sizes.map(|(named, value)| format!("{} {value:.3} {}", named.name, named.unit)).collect();
+    let size = sizes.join(", ").replace(" ,", ",");
+    let _ = write!(
+        text,
+        "\n![{effect} on {motion}](effects/{effect}.svg)\n\nAbove {motion} without it (grey) and with it ({}, blue), \
+         below the difference. ",
+        size.trim()
+    );
+    let others: Vec<String> = alike
+        .effects
+        .iter()
+        .filter(|(_, share)| *share >= LOOKS_ALIKE)
+        .take(3)
+        .map(|(other, share)| format!("`{other}` ({})", percent(*share)))
+        .collect();
+    let looks = match others.len() {
+        0 => "looks like nothing else in the list".to_owned(),
+        _ => format!("looks like {}", others.join(", ")),
+    };
+    let _ = writeln!(text, "Refitted numbers take up {} of it; what they leave {looks}.\n", percent(alike.by_numbers));
+    text
+}
+
+const OPENING: &str = "# Effects
+
+What `gap` looks for: one thing that a stage of the chain from setpoint to log does and that the model leaves out. `--without` and
+`--only` take these names. This page is written by the program (`AIBO_FIT_REWRITE=1 cargo test --release --test reference`).
+
+Pictures and the figures on what looks alike come from one made joint (inertia 0.011 kg m^2, moment 0.05 kg m, Coulomb friction 0.02 N m,
+viscous friction 0.004 N m s/rad, a servo with kp 5 N m/rad and kd 0.1 N m s/rad) in a free swing and in a motion driven by setpoints, 4 s
+each. They show what is easily confused, to first order and without noise; for logs of your own `gap` says what they cannot tell apart,
+and `check` which sizes they would show.
+
+";
+
+#[test]
+fn the_page_of_the_effects_is_what_the_catalogue_says() {
+    let mut page = OPENING.to_owned();
+    let alike = alike();
+    for stage in Stage::ALL {
+        let here: Vec<&(EffectId, Alike)> = alike.iter().filter(|(effect, _)| effect.stage() == stage).collect();
+        if !here.is_empty() {
+            let _ = writeln!(page, "## Stage `{}`\n", stage.name());
+        }
+        for (effect, alike) in here {
+            page += &section(*effect, alike);
+        }
+    }
+    expect_file(&root().join(EFFECTS), &(page.trim_end().to_owned() + "\n"));
+}
+
+fn page(name: &str) -> String {
+    fs::read_to_string(root().join("docs/reference").join(name)).expect("a page of the reference can be read")
+}
+
+#[test]
+fn every_command_has_its_help_in_the_reference() {
+    let help = expect_code(root(), &["--help"], 0);
+    let listed = help.split_once("Commands:\n").expect("a list of commands").1;
+    let listed = listed.lines().take_while(|line| !line.is_empty());
+    let names = listed.filter_map(|line| line.strip_prefix("  ").filter(|rest| !rest.starts_with(' ')));
+    let names: Vec<&str> =
+        names.filter_map(|rest| rest.split_whitespace().next()).filter(|name| *name != "help").collect();
+    assert!(names.len() >= 15, "{names:?}");
+    let mut page = format!("{COMMANDS_OPENING}{}", block("--help"));
+    for name in names {
+        let _ = write!(page, "\n## {name}\n{}", block(&format!("{name} --help")));
+    }
+    expect_file(&root().join("docs/reference/commands.md"), &page);
+}
+
+const COMMANDS_OPENING: &str = "# Commands
+
+What `aibo-fit COMMAND --help` prints. Exit codes: 0 done; 1 the answer is no (nothing moved, a gate failed); 2 usage; 3 bad data; 4 did not
+converge or diverged; 5 could not read or write.
+
+";
+
+/// A block of a document with a command and what it prints.
+fn block(words: &str) -> String {
+    let printed = expect_code(root(), &words.split(' ').collect::<Vec<_>>(), 0);
+    let lines = printed.trim_end().lines().map(|line| format!("{}\n", line.trim_end()));
+    format!("```console\n$ aibo-fit {words}\n{}```\n", lines.collect::<String>())
+}
+
+/// Keys below these are names: of parameters, joints, effects, files.
+const BY_NAME: [&str; 10] =
+    ["parameters", "beliefs", "detectable", "masses", "values", "body_pos", "conventions", "versions", "fix", "bound"];
+
+fn keys(value: &Value, by_name: bool, found: &mut BTreeSet<String>) {
+    match value {
+        Value::Object(object) => {
+            for (key, value) in object {
+                // Files with their hashes.
+                if by_name || key.contains(['/', '.']) {
+                    keys(value, false, found);
+                } else {
+                    found.insert(key.clone());
+                    keys(value, BY_NAME.contains(&key.as_str()), found);
+                }
+            }
+        }
+        Value::Array(values) => values.iter().for_each(|value| keys(value, false, found)),
+        _ => {}
+    }
+}
+
+#[test]
+fn every_key_of_the_json_is_in_the_reference() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out").display().to_string();
+    let file = folder.path().join("answer.json").display().to_string();
+    let weak = folder.path().join("weak").display().to_string();
+    expect_code(root(), &["synth", "data/examples/synth/weak-shoulders.toml", "--out", &weak, "-q"], 0);
+    let weak = format!("{weak}/study.toml");
+    let mut found = BTreeSet::new();
+    for (words, code) in [
+        (&["gap", "data/examples/delay/study.toml"][..], 0),
+        (&["gap", "data/examples/ambiguous/study.toml"], 0),
+        (&["gap", &weak], 0),
+        (&["check", "data/examples/delay/study.toml"], 0),
+        (&["drop", "data/q1.csv"], 0),
+        (&["gate", "data/examples/delay/study.toml", "--max-gap", "0.05"], 1),
+        (&["walk"], 0),
+        (&["sensor-test"], 0),
+        (&["dynamics", "data/examples/states.json"], 0),
+    ] {
+        let places = if ["gate", "dynamics"].contains(&words[0]) { &[][..] } else { &["--out", &out][..] };
+        let quiet = if words[0] == "dynamics" { &[][..] } else { &["-q"][..] };
+        expect_code(root(), &[words, places, quiet, &["--json", &file]].concat(), code);
+        keys(&json(Path::new(&file)), false, &mut found);
+    }
+    let page = page("json.md");
+    let missing: Vec<&String> = found.iter().filter(|key| !has_key(&page, key)).collect();
+    assert!(
+        found.len() > 150 && missing.is_empty(),
+        "{} keys; not in docs/reference/json.md: {missing:?}",
+        found.len()
+    );
+}
+
+/// Whether a page has a key in backticks, alone or at the end or in the middle of a path.
+fn has_key(page: &str, key: &str) -> bool {
+    let code = page.split('`').skip(1).step_by(2);
+    code.into_iter().any(|code| code.split(['.', '[', ']', ' ', ',']).any(|word| word == key))
+}
+
+/// Words of the heads of all tables that the documents show.
+fn heads() -> BTreeSet<String> {
+    let docs = everything_in(&root().join("docs")).into_iter().chain([root().join("README.md")]);
+    let mut words = BTreeSet::new();
+    for path in docs.filter(|path| path.extension().is_some_and(|ending| ending == "md")) {
+        let text = fs::read_to_string(&path).expect("a page can be read");
+        let lines: Vec<&str> = text.lines().collect();
+        for (k, _) in lines.iter().enumerate().filter(|(_, line)| line.len() > 20 && line.chars().all(|c| c == '-')) {
+            // Up to three lines, down from the one that begins at the margin.
+            let from = (k.saturating_sub(3)..k).rev().find(|&i| !lines[i].starts_with(' ')).unwrap_or(k);
+            for line in &lines[from..k] {
+                let plain = line.split('[').map(|part| part.split_once(']').map_or(part, |(_, after)| after));
+                let plain: String = plain.collect::<Vec<_>>().join(" ");
+                let tokens = plain.split(|c: char| !c.is_alphanumeric() && c != '_');
+                words.extend(tokens.filter(|t| t.chars().any(char::is_alphabetic)).map(str::to_lowercase));
+            }
+        }
+    }
+    words
+}
+
+#[test]
+fn every_word_of_the_output_is_in_the_glossary() {
+    let page = page("glossary.md").to_lowercase();
+    let there: BTreeSet<&str> = page.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
+    let heads = heads();
+    assert!(heads.len() > 40, "{heads:?}");
+    let fixed = "effect none calibration unexplained recalibrated equivalent held floor given naive determined payload body_mass \
+                 body_com hold stick reversal run saturation stop stance swing touch_down speed direction angle load time \
+                 setpoint_rate torque amplitude pooled law standing clear narrow plain finding power stage session";
+    let causes = Cause::all().filter(|cause| !matches!(cause, Cause::Effect(_))).map(|cause| cause.id().to_owned());
+    let stages = Stage::ALL.iter().map(|stage| stage.name().to_owned());
+    let wanted = heads.into_iter().chain(fixed.split_whitespace().map(str::to_owned)).chain(causes).chain(stages);
+    let missing: BTreeSet<String> = wanted.filter(|word| !there.contains(word.as_str())).collect();
+    assert!(missing.is_empty(), "not in docs/reference/glossary.md: {missing:?}");
+    let effects = fs::read_to_string(root().join(EFFECTS)).expect("the page of the effects can be read");
+    for effect in EffectId::ALL {
+        assert!(effects.contains(&format!("### {effect}\n")), "{effect}");
+    }
+}
