@@ -50,6 +50,7 @@ mod place;
 mod projector;
 mod rates;
 mod reach;
+mod recalibrated;
 mod refuted;
 mod residual_torque;
 mod rest;
