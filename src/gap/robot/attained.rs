@@ -4,7 +4,7 @@
 //! such numbers does it.
 
 use super::bench::Bench;
-use super::decide::material;
+use super::decide::MATERIAL;
 use super::place::Place;
 use super::recalibrate::{price, scattered};
 use super::refine::Hypothesis;
@@ -52,19 +52,21 @@ impl Attained {
         })
     }
 
-    /// Whether, where a number acts, recalibration closes more than two honest simulations of one robot differ by: numbers
-    /// that move far and close nothing are how one simulates.
+    /// Whether, where a number acts, recalibration closes more of the held-out samples than two honest simulations of one
+    /// robot differ by: numbers that move far and close nothing are how one simulates.
     fn closes(&self, bench: &Bench<'_>, number: Number, gap: &[f64]) -> bool {
         let place = match number {
             Number::Coulomb(joint) | Number::Viscous(joint) => Place::joint(joint),
             Number::Mass(body) => bench.limb_of(body),
         };
         let rows = bench.layout.joints().filter(|(joint, _)| place.joints.contains(joint));
-        let closed = rows.flat_map(|(_, row)| row.range.clone()).map(|k| {
-            let squares = gap[k].powi(2) - self.residual[k].powi(2);
-            bench.noise.weight[k] * squares
+        let weight = &bench.noise_of_all.weight;
+        let held = rows.flat_map(|(_, row)| row.range.clone()).filter(|k| bench.layout.held[*k] && weight[*k] > 0.0);
+        let (closed, count) = held.fold((0.0, 0.0), |(sum, count), k| {
+            (sum + weight[k] * (gap[k].powi(2) - self.residual[k].powi(2)), count + 1.0)
         });
-        closed.sum::<f64>() > material(bench, &place)
+        // Where nothing is held out the fit alone has to be believed.
+        count == 0.0 || closed > MATERIAL * count
     }
 }
 

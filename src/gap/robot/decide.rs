@@ -54,14 +54,14 @@ const SECOND_ORDER: f64 = 0.01;
 
 /// A cause moves its joints by so much of a noise variance per sample at least. Two honest simulations of one robot, one of
 /// them with friction made smooth, differ by less; with many joints the mere gain would show it.
-const MATERIAL: f64 = 0.05;
+pub(super) const MATERIAL: f64 = 0.05;
 /// Share of what the uncertain numbers take out that may be left of a robot with which nothing is the matter.
 const LEFT_OVER: f64 = 0.005;
 /// And no more than this of a noise variance per sample: what is far above the sensor's noise is not explained.
 const LEFT_AT_MOST: f64 = 4.0;
 
 /// Gain below which a cause on a place is no more than a matter of how one simulates.
-pub(super) fn material(bench: &Bench<'_>, place: &Place) -> f64 {
+fn material(bench: &Bench<'_>, place: &Place) -> f64 {
     let is_its = |joint: &usize| place.joints.is_empty() || place.joints.contains(joint);
     let rows = bench.layout.joints().filter(|(joint, _)| is_its(joint));
     let samples = rows.flat_map(|(_, row)| row.range.clone()).filter(|k| bench.noise.weight[*k] > 0.0).count();
