@@ -311,3 +311,29 @@ fn logs_of_a_described_arm_are_those_of_its_truth_and_gap_names_it() {
         assert!(!run.status.success() && stderr(&run).contains(expected), "{effect}: {}", stderr(&run));
     }
 }
+
+/// An arm whose second joint follows the first, as a parallel gripper's does.
+const PAIR: &str = r#"<robot name="pair"><link name="base"/>
+<link name="one"><inertial><origin xyz="0.02 0 -0.15"/><mass value="0.4"/>
+  <inertia ixx="0.003" iyy="0.003" izz="0.0005" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="two"><inertial><origin xyz="0 0.01 -0.1"/><mass value="0.2"/>
+  <inertia ixx="0.001" iyy="0.001" izz="0.0002" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="lead" type="revolute"><parent link="base"/><child link="one"/><axis xyz="0 1 0"/>
+  <dynamics damping="0.05" friction="0.02"/><limit lower="-2" upper="2" effort="20" velocity="20"/></joint>
+<joint name="follow" type="revolute"><parent link="one"/><child link="two"/><origin xyz="0 0 -0.3"/><axis xyz="0 1 0"/>
+  <limit lower="-3" upper="3" effort="20" velocity="20"/><mimic joint="lead" multiplier="-0.8" offset="0.1"/></joint>
+</robot>"#;
+
+#[test]
+fn a_joint_that_follows_another_is_made_and_predicted_with_it() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("pair.urdf"), PAIR).unwrap();
+    let words = ["synth", "--robot", "pair.urdf", "--servo", "12,0.4", "--out", "sealed", "--quiet"];
+    expect_code(dir.path(), &words, 0);
+    let log = read_robot_log(&dir.path().join("sealed/log-00.csv")).unwrap();
+    assert_eq!(log.joints.iter().map(|joint| joint.name.as_str()).collect::<Vec<_>>(), ["lead"]);
+    expect_code(dir.path(), &["simulate", "sealed/study.toml", "--json", "sim.json", "--quiet"], 0);
+    let told = json(&dir.path().join("sim.json"));
+    let rms = told["logs"].as_array().unwrap().iter().map(|log| log["rms"].as_f64().unwrap());
+    assert!(rms.fold(0.0, f64::max) < 2e-3, "{told:#}");
+}

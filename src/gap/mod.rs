@@ -53,6 +53,7 @@ mod place;
 mod projector;
 mod rates;
 mod reach;
+mod recalibrated;
 mod refuted;
 mod residual_torque;
 mod rest;

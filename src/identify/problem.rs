@@ -211,6 +211,10 @@ impl<'a, M: JointModel> Problem<'a, M> {
     }
 }
 
+/// Steps along the measured motion of other joints are so many times as fine as elsewhere: a quarter of a radian of the
+/// fastest oscillation, of which Runge-Kutta's fourth order loses 1e-5 rad.
+const ALONG_READINGS: f64 = 0.4;
+
 /// The motion of an experiment as its encoder reads it: start and states are readings, not true angles.
 pub(crate) fn readings<T: Real>(
     chain: &Chain<T>,
@@ -218,7 +222,9 @@ pub(crate) fn readings<T: Real>(
     start: Start<T>,
     visit: impl FnMut(usize, &State<T>),
 ) -> Result<(), Diverged> {
-    crate::pendulum::readings(chain, e.input(), &e.t_s, start, 1.0, visit)
+    // What the other joints of a robot do is known as smoothed readings tell: finer steps would follow nothing.
+    let refinement = if e.carriage.is_some() { ALONG_READINGS } else { 1.0 };
+    crate::pendulum::readings(chain, e.input(), &e.t_s, start, refinement, visit)
 }
 
 impl<M: JointModel> Residuals for Problem<'_, M> {

@@ -56,23 +56,34 @@ struct RawDescribedSpec {
     log: Vec<LogSpec>,
 }
 
+/// Gives a kind of spec its two ways in, over its own `of`.
+macro_rules! read_as {
+    ($kind:ident) => {
+        impl $kind {
+            /// Reads a spec.
+            ///
+            /// # Errors
+            /// [`LogError`] with file and key: no TOML, unknown or missing keys, wrong types, and what a robot study's
+            /// sections refuse. Whether truth, effects and logs can be is found when they are made.
+            pub fn read(path: &Path) -> Result<Self, LogError> {
+                Self::of(&Document::open(path)?)
+            }
+
+            /// Reads a spec that is at hand; `file` is its name in errors, and its folder that of paths in it.
+            ///
+            /// # Errors
+            /// As [`Self::read`].
+            pub fn from_toml(file: &Path, text: &str) -> Result<Self, LogError> {
+                Self::of(&Document::of_text(file, text))
+            }
+        }
+    };
+}
+
+read_as!(AnySpec);
+read_as!(Spec);
+
 impl AnySpec {
-    /// Reads a spec of either kind.
-    ///
-    /// # Errors
-    /// As [`Spec::read`].
-    pub fn read(path: &Path) -> Result<Self, LogError> {
-        Self::of(&Document::open(path)?)
-    }
-
-    /// Reads a spec that is at hand; `file` is its name in errors, and its folder that of paths in it.
-    ///
-    /// # Errors
-    /// As [`Spec::read`].
-    pub fn from_toml(file: &Path, text: &str) -> Result<Self, LogError> {
-        Self::of(&Document::of_text(file, text))
-    }
-
     fn of(document: &Document<'_>) -> Result<Self, LogError> {
         let tables = toml::from_str::<toml::Table>(document.text()).unwrap_or_default();
         let scenario = tables.get("robot").and_then(|robot| robot.get("scenario"));
@@ -96,23 +107,6 @@ impl AnySpec {
 }
 
 impl Spec {
-    /// Reads a spec.
-    ///
-    /// # Errors
-    /// [`LogError`] with file and key: no TOML, unknown or missing keys, wrong types, and what a robot study's sections
-    /// refuse. Whether truth, effects and logs can be is found when they are made.
-    pub fn read(path: &Path) -> Result<Self, LogError> {
-        Self::of(&Document::open(path)?)
-    }
-
-    /// Reads a spec that is at hand; `file` is its name in errors, and its folder that of paths in it.
-    ///
-    /// # Errors
-    /// As [`Spec::read`].
-    pub fn from_toml(file: &Path, text: &str) -> Result<Self, LogError> {
-        Self::of(&Document::of_text(file, text))
-    }
-
     fn of(document: &Document<'_>) -> Result<Self, LogError> {
         let raw: RawSpec = document.parse_any()?;
         check_schema(document, &raw.schema)?;

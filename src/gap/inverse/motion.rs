@@ -7,11 +7,14 @@ use super::bodies::find;
 use super::case::TorqueCase;
 use super::diagnose::{TorqueError, searched};
 use crate::gap::clamped::{
-    BodyCause, ClampedCase, ClampedDiagnosis, ClampedSetup, before_of, concluded, diagnose_clamped,
+    BodyCause, ClampedCase, ClampedDiagnosis, ClampedJoint, ClampedSetup, JointAnswer, before_of, concluded,
+    diagnose_clamped,
 };
+use crate::gap::recalibrated::recalibrated_rms_rad;
 use crate::gap::{Diagnosis, GapOptions};
 use crate::joint::EffectId;
 use crate::progress::{Progress, Step};
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// With a body changed the joints' error may be so much larger, relative.
@@ -42,22 +45,48 @@ pub fn diagnose_motion(
     let body = (!founds.is_empty()).then(|| find(setup, &moving, &founds, &[], without)).transpose()?.flatten();
     let Some(body) = body else { return Ok((case, first)) };
     let changed = setup.with_change(body.link, &body.change)?;
-    let changed_case = ClampedCase::of(&changed)?;
-    let mut then = diagnose_clamped(&changed_case, options, progress)?;
-    if then.gap.after > NO_WORSE * first.gap.after {
-        let mut first = first;
+    let mut with_it = ClampedCase::of(&changed)?;
+    let refused = |mut first: ClampedDiagnosis| {
         first.notes.push(format!(
             "Along the measured motion the servos' torques ask for {}; simulated with it, the joints predict held-out logs \
              worse, so it is not named.",
             body.words()
         ));
-        return Ok((case, first));
+        first
+    };
+    let carriers: Vec<&str> =
+        setup.description.carriers(body.link).iter().map(|at| setup.description.joints[at.0].name.as_str()).collect();
+    let carries = |joint: &ClampedJoint| carriers.contains(&joint.name.as_str());
+    // Where numbers alone predict worse with it than without, causes beside it are not worth a search.
+    let numbers_alone = first.joints.iter().filter(|joint| carriers.contains(&joint.joint.as_str()));
+    let without: Vec<f64> =
+        numbers_alone.filter_map(|joint| joint.diagnosis.as_ref()).map(|own| own.gap.calibrated).collect();
+    let carrying: Vec<&ClampedJoint> = with_it.joints.iter().filter(|joint| carries(joint)).collect();
+    let left = carrying.into_par_iter().filter_map(|joint| recalibrated_rms_rad(&joint.case, options));
+    if root_of_mean_square(&left.collect::<Vec<_>>()) > NO_WORSE * root_of_mean_square(&without) {
+        return Ok((case, refused(first)));
     }
-    before_of(&first.joints, &mut then.joints);
+    // To the joints that do not carry it nothing has changed.
+    let (carrying, others) = std::mem::take(&mut with_it.joints).into_iter().partition(carries);
+    with_it.joints = carrying;
+    let again = diagnose_clamped(&with_it, options, progress)?.joints;
+    let own = |joint: &JointAnswer| again.iter().find(|own| own.joint == joint.joint).unwrap_or(joint).clone();
+    let mut joints: Vec<JointAnswer> = first.joints.iter().map(own).collect();
+    before_of(&first.joints, &mut joints);
+    with_it.joints.extend::<Vec<ClampedJoint>>(others);
+    with_it.joints.sort_by_key(|joint| case.joints.iter().position(|own| own.name == joint.name));
     let mut notes = case.notes.clone();
     notes.push(with_body(&body));
-    let diagnosis = concluded(&case.robot, &case.groups, then.joints, vec![body], Some(&first.joints), notes);
-    Ok((changed_case, diagnosis))
+    let named = vec![body.clone()];
+    let diagnosis = concluded(&case.robot, &case.groups, joints, named, Some(&first.joints), notes);
+    if diagnosis.gap.after > NO_WORSE * first.gap.after {
+        return Ok((case, refused(first)));
+    }
+    Ok((with_it, diagnosis))
+}
+
+fn root_of_mean_square(errors: &[f64]) -> f64 {
+    (errors.iter().map(|error| error * error).sum::<f64>() / errors.len().max(1) as f64).sqrt()
 }
 
 fn with_body(body: &BodyCause) -> String {

@@ -26,7 +26,7 @@ impl Uncertain {
 }
 
 /// A number as the study states it, in its unit.
-fn believed(bench: &Bench<'_>, number: Uncertain) -> f64 {
+pub(super) fn believed(bench: &Bench<'_>, number: Uncertain) -> f64 {
     let law = |joint: usize| {
         let id = bench.case.model().joint_ids().nth(joint);
         id.map(|id| &bench.case.nominal.joints.drive(id).chain.friction)

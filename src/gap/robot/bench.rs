@@ -6,6 +6,7 @@ use super::cause::Change;
 use super::forward::{Predicted, floor_of, predict};
 use super::layout::{Channel, FORWARD_SD_M, Layout};
 use super::noise::Noise;
+use super::place::Place;
 use super::reach::reach_of;
 use super::recalibrate::recalibrated;
 use super::scatter::{Number, Scatter, Spreads};
@@ -36,6 +37,8 @@ const DRAWN: u64 = 24;
 /// Share of their variance that is taken as common shapes; the rest, and more, is taken as each sample's own.
 const COMMON: f64 = 0.7;
 const OWN: f64 = 0.5;
+/// Samples to either side over which what a step does not resolve is taken as one.
+const NEAR: usize = 12;
 
 /// A study with what hypotheses about it are weighed by.
 pub(super) struct Bench<'a> {
@@ -111,7 +114,8 @@ impl<'a> Bench<'a> {
         if case.is_clamped() {
             bench.recalibrated = Some(recalibrated(&mut bench)?);
         } else {
-            let (columns, extra) = bench.drawn();
+            let (columns, mut extra) = bench.drawn();
+            extra.iter_mut().zip(bench.unresolved()).for_each(|(extra, more)| *extra += more);
             bench.weigh_by(columns, &extra)?;
         }
         Ok(bench)
@@ -204,6 +208,14 @@ impl<'a> Bench<'a> {
         column
     }
 
+    /// Joints that are compared on the limb of a body.
+    pub fn limb_of(&self, body: usize) -> Place {
+        let model = self.case.model();
+        let root = |joint: usize| root_of(self.case, joint);
+        let own = model.body_ids().nth(body).and_then(|body| body.joint()).map(|joint| root(joint.index()));
+        Place { joints: self.layout.moving().into_iter().filter(|joint| Some(root(*joint)) == own).collect() }
+    }
+
     /// Clamped: what each mass and friction changes, per standard deviation, and what the sensors may have in common.
     pub fn uncertain(&self) -> (Vec<Vec<f64>>, Vec<Number>) {
         let model = self.case.model();
@@ -252,6 +264,22 @@ impl<'a> Bench<'a> {
             robots.iter().map(|robot| robot.iter().map(|difference| share * difference).collect()).collect();
         columns.push(self.common_offset());
         (columns, extra)
+    }
+
+    /// Variance by sample of what the steps of a simulation do not resolve: feet land a little earlier or later by any other
+    /// integrator too \[rad^2\].
+    fn unresolved(&self) -> Vec<f64> {
+        let squares: Vec<f64> =
+            self.stated.iter().zip(&self.given_coarse).map(|(fine, coarse)| (fine - coarse).powi(2)).collect();
+        let mut variance = vec![0.0; self.layout.len];
+        for row in &self.layout.rows {
+            for k in row.range.clone() {
+                let near = k.saturating_sub(NEAR).max(row.range.start)..(k + NEAR + 1).min(row.range.end);
+                let count = near.len() as f64;
+                variance[k] = squares[near].iter().sum::<f64>() / count;
+            }
+        }
+        variance
     }
 
     /// A sensor that reads up or down by half a step, all joints alike (section B.1).

@@ -54,9 +54,11 @@ const SECOND_ORDER: f64 = 0.01;
 
 /// A cause moves its joints by so much of a noise variance per sample at least. Two honest simulations of one robot, one of
 /// them with friction made smooth, differ by less; with many joints the mere gain would show it.
-const MATERIAL: f64 = 0.05;
+pub(super) const MATERIAL: f64 = 0.05;
 /// Share of what the uncertain numbers take out that may be left of a robot with which nothing is the matter.
 const LEFT_OVER: f64 = 0.005;
+/// And no more than this of a noise variance per sample: what is far above the sensor's noise is not explained.
+const LEFT_AT_MOST: f64 = 4.0;
 
 /// Gain below which a cause on a place is no more than a matter of how one simulates.
 fn material(bench: &Bench<'_>, place: &Place) -> f64 {
@@ -140,7 +142,7 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
     let Some(best) = best else {
         // What numbers explain in truth is another matter than what they explain to first order.
         let excess = if bench.case.is_clamped() { given.price / samples - 1.0 } else { excess_of(&a.given) };
-        let allowed = limits.explained + LEFT_OVER * taken_out(bench, &a.given) / samples;
+        let allowed = limits.explained + (LEFT_OVER * taken_out(bench, &a.given) / samples).min(LEFT_AT_MOST);
         let verdict = match (excess < allowed, given.is_believed(bench)) {
             (true, true) => Verdict::None,
             (true, false) => Verdict::Calibration,
@@ -212,9 +214,12 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
     let explained = excess < limits.explained
         || closes(excess_of(&a.given), excess) && closes(held_excess(&a.given), held_excess(answer));
     let calibration = answer.parts.iter().all(|part| part.cause.is_calibration());
+    // On the floor, where numbers are not recalibrated one by one, this is where they are.
+    let within = !bench.case.is_clamped() && answer.parts.iter().all(|part| part.is_believed(bench));
     Decision {
         verdict: match (explained, calibration) {
             (false, _) => Verdict::Unexplained,
+            (true, true) if within => Verdict::None,
             (true, true) => Verdict::Calibration,
             (true, false) => Verdict::Effect,
         },

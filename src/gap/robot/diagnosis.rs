@@ -132,6 +132,8 @@ pub struct JointGap {
     pub before: f64,
     /// With masses and friction adapted within what is uncertain anyway.
     pub calibrated: f64,
+    /// With the answer's leading cause alone.
+    pub after_first: f64,
     /// With the causes of the answer.
     pub after: f64,
 }

@@ -7,8 +7,8 @@ use super::diagnosis::{Displacement, JointGap, RobotGap};
 use super::forward::predict;
 use super::layout::{Channel, displacement_m};
 use super::refine::Hypothesis;
-use crate::gap::LogGap;
 use crate::gap::held_out::closed;
+use crate::gap::{LogGap, Verdict};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -17,10 +17,11 @@ const BLOCK: usize = 64;
 const DRAWS: usize = 400;
 const SEED: u64 = 1;
 
-/// What three models leave.
+/// What models leave.
 struct Left {
     before: Vec<f64>,
     calibrated: Vec<f64>,
+    first: Vec<f64>,
     after: Vec<f64>,
 }
 
@@ -44,7 +45,14 @@ pub(super) fn held_out_rms_rad(bench: &Bench<'_>, hypothesis: &Hypothesis) -> f6
 /// The numbers of a decision.
 pub(super) fn gap(bench: &Bench<'_>, given: &Hypothesis, decision: &Decision<'_>) -> RobotGap {
     let with = |hypothesis: &Hypothesis| attained(bench, hypothesis).residual;
-    let left = Left { before: bench.gap(), calibrated: with(given), after: decision.attained.residual.clone() };
+    // With nothing missing, what the answer moves are numbers within their beliefs.
+    let recalibrated = if decision.verdict == Verdict::None { decision.answer } else { given };
+    let left = Left {
+        before: bench.gap(),
+        calibrated: with(recalibrated),
+        first: with(decision.first),
+        after: decision.attained.residual.clone(),
+    };
     let all = |left: &[f64]| rms(bench, left, |_, _| true);
     let floor = bench.sigma_rad;
     let (before, after) = (all(&left.before), all(&left.after));
@@ -65,6 +73,7 @@ pub(super) fn gap(bench: &Bench<'_>, given: &Hypothesis, decision: &Decision<'_>
             joint: bench.case.names[joint].clone(),
             before: of(&left.before),
             calibrated: of(&left.calibrated),
+            after_first: of(&left.first),
             after: of(&left.after),
         }
     });
@@ -73,7 +82,7 @@ pub(super) fn gap(bench: &Bench<'_>, given: &Hypothesis, decision: &Decision<'_>
         unit: "rad",
         before,
         calibrated: all(&left.calibrated),
-        after_first: all(&with(decision.first)),
+        after_first: all(&left.first),
         after,
         floor,
         closed: closed(before, after, floor),

@@ -1,11 +1,14 @@
 //! How far the joints of a robot go in its logs, which gives every cause its typical sizes.
 
-use super::case::RobotCase;
+use super::case::{CaseLog, RobotCase};
 use super::forward::Predicted;
 use crate::joint::{DrivenReach, Reach, Setpoint};
+use crate::robot::{Dynamics, State};
 
 /// A torque that so small a share of the time exceeds is no more than a kink of the setpoint \[0 to 1\].
 const KINKS: f64 = 0.01;
+/// Of so many poses of a motion gravity is looked at in one.
+const POSES: usize = 8;
 
 /// How far a joint goes in the logs, by the study's robot.
 pub(super) fn reach_of(case: &RobotCase, given: &[Predicted], joint: usize) -> Reach {
@@ -35,10 +38,12 @@ pub(super) fn reach_of(case: &RobotCase, given: &[Predicted], joint: usize) -> R
         }
     }
     torques.sort_by(f64::total_cmp);
+    let gravity_nm =
+        case.logs.iter().zip(given).map(|(log, predicted)| gravity_nm(log, predicted, joint)).fold(0.0, f64::max);
     let command_nm = torques.get(((1.0 - KINKS) * torques.len() as f64) as usize).copied().unwrap_or(0.0);
     let period_s = case.logs.first().map_or(0.008, |log| (log.end_s() - log.log.t_s[0]) / (log.log.len() - 1) as f64);
     Reach {
-        torque_nm: command_nm.max(1e-3),
+        torque_nm: command_nm.max(gravity_nm).max(1e-3),
         coulomb_nm: drive.map_or(0.0, |drive| drive.chain.friction.coulomb_nm),
         inertia_kg_m2: drive.map_or(1e-4, |drive| drive.chain.link.inertia_kg_m2),
         speed_rad_s,
@@ -54,4 +59,21 @@ pub(super) fn reach_of(case: &RobotCase, given: &[Predicted], joint: usize) -> R
             by_integral: false,
         }),
     }
+}
+
+/// Gravity's largest torque on a joint that is let go, along a log as predicted \[N m\]; 0 of one that a motor holds.
+fn gravity_nm(log: &CaseLog, predicted: &Predicted, joint: usize) -> f64 {
+    if log.release.is_none_or(|(released, _)| released != joint) {
+        return 0.0;
+    }
+    let model = &log.scene.model;
+    let (mut dynamics, mut state) = (Dynamics::new(model), State::at_rest(model));
+    state.base_orientation = log.scene.start.base_orientation;
+    let mut bias = vec![0.0_f64; 6 + state.angle_rad.len()];
+    let at = |k: usize| {
+        state.angle_rad.iter_mut().zip(&predicted.reading_rad).for_each(|(q, readings)| *q = readings[k]);
+        dynamics.bias(&state, &mut bias);
+        bias[6 + joint].abs()
+    };
+    (0..predicted.reading_rad[joint].len()).step_by(POSES).map(at).fold(0.0, f64::max)
 }

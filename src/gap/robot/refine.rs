@@ -1,9 +1,12 @@
 //! Hypotheses refitted in full: the whole robot is simulated anew at every trial point.
 
+use super::attained::BELIEVED_SD;
+use super::beliefs::believed;
 use super::bench::Bench;
 use super::cause::{Cause, Change};
 use super::noise::Weighed;
 use super::place::Place;
+use super::scatter::Number;
 use super::screen::change;
 use crate::joint::{EffectParameter, Scan};
 use nalgebra::{DMatrix, DVector};
@@ -77,6 +80,20 @@ impl Hypothesis {
 }
 
 impl Part {
+    /// Whether it is friction that is off by no more than the study allows for.
+    pub fn is_believed(&self, bench: &Bench<'_>) -> bool {
+        let number = match self.cause {
+            Cause::Coulomb => Number::Coulomb,
+            Cause::Viscous => Number::Viscous,
+            _ => return false,
+        };
+        let off = |joint: &usize| {
+            let number = number(*joint);
+            (self.values[0] - believed(bench, number)).abs() <= BELIEVED_SD * bench.spreads.sd(number)
+        };
+        self.place.joints.iter().all(off)
+    }
+
     pub fn parameters(&self, bench: &Bench<'_>) -> Vec<EffectParameter> {
         let joint = self.place.joints.first().copied().unwrap_or(0);
         self.cause.parameters(&bench.reach[joint], &bench.floor)

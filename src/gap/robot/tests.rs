@@ -1,5 +1,7 @@
 //! Promises about the parts of a robot's diagnosis, on logs of its own making.
 
+use super::attained::Attained;
+use super::beliefs::believed;
 use super::bench::Bench;
 use super::case::RobotCase;
 use super::cause::Cause;
@@ -8,7 +10,7 @@ use super::layout::period_s;
 use super::phases::phases;
 use super::place::Place;
 use super::refine::{Part, refine};
-use super::scatter::Scatter;
+use super::scatter::{Number, Scatter};
 use crate::joint::EffectId;
 use crate::synth::{Spec, make};
 use std::path::Path;
@@ -35,8 +37,31 @@ file = "trot.csv"
 duration = 5.0
 "#;
 
+/// A leg that is let go.
+const DROPPED: &str = r#"
+schema = 1
+[robot]
+model = "ers7"
+scenario = "drop"
+[sensor]
+period = 0.008
+noise = 0.001
+[truth]
+step = 1e-3
+[[log]]
+file = "drop.csv"
+duration = 2.0
+released = "lf1"
+release_time = 0.4
+angles = { lf1 = 1.2 }
+"#;
+
 fn case(folder: &Path) -> RobotCase {
-    let made = make(&Spec::from_toml(Path::new("spec.toml"), LATE).unwrap(), None).unwrap();
+    case_of(folder, LATE)
+}
+
+fn case_of(folder: &Path, spec: &str) -> RobotCase {
+    let made = make(&Spec::from_toml(Path::new("spec.toml"), spec).unwrap(), None).unwrap();
     for (name, text) in made.logs.into_iter().chain([("study.toml".to_owned(), made.study_toml)]) {
         std::fs::write(folder.join(name), text).unwrap();
     }
@@ -80,6 +105,36 @@ fn legs_hold_then_swing_about_half_of_the_time() {
         let (swing, stance) = (share(GaitPhase::Swing, 260), share(GaitPhase::Stance, 260));
         assert!((0.35..0.65).contains(&swing) && stance > 0.2, "{}: {swing} {stance}", case.names[joint]);
     }
+}
+
+#[test]
+fn numbers_that_move_far_and_close_nothing_are_as_believed() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = case(folder.path());
+    let bench = Bench::new(&case).unwrap();
+    let knee = case.names.iter().position(|name| name == "lf3").unwrap();
+    let moved = |number: &Number| if *number == Number::Coulomb(knee) { 4.0 } else { 0.0 };
+    let with = |residual: Vec<f64>| Attained { price: 0.0, residual, sizes: bench.numbers.iter().map(moved).collect() };
+    assert!(with(bench.gap()).is_believed(&bench));
+    assert!(!with(vec![0.0; bench.gap().len()]).is_believed(&bench));
+    // Half of a standard deviation more is friction within its belief, five are not.
+    let part = |times: f64| {
+        let number = Number::Coulomb(knee);
+        let values = vec![believed(&bench, number) + times * bench.spreads.sd(number)];
+        Part { cause: Cause::Coulomb, place: Place::joint(knee), values }
+    };
+    assert!(part(0.5).is_believed(&bench) && !part(5.0).is_believed(&bench));
+}
+
+#[test]
+fn a_joint_that_is_let_go_feels_as_much_torque_as_gravity_has() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = case_of(folder.path(), DROPPED);
+    let bench = Bench::new(&case).unwrap();
+    let hip = case.names.iter().position(|name| name == "lf1").unwrap();
+    // 128 g of leg, some 7 cm below its axis, at up to a right angle.
+    let torque_nm = bench.reach[hip].torque_nm;
+    assert!((0.03..0.15).contains(&torque_nm), "{torque_nm} N m");
 }
 
 #[test]

@@ -63,6 +63,10 @@ impl WholeRobot {
         joints.set_friction(&model, "chosen").map_err(text)?;
         for (at, mover) in setup.description.joints.iter().enumerate() {
             let Ok(id) = model.joint(&mover.name) else { continue };
+            // A joint that follows another has no motor of its own.
+            if model.following().iter().any(|one| one.follower == id.index()) {
+                continue;
+            }
             let found = |key: FoundKey| {
                 let own = numbers.iter().find(|number| number.key == key && number.name == mover.name);
                 own.map(|number| number.value)
@@ -96,6 +100,10 @@ impl WholeRobot {
                 angle_rad: asked::setpoints(log, beside, own.setpoints.as_ref(), &t_s, hold),
                 on: own.drive.as_ref().map(|on| asked::switches(log, on, &t_s)),
             });
+        }
+        for one in self.model.following() {
+            let ids: Vec<_> = self.model.joint_ids().collect();
+            self.joints.drive_mut(ids[one.follower]).is_rigid = self.joints.drive(ids[one.leader]).is_rigid;
         }
         let setpoints = Setpoints { t_s, columns, hold };
         let period_s = (log.t_s[log.len() - 1] - log.t_s[0]) / (log.len() - 1) as f64;

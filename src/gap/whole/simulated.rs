@@ -80,15 +80,46 @@ struct Told {
 /// Why it cannot be, in words.
 pub fn simulated(setup: &ClampedSetup, diagnosis: &ClampedDiagnosis) -> Result<Whole, String> {
     let of = |diagnosis| found_robot(setup, diagnosis).map_err(|error| error.to_string());
-    let (stated, mut found) = (of(None)?, of(Some(diagnosis))?);
-    let mut causes = placed_causes(diagnosis);
-    let before = predicted(setup, &stated.numbers, &[])?;
-    let mut after = predicted(setup, &found.numbers, &causes);
+    let (stated, found) = (of(None)?, of(Some(diagnosis))?);
+    let predict = |numbers: &[FoundNumber], causes: &[PlacedCause]| predicted(setup, numbers, causes);
+    let before = predict(&stated.numbers, &[])?;
+    let is_mass = |number: &FoundNumber| !number.key.is_of_joint() && !is_of_body(diagnosis, number);
+    let kept = kept(&before, &stated, found, placed_causes(diagnosis), &is_mass, &predict);
+    let (after, left_out) = (kept.told?, kept.left_out);
+    let joints = before.joints.iter().zip(&after.joints).map(|((joint, before), (_, after))| WholeJoint {
+        joint: joint.clone(),
+        before: *before,
+        after: *after,
+    });
+    let (joints, robot) = (joints.collect(), kept.found);
+    let shown = WholeMotion { log: after.first.0, before: before.first.1, after: after.first.1 };
+    Ok(Whole { before: before.all, after: after.all, joints, predicted: after.predicted, left_out, robot, shown })
+}
+
+/// What numbers and causes make of the logs.
+type Predict<'a> = dyn Fn(&[FoundNumber], &[PlacedCause]) -> Result<Told, String> + 'a;
+
+/// What stays of what was found, and what it predicts.
+struct Kept {
+    told: Result<Told, String>,
+    found: FoundRobot,
+    left_out: Vec<LeftOut>,
+}
+
+/// Leaves out what makes a joint worse than as stated: first the masses, then the changes of joints.
+fn kept(
+    before: &Told,
+    stated: &FoundRobot,
+    mut found: FoundRobot,
+    mut causes: Vec<PlacedCause>,
+    is_mass: &dyn Fn(&FoundNumber) -> bool,
+    predict: &Predict<'_>,
+) -> Kept {
+    let mut told = predict(&found.numbers, &causes);
     let mut left_out: Vec<LeftOut> = Vec::new();
     // Every round leaves out something that was there.
     for _ in 0..=before.joints.len() {
-        let Some(worst) = worst(&before, &after) else { break };
-        let is_mass = |number: &FoundNumber| !number.key.is_of_joint() && !is_of_body(diagnosis, number);
+        let Some(worst) = worst(before, &told) else { break };
         let joint = found.numbers.iter().all(|number| !is_mass(number)).then_some(worst);
         let (mut less, mut fewer) = (found.clone(), causes.clone());
         match &joint {
@@ -99,27 +130,19 @@ pub fn simulated(setup: &ClampedSetup, diagnosis: &ClampedDiagnosis) -> Result<W
                 fewer.retain(|cause| cause.joint != *joint);
             }
         }
-        let tried = predicted(setup, &less.numbers, &fewer);
+        let tried = predict(&less.numbers, &fewer);
         let error = |told: &Result<Told, String>| told.as_ref().map_or(f64::INFINITY, |told| told.all);
-        let (with_it, without_it) = (error(&after), error(&tried));
+        let (with_it, without_it) = (error(&told), error(&tried));
         if joint.is_some() && !(without_it < with_it) {
             break;
         }
         if without_it < with_it {
             left_out.push(LeftOut { joint, with_it, without_it });
-            after = tried;
+            told = tried;
         }
         (found, causes) = (less, fewer);
     }
-    let after = after?;
-    let joints = before.joints.iter().zip(&after.joints).map(|((joint, before), (_, after))| WholeJoint {
-        joint: joint.clone(),
-        before: *before,
-        after: *after,
-    });
-    let (joints, robot) = (joints.collect(), found);
-    let shown = WholeMotion { log: after.first.0, before: before.first.1, after: after.first.1 };
-    Ok(Whole { before: before.all, after: after.all, joints, predicted: after.predicted, left_out, robot, shown })
+    Kept { told, found, left_out }
 }
 
 /// The joint that is worst off beside what it is as stated; where the robot runs away, the one that is worst as stated.
@@ -181,4 +204,58 @@ pub(crate) fn predicted_csv(log: &RobotLog, motion: &[Vec<f64>]) -> String {
         text.push('\n');
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::description::FoundKey;
+
+    fn number(name: &str, key: FoundKey, value: f64) -> FoundNumber {
+        let (name, unit) = (name.to_owned(), String::new());
+        FoundNumber { name, key, was: None, value, interval: None, unit, place_m: None }
+    }
+
+    /// Joints `a` and `b`, 20 mrad off as stated, that numbers put right or further off.
+    fn told(numbers: &[FoundNumber], causes: &[PlacedCause]) -> Result<Told, String> {
+        let off = |joint: &str| {
+            let own = |number: &&FoundNumber| number.name == joint || !number.key.is_of_joint();
+            let moved: f64 = numbers.iter().filter(own).map(|number| number.value).sum();
+            let caused = causes.iter().filter(|cause| cause.joint == joint).count() as f64;
+            (0.02 + moved + 0.01 * caused).abs()
+        };
+        let joints: Vec<(String, f64)> = ["a", "b"].map(|joint| (joint.to_owned(), off(joint))).to_vec();
+        let all = (0.5 * joints.iter().map(|(_, rms)| rms * rms).sum::<f64>()).sqrt();
+        if all > 1.0 {
+            return Err("it runs away".to_owned());
+        }
+        Ok(Told { all, joints, predicted: Vec::new(), first: (0, Vec::new()) })
+    }
+
+    fn kept_of(found: Vec<FoundNumber>, causes: Vec<PlacedCause>) -> Kept {
+        let (stated, found) = (FoundRobot::default(), FoundRobot { numbers: found, cannot_say: Vec::new() });
+        let before = told(&[], &[]).unwrap();
+        kept(&before, &stated, found, causes, &|number| !number.key.is_of_joint(), &told)
+    }
+
+    #[test]
+    fn what_makes_the_whole_worse_is_left_out_and_said_the_masses_first() {
+        let good = number("a", FoundKey::Kp, -0.018);
+        let late =
+            PlacedCause { joint: "b".to_owned(), form: crate::joint::EffectId::Delay.into(), values: vec![0.02] };
+        let found = vec![good.clone(), number("b", FoundKey::Kp, 0.03), number("hand", FoundKey::Mass, 0.1)];
+        let kept = kept_of(found, vec![late]);
+        assert_eq!(kept.found.numbers, std::slice::from_ref(&good));
+        let of: Vec<Option<&str>> = kept.left_out.iter().map(|left| left.joint.as_deref()).collect();
+        assert_eq!(of, [None, Some("b")]);
+        assert!(kept.left_out.iter().all(|left| left.without_it < left.with_it));
+        let told = kept.told.unwrap();
+        assert!((told.joints[0].1 - 0.002).abs() < 1e-12 && (told.joints[1].1 - 0.02).abs() < 1e-12);
+        // What helps every joint stays.
+        let kept = kept_of(vec![good.clone(), number("hand", FoundKey::Mass, -0.001)], Vec::new());
+        assert!(kept.left_out.is_empty() && kept.found.numbers.len() == 2);
+        // One that runs away with its masses does not without them.
+        let kept = kept_of(vec![good, number("hand", FoundKey::Mass, 9.0)], Vec::new());
+        assert!(kept.told.is_ok() && kept.left_out[0].with_it.is_infinite());
+    }
 }

@@ -46,7 +46,7 @@ pub(super) fn animation(setup: &ClampedSetup, whole: &Whole, joints: &[&Diagnosi
     Some(animation)
 }
 
-/// Angles of a log's joints as a motion; the others stand as drawn. What is up for the robot is up in the picture.
+/// Angles of a log's joints as a motion; those that follow others with them; the others stand as drawn. What is up for the robot is up in the picture.
 fn film(model: &Model, setup: &ClampedSetup, log: &RobotLog, motion: &[Vec<f64>]) -> Recording {
     let (mut dynamics, mut state) = (Dynamics::new(model), State::at_rest(model));
     let up = -setup.tree.gravity_m_s2();
@@ -66,6 +66,7 @@ fn film(model: &Model, setup: &ClampedSetup, log: &RobotLog, motion: &[Vec<f64>]
                 state.angle_rad[id.index()] = *angle;
             }
         }
+        model.follow(&mut state);
         film.push(*t_s, dynamics.motions(&state));
     }
     film

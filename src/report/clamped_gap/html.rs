@@ -3,7 +3,7 @@
 use minijinja::{Value, context};
 
 use super::map::map;
-use super::{ClampedGapReport, summary};
+use super::{ClampedGapReport, summary, waterfall};
 use crate::gap::whole::WholeJoint;
 use crate::report::data_health::together;
 use crate::report::gap::plot::how_far::errors;
@@ -97,6 +97,7 @@ fn joint_view(folder: &str, joint: &GapReport) -> Value {
         floor => measure.number(diagnosis.gap.floor),
         probability => share(diagnosis.answer.probability),
         sentence => with_code(&diagnosis.answer.sentence),
+        steps => waterfall(diagnosis),
     }
 }
 

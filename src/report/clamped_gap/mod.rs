@@ -18,6 +18,7 @@ use crate::gap::inverse::{TorqueDiagnosis, TorqueTraces};
 use crate::gap::whole::{FoundRobot, LeftOut, Whole, found_robot, simulated};
 use crate::gap::{BeliefFound, Diagnosis, GapOptions, LogGap};
 use crate::report::data_health::health_rows_of_joint;
+use crate::report::measure::Measure;
 use crate::report::number::significant;
 use std::path::PathBuf;
 
@@ -196,6 +197,21 @@ fn summary(diagnosis: &Diagnosis) -> String {
     });
     let all: Vec<String> = causes.chain(law).chain(numbers).collect();
     if all.is_empty() { "–".to_owned() } else { all.join(", ") }
+}
+
+/// A joint's error step by step: as given, recalibrated, with each cause; `None` where no cause is named.
+fn waterfall(diagnosis: &Diagnosis) -> Option<String> {
+    let measure = Measure::of(diagnosis.gap.unit);
+    let causes = diagnosis.causes.iter().map(|cause| (cause.effect.id(), cause.after));
+    let law = diagnosis.law.iter().map(|_| ("a law", diagnosis.gap.after));
+    let mut steps: Vec<(&str, f64)> = causes.chain(law).collect();
+    // What every cause leaves is told at the end as well; once is enough.
+    steps.last_mut()?.1 = diagnosis.gap.after;
+    let steps: Vec<String> =
+        steps.into_iter().map(|(name, after)| format!("{} with {name}", measure.number(after))).collect();
+    let [given, calibrated] = [diagnosis.gap.before, diagnosis.gap.calibrated].map(|error| measure.number(error));
+    let (joint, unit) = (&diagnosis.joint, measure.unit);
+    Some(format!("{joint}, step by step [{unit}]: {given} as given, {calibrated} recalibrated, {}.", steps.join(", ")))
 }
 
 /// Standard deviations of its belief from which on a number that moved is told, and how many are.

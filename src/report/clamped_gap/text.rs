@@ -2,7 +2,7 @@
 
 use comfy_table::Cell;
 
-use super::{ClampedGapReport, summary};
+use super::{ClampedGapReport, summary, waterfall};
 use crate::gap::Diagnosis;
 use crate::report::data_health::robot_health_text;
 use crate::report::gap::text::{WIDTH, paragraph, undetermined};
@@ -51,7 +51,8 @@ fn joints(report: &ClampedGapReport) -> String {
     finish(&mut table)
 }
 
-/// A joint's own sentence.
+/// A joint's own sentence, and its error step by step.
 fn sentence(diagnosis: &Diagnosis) -> String {
-    paragraph(&diagnosis.answer.sentence)
+    let steps = waterfall(diagnosis).map(|steps| format!("\n{}", paragraph(&steps)));
+    paragraph(&diagnosis.answer.sentence) + &steps.unwrap_or_default()
 }

@@ -46,6 +46,7 @@ pub fn robot_gap_html(report: &RobotGapReport) -> Result<String, ReportError> {
         mark => words::mark(answer),
         untrusted => (!answer.intervals_trusted).then_some(joint_words::UNTRUSTED),
         how_far => figure_views(how_far),
+        first => diagnosis.answer.first.as_ref().filter(|_| diagnosis.answer.second.is_some()).map(|first| first.cause.id()),
         per_joint => gap.per_joint.iter().map(joint_view).collect::<Vec<_>>(),
         displacement => gap.displacement.iter().map(displacement_view).collect::<Vec<_>>(),
         joints,
@@ -71,6 +72,7 @@ fn joint_view(joint: &JointGap) -> Value {
         joint => joint.joint.as_str(),
         before => milli(joint.before),
         calibrated => milli(joint.calibrated),
+        after_first => milli(joint.after_first),
         after => milli(joint.after),
     }
 }

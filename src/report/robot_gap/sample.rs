@@ -121,7 +121,13 @@ pub(super) fn effect() -> RobotGapReport {
                 floor: 0.0026,
             }],
             per_joint: JOINTS
-                .map(|joint| JointGap { joint: joint.into(), before: 0.06, calibrated: 0.05, after: 0.004 })
+                .map(|joint| JointGap {
+                    joint: joint.into(),
+                    before: 0.06,
+                    calibrated: 0.05,
+                    after_first: 0.007,
+                    after: 0.004,
+                })
                 .to_vec(),
             displacement: vec![Displacement {
                 file: "a <b>walk.csv".into(),

@@ -102,6 +102,21 @@ pub struct Model {
     derivative: Derivative,
     /// Of the joints' motors, where the file has them \[N m\].
     torque_limit_nm: Vec<Option<f64>>,
+    /// Joints that follow others.
+    following: Vec<Following>,
+}
+
+/// A joint that follows another rigidly, by places in the model's order: its angle is `offset_rad + multiplier * leader`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Following {
+    /// The joint that follows.
+    pub follower: usize,
+    /// The joint that it follows, which follows none itself.
+    pub leader: usize,
+    /// \[rad/rad\]
+    pub multiplier: f64,
+    /// \[rad\]
+    pub offset_rad: f64,
 }
 
 impl Model {
@@ -183,7 +198,9 @@ impl Model {
         let plan = Plan::of(&tables.joints, &carrier, &bodies, &armature_kg_m2);
         let torque_limit_nm = vec![None; tables.joints.len()];
         let derivative = Derivative::Error;
-        let model = Self { tables, bodies, carrier, armature_kg_m2, turning, plan, derivative, torque_limit_nm };
+        let following = Vec::new();
+        let model =
+            Self { tables, bodies, carrier, armature_kg_m2, turning, plan, derivative, torque_limit_nm, following };
         model.check_inertia()?;
         Ok(model)
     }
@@ -191,7 +208,8 @@ impl Model {
     /// The same robot with other bodies.
     fn remade(&self, bodies: Vec<Body>) -> Result<Self, RobotError> {
         let made = Self::assemble(self.tables.clone(), bodies, self.carrier.clone(), self.armature_kg_m2.clone())?;
-        Ok(Self { derivative: self.derivative, torque_limit_nm: self.torque_limit_nm.clone(), ..made })
+        let (torque_limit_nm, following) = (self.torque_limit_nm.clone(), self.following.clone());
+        Ok(Self { derivative: self.derivative, torque_limit_nm, following, ..made })
     }
 
     /// Every joint has to move something.
@@ -286,8 +304,24 @@ impl Model {
         let armature = kept.iter().map(|id| self.armature_kg_m2[*id]).collect();
         let torque_limit_nm = kept.iter().map(|id| self.torque_limit_nm[*id]).collect();
         let made = Self::assemble(tables, bodies, carrier, armature)?;
-        let made = Self { derivative: self.derivative, torque_limit_nm, ..made };
+        let at = |joint: usize| kept.binary_search(&joint).ok();
+        let among = |one: &Following| Some(Following { follower: at(one.follower)?, leader: at(one.leader)?, ..*one });
+        let following = self.following.iter().filter_map(among).collect();
+        let made = Self { derivative: self.derivative, torque_limit_nm, following, ..made };
         Ok((made, kept.into_iter().map(JointId).collect()))
+    }
+
+    /// Joints that follow others rigidly.
+    pub fn following(&self) -> &[Following] {
+        &self.following
+    }
+
+    /// Puts joints that follow others where they have to be.
+    pub fn follow(&self, state: &mut State) {
+        for one in &self.following {
+            state.angle_rad[one.follower] = one.offset_rad + one.multiplier * state.angle_rad[one.leader];
+            state.rate_rad_s[one.follower] = one.multiplier * state.rate_rad_s[one.leader];
+        }
     }
 
     /// The robot's name.

@@ -1,11 +1,11 @@
 //! A described robot as one to simulate: revolute joints, friction and gains as the description has them.
 
-use super::{Attached, Body, BodyId, Model};
+use super::{Attached, Body, BodyId, Following, Model};
 use crate::geometry::robot_file::{Base, FrictionSet, GainSet, JointFriction, RobotTables};
 use crate::geometry::{Joint, JointSpring, Part};
 use crate::log::Derivative;
 use crate::robot::RobotError;
-use crate::robot::description::{ActuatorKind, Description, JointKind, Mover, MoverId, RigidInertia};
+use crate::robot::description::{ActuatorKind, Coupling, Description, JointKind, Mover, MoverId, RigidInertia};
 use crate::robot::tree::{Jointed, Tree, TreeBase};
 use nalgebra::Vector3;
 
@@ -22,16 +22,13 @@ impl Model {
     /// the friction set `chosen`, position servos the gain set `printed`; their ranges of torque limit them.
     ///
     /// # Errors
-    /// [`RobotError::NotSimulated`] for sliding joints, joints that follow others, springs that are no straight lines, closed
+    /// [`RobotError::NotSimulated`] for sliding joints, springs that are no straight lines, closed
     /// loops, tendons that act and several trees on the world; [`RobotError::NoInertia`], [`RobotError::Value`].
     pub fn of_description(description: &Description) -> Result<Self, RobotError> {
         let robot = &description.name;
         let no = |what: String| RobotError::NotSimulated { robot: robot.clone(), what };
         if let Some(first) = description.left_out.first() {
             return Err(no(first.clone()));
-        }
-        if let Some(coupling) = description.couplings.first() {
-            return Err(no(format!("joint {} follows another (mimic)", description.joints[coupling.follower.0].name)));
         }
         for Mover { name, kind, stiffness, damping, .. } in &description.joints {
             if *kind == JointKind::Prismatic {
@@ -86,8 +83,24 @@ impl Model {
         let limits = jointed.iter().map(|body| torque_limit(description, body.joint).map_err(no));
         let torque_limit_nm = limits.collect::<Result<_, _>>()?;
         let made = Self::assemble(tables, bodies, carrier, armature)?;
-        Ok(Self { derivative: Derivative::Measurement, torque_limit_nm, ..made })
+        let following = following(description, &jointed);
+        Ok(Self { derivative: Derivative::Measurement, torque_limit_nm, following, ..made })
     }
+}
+
+/// Couplings by place, each to the joint at the end of its chain, which the readers see to that there is.
+fn following(description: &Description, jointed: &[Jointed]) -> Vec<Following> {
+    let place = |id: MoverId| jointed.iter().position(|body| body.joint == id);
+    let of = |coupling: &Coupling| {
+        let Coupling { follower, mut leader, mut multiplier, mut offset_rad } = *coupling;
+        while let Some(above) = description.couplings.iter().find(|above| above.follower == leader) {
+            offset_rad += multiplier * above.offset_rad;
+            multiplier *= above.multiplier;
+            leader = above.leader;
+        }
+        Some(Following { follower: place(follower)?, leader: place(leader)?, multiplier, offset_rad })
+    };
+    description.couplings.iter().filter_map(of).collect()
 }
 
 /// The base's name and those of the bodies; between two joints of one link lies a body without mass.
@@ -188,6 +201,8 @@ fn gains(description: &Description, tree: &Tree) -> Option<GainSet> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::log::Hold;
+    use crate::robot::simulate::{Joints, Method, Scenario, Setpoints, run};
     use crate::robot::tree::{TreeDynamics, TreeState};
     use crate::robot::{Dynamics, Input, State};
     use nalgebra::DMatrix;
@@ -259,6 +274,76 @@ mod tests {
         assert_eq!(model.gains("printed", id("a")), None);
         assert_eq!((model.torque_limit_nm(id("a")), model.torque_limit_nm(id("c"))), (None, Some(6.0)));
         assert_eq!(model.bodies()[1].name, "upper|a");
+    }
+
+    /// The arm without springs, friction and servo, its last joint held to the first one's angle.
+    fn coupled(damping: &str) -> Description {
+        let bare = ARM.replace(" stiffness=\"2\" springref=\".1\"", damping).replace(" frictionloss=\".2\"", "");
+        let bare = bare.replace(" damping=\".1\"", "");
+        let (arm, _) = bare.split_once("<actuator>").unwrap();
+        let held = r#"<equality><joint joint1="c" joint2="a" polycoef=".1 -.5 0 0 0"/></equality></mujoco>"#;
+        described(&format!("{arm}{held}")).with_equalities()
+    }
+
+    #[test]
+    fn a_joint_that_follows_another_moves_with_it_as_the_tree_says() {
+        let description = coupled("");
+        let model = Model::of_description(&description).unwrap();
+        let tree = Tree::new(&description, Tree::base_of(&description)).unwrap();
+        assert_eq!((tree.freedoms(), model.following().len()), (2, 1));
+        let mut dynamics = TreeDynamics::new(&tree);
+        let mut state = TreeState::drawn(&tree);
+        (state.position, state.rate) = (vec![0.4, -0.7], vec![1.0, -2.0]);
+        let mut own = State::at_rest(&model);
+        (own.angle_rad, own.rate_rad_s) = (vec![0.4, -0.7, 0.0], vec![1.0, -2.0, 0.0]);
+
+        // The reduced tree by Runge and Kutta's midpoints.
+        let (step_s, steps) = (1e-4, 4000);
+        let mut acceleration = vec![0.0; 2];
+        let mut middle = state.clone();
+        for _ in 0..steps {
+            dynamics.forward(&state, &[0.0; 2], &mut acceleration).unwrap();
+            for (j, faster) in acceleration.iter().enumerate() {
+                middle.position[j] = state.position[j] + 0.5 * step_s * state.rate[j];
+                middle.rate[j] = state.rate[j] + 0.5 * step_s * faster;
+            }
+            dynamics.forward(&middle, &[0.0; 2], &mut acceleration).unwrap();
+            for (j, faster) in acceleration.iter().enumerate() {
+                state.position[j] += step_s * middle.rate[j];
+                state.rate[j] += step_s * faster;
+            }
+        }
+        let joints = Joints::passive(&model);
+        let setpoints = Setpoints { t_s: vec![0.0, 0.4], columns: vec![None; 3], hold: Hold::Linear };
+        let scenario = Scenario {
+            model: &model,
+            joints: &joints,
+            setpoints: &setpoints,
+            start: &own,
+            surroundings: None,
+            period_s: 0.1,
+        };
+        let end = run(&scenario, Method::Stiff { step_s: 1e-4 }).unwrap().end;
+        for j in 0..2 {
+            let (found, expected) = (end.angle_rad[j], state.position[j]);
+            assert!((found - expected).abs() < 1e-5, "{found} {expected}");
+        }
+        let one = model.following()[0];
+        assert!((end.angle_rad[2] - one.offset_rad - one.multiplier * end.angle_rad[0]).abs() < 1e-9);
+
+        let smooth = Method::Smooth(crate::integrate::Method::Rk4 { step_s: 1e-4 });
+        let error = run(&scenario, smooth).unwrap_err().to_string();
+        assert!(error.contains("joint c follows another"), "{error}");
+    }
+
+    #[test]
+    fn a_follower_s_friction_is_felt_at_its_leader() {
+        let model = Model::of_description(&coupled(" damping=\".2\" frictionloss=\".3\"")).unwrap();
+        let mut joints = Joints::passive(&model);
+        joints.set_friction(&model, "chosen").unwrap();
+        let law = |name: &str| &joints.drive(model.joint(name).unwrap()).chain.friction;
+        assert!((law("a").coulomb_nm - 0.15).abs() < 1e-12 && (law("a").viscous_nm_s_rad - 0.05).abs() < 1e-12);
+        assert_eq!((law("c").coulomb_nm, law("c").viscous_nm_s_rad), (0.0, 0.0));
     }
 
     #[test]

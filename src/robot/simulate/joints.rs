@@ -151,6 +151,14 @@ impl Joints {
                 curve: StribeckCurve::Gaussian,
             });
         }
+        // A pair that moves together has one friction, felt at the leader.
+        for one in model.following() {
+            let none = Friction::coulomb_viscous(0.0, 0.0);
+            let law = std::mem::replace(&mut self.drives[one.follower].chain.friction, none);
+            let (share, felt) = (one.multiplier.abs(), &mut self.drives[one.leader].chain.friction);
+            felt.coulomb_nm += share * law.coulomb_nm;
+            felt.viscous_nm_s_rad += share * share * law.viscous_nm_s_rad;
+        }
         Ok(())
     }
 

@@ -16,6 +16,7 @@ mod commands;
 mod error;
 mod events;
 mod follow;
+mod following;
 mod joints;
 mod log;
 mod places;

@@ -8,7 +8,7 @@ use super::terms::At;
 use super::{Scenario, SimulateError};
 use crate::geometry::robot_file::Base;
 use crate::integrate::{self, Counts};
-use crate::robot::{JointId, State};
+use crate::robot::{JointId, RobotError, State};
 use nalgebra::Vector3;
 
 /// How to step.
@@ -64,6 +64,12 @@ pub fn run(scenario: &Scenario<'_>, method: Method) -> Result<Recording, Simulat
         if let Some((joint, _)) = joints.find(|(_, drive)| drive.chain.play.is_some()) {
             return Err(SimulateError::Backlash { joint: joint.name.clone() });
         }
+        if let Some(one) = scenario.model.following().first() {
+            let robot = scenario.model.name().to_owned();
+            let joint = &scenario.model.joints()[one.follower].name;
+            let what = format!("joint {joint} follows another (mimic), which only the stiff method holds");
+            return Err(RobotError::NotSimulated { robot, what }.into());
+        }
     }
     let (setpoints, clipped) = scenario.setpoints.clipped(scenario.model);
     let scenario = Scenario { setpoints: &setpoints, ..*scenario };
@@ -78,6 +84,7 @@ pub fn run(scenario: &Scenario<'_>, method: Method) -> Result<Recording, Simulat
     let (start_s, end_s) = (setpoints.t_s[0], setpoints.t_s[setpoints.t_s.len() - 1]);
     let n = scenario.model.joints().len();
     let mut now = Carried { t_s: start_s, body: scenario.start.clone(), integral_rad_s: vec![0.0; n] };
+    scenario.model.follow(&mut now.body);
     let mut recorder = Recorder::new(&scenario, clipped, &now);
     let samples = ((end_s - start_s) / scenario.period_s + 1e-6).floor() as usize;
     recorder.take(&scenario, &commands, &now, Vector3::zeros());

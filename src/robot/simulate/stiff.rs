@@ -15,6 +15,7 @@
 //! joint slips instead. Motors that run into their limits are in `saturate`, what ends a step early is in `events`, free
 //! play in `side`.
 
+use super::following::Followers;
 use super::places::{add_velocity, shift, shift_mean};
 use super::run::{Carried, Method, diverged, suggestion};
 use super::saturate::Limited;
@@ -97,6 +98,7 @@ pub(super) struct Stiff<'a> {
     pub next: State,
     error_rad: Vec<f64>,
     next_integral_rad_s: Vec<f64>,
+    followers: Followers,
     pub counts: Counts,
 }
 
@@ -141,6 +143,7 @@ impl<'a> Stiff<'a> {
             next: scenario.start.clone(),
             error_rad: zeros.clone(),
             next_integral_rad_s: zeros,
+            followers: Followers::new(scenario.model.following(), n),
             counts: Counts::default(),
         }
     }
@@ -269,8 +272,13 @@ impl<'a> Stiff<'a> {
             self.diagonal_kg_m2[j] = gh * slopes.damping + gh * gh * slopes.stiffness + self.shift_kg_m2[j];
         }
         let External { forces, contacts } = &self.here.external;
-        let input = Input { torque_nm: &self.torque_nm, diagonal_kg_m2: &self.diagonal_kg_m2, forces };
-        self.world.dynamics.forward_implicit(&now.body, &input, gh, contacts, &mut self.first);
+        let (dynamics, diagonal_kg_m2) = (&mut self.world.dynamics, &self.diagonal_kg_m2);
+        let mut solve = |torque_nm: &[f64], k: &mut [f64]| {
+            let input = Input { torque_nm, diagonal_kg_m2, forces };
+            dynamics.forward_implicit(&now.body, &input, gh, contacts, k);
+        };
+        solve(&self.torque_nm, &mut self.first);
+        self.followers.hold(&self.torque_nm, &mut self.first, solve);
         self.counts.evaluations += 1;
         for (j, mode) in self.modes.iter().enumerate() {
             if *mode == Mode::Rigid {
@@ -353,8 +361,13 @@ impl<'a> Stiff<'a> {
                 - gh * slopes.per_time;
         }
         let External { forces, contacts } = &self.there.external;
-        let input = Input { torque_nm: &self.torque_nm, diagonal_kg_m2: &self.diagonal_kg_m2, forces };
-        self.world.dynamics.forward_implicit(stage, &input, gh, contacts, &mut self.second);
+        let (dynamics, diagonal_kg_m2) = (&mut self.world.dynamics, &self.diagonal_kg_m2);
+        let mut solve = |torque_nm: &[f64], k: &mut [f64]| {
+            let input = Input { torque_nm, diagonal_kg_m2, forces };
+            dynamics.forward_implicit(stage, &input, gh, contacts, k);
+        };
+        solve(&self.torque_nm, &mut self.second);
+        self.followers.hold(&self.torque_nm, &mut self.second, solve);
         self.counts.evaluations += 1;
         for (second, first) in self.second.iter_mut().zip(&self.first) {
             *second -= 2.0 * first;
