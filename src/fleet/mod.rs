@@ -101,8 +101,10 @@ impl Fleet {
             let name = name::name(&found.path);
             let stored = Stored::read(&answer_file(folder, &name));
             let inputs = Inputs::named_by(&found.path);
-            let has_page = !options.pages || folder.join(page_of(&name)).is_file();
-            let holds = stored.is_some_and(|stored| has_page && stored.holds(&found.path, &options, &inputs));
+            let has_page = || !options.pages || folder.join(page_of(&name)).is_file();
+            let holds = stored.is_some_and(|stored| {
+                stored.holds(&found.path, &options, &inputs) && (stored.failed.is_some() || has_page())
+            });
             Study { found, name, inputs, has_answer: holds }
         };
         let studies = found.into_par_iter().map(study).collect();

@@ -60,6 +60,10 @@ fn a_bad_study_is_not_asked_again_and_a_lost_one_is() {
     begin(dir.path(), &plain).store(0, Outcome::None("line 2".into())).unwrap();
     let fleet = begin(dir.path(), &plain);
     assert!(fleet.pending().is_empty());
+    drop(fleet);
+    // It has no page either, and needs none.
+    let fleet = begin(dir.path(), &FleetOptions { pages: true, ..plain.clone() });
+    assert!(fleet.pending().is_empty());
     assert_eq!(fleet.report().unwrap().failed().map(|(_, why)| why).collect::<Vec<_>>(), ["line 2"]);
     fleet.store(0, Outcome::Lost("killed".into())).unwrap();
     drop(fleet);
