@@ -59,6 +59,6 @@ def test_errors_have_the_words_of_the_program(program, tmp_path, text, named, co
 
 
 def test_the_program_comes_with_the_wheel(program):
-    assert program("--version").stdout.strip() == f"aibo-fit {aibo_fit.__version__}"
+    assert program("--version").stdout.splitlines()[0] == f"aibo-fit {aibo_fit.__version__}"
     assert "Exit codes" in program("--help").stdout
     assert "unexpected argument" in program("gap", "--nonsense", code=2).stderr
