@@ -20,6 +20,7 @@ mod friction_table;
 mod full;
 mod gap;
 mod gate;
+mod grid;
 mod html;
 mod mcap;
 mod measure;

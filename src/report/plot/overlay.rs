@@ -84,10 +84,10 @@ pub(in crate::report) fn overlay(log: &Overlay<'_>) -> Result<String, ReportErro
         let mut upper = chart(root, (top, bottom), (&time, &angle), ("", "angle [rad]"))?;
         shade(&mut upper, log, &angle)?;
         dots(&mut upper, &thinned(log.t_s, log.measured_rad), 2.25, filled(MEASURED, 0.45))?;
-        line(&mut upper, &thinned(log.t_s, log.setpoint_rad), stroke(SETPOINT, 1.25))?;
         for model in &log.models {
             line(&mut upper, &thinned(log.t_s, model.angle_rad), stroke(model.colour, 1.25))?;
         }
+        line(&mut upper, &thinned(log.t_s, log.setpoint_rad), stroke(SETPOINT, 1.25))?;
 
         for i in 0..lower {
             let is_last = i + 1 == lower;

@@ -8,8 +8,8 @@ use crate::report::ReportError;
 use crate::report::gap::words;
 use crate::report::plot::axis::{Axis, drawable};
 use crate::report::plot::canvas::{
-    AFTER, INK, Look, POSITIVE, SHADE, Sign, WIDTH, band, block, chart, dots, filled, legend, line, notice, px, sketch,
-    stroke, text,
+    AFTER, INK, Look, POSITIVE, SHADE, Sign, band, band_name, block, chart, dots, filled, legend, line, notice, px, sketch,
+    stroke, text, width,
 };
 use crate::report::rows::typeset_unit;
 
@@ -27,10 +27,12 @@ pub(super) fn profile(diagnosis: &Diagnosis, variable: Variable) -> Result<Strin
     let at = Axis::over(bins.iter().map(|bin| bin.at), if is_direction { 0.5 } else { 0.04 });
     let range = diagnosis.location.range.filter(|ends| !is_direction && ends.iter().all(|end| drawable(*end)));
 
+    let limits: Vec<_> = bins.iter().map(|bin| (bin.at, bin.band_nm[0], bin.band_nm[1])).collect();
+    let band_words = band_name(&limits, &torque, HEIGHT - 120.0, "N m");
     sketch(&format!("{}: missing torque against the {}", diagnosis.joint, words::variable(variable)), HEIGHT, |root| {
         let mut names = vec![
             (Sign::Dot, AFTER.to_rgba(), "mean of a bin".to_owned()),
-            (Sign::Box, AFTER.mix(BAND_OPACITY), "95 % band".to_owned()),
+            (Sign::Box, AFTER.mix(BAND_OPACITY), band_words),
         ];
         if range.is_some() {
             names.push((Sign::Box, SHADE.mix(0.3), "where most of the gap lies".to_owned()));
@@ -53,7 +55,6 @@ pub(super) fn profile(diagnosis: &Diagnosis, variable: Variable) -> Result<Strin
                 line(&mut chart, &[(bin.at, low), (bin.at, high)], stroke(AFTER.mix(2.0 * BAND_OPACITY), 6.0))?;
             }
         } else {
-            let limits: Vec<_> = bins.iter().map(|bin| (bin.at, bin.band_nm[0], bin.band_nm[1])).collect();
             band(&mut chart, &limits, filled(AFTER, BAND_OPACITY))?;
         }
         let means: Vec<_> = bins.iter().map(|bin| (bin.at, bin.torque_nm)).collect();
@@ -88,7 +89,7 @@ pub(super) fn shape(diagnosis: &Diagnosis) -> Result<String, ReportError> {
         if samples.is_empty() {
             return notice(root, "no torque could be reconstructed from these logs");
         }
-        let (left, right) = root.split_horizontally(px(WIDTH / 2.0));
+        let [left, right] = root.halves(px(width() / 2.0));
         let place = |sample: &Sample, along: bool| (if along { sample.rate } else { sample.angle }, sample.torque);
         for (half, axis, label, along) in
             [(&left, &rate, "speed [rad/s]", true), (&right, &angle, "angle [rad]", false)]
@@ -109,7 +110,7 @@ pub(super) fn shape(diagnosis: &Diagnosis) -> Result<String, ReportError> {
         }
         let words = format!("{outside} of {} samples lie outside", samples.len());
         let look = Look { size: 11.0, colour: RGBColor(90, 90, 90), anchor: HPos::Right, ..Look::default() };
-        text(root, (WIDTH - 28.0, 44.0), &words, look)
+        text(root, (width() - 28.0, 44.0), &words, look)
     })
 }
 
