@@ -26,6 +26,8 @@ mod mcap;
 mod measure;
 mod model;
 mod notes;
+#[cfg(test)]
+mod pages;
 mod plot;
 mod robot_gap;
 mod rows;

@@ -2,8 +2,8 @@
 
 use super::beliefs::belief_table;
 use super::full::full_text;
-use super::number::significant;
 use super::grid::Grid;
+use super::number::significant;
 use super::text::{parameter_table, wrap};
 use super::{DropReport, LogCurves, ModelSummary};
 

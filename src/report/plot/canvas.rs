@@ -9,8 +9,8 @@ use std::sync::OnceLock;
 use plotters::chart::ChartContext;
 use plotters::drawing::DrawingAreaErrorKind;
 use plotters::prelude::{
-    Cartesian2d, ChartBuilder, Circle, IntoDrawingArea, PathElement, Polygon, RGBAColor, RGBColor,
-    Rectangle, SVGBackend, ShapeStyle,
+    Cartesian2d, ChartBuilder, Circle, IntoDrawingArea, PathElement, Polygon, RGBAColor, RGBColor, Rectangle,
+    SVGBackend, ShapeStyle,
 };
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontDesc, FontFamily, FontStyle, FontTransform, TextStyle, register_font};
@@ -276,7 +276,8 @@ pub(in crate::report) fn band(chart: &mut Chart<'_, '_>, points: &[(f64, f64, f6
 
 /// Name of a 95 % band in a legend: one that is hidden by its line is told in numbers.
 pub(in crate::report) fn band_name(points: &[(f64, f64, f64)], axis: &Axis, height: f64, unit: &str) -> String {
-    let mut halves: Vec<f64> = points.iter().map(|(_, low, high)| 0.5 * (high - low)).filter(|h| drawable(*h)).collect();
+    let mut halves: Vec<f64> =
+        points.iter().map(|(_, low, high)| 0.5 * (high - low)).filter(|h| drawable(*h)).collect();
     halves.sort_by(f64::total_cmp);
     let Some(middle) = halves.get(halves.len() / 2) else { return BAND_NAME.to_owned() };
     if 2.0 * middle / (axis.high() - axis.low()) * height > SEEN {

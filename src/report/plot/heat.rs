@@ -4,7 +4,9 @@ use plotters::prelude::{PathElement, Rectangle};
 use plotters::style::RGBColor;
 use plotters::style::text_anchor::HPos;
 
-use super::canvas::{Area, Drawn, INK, Look, RIGHT, SHADE, filled, left, notice, px, sketch, spot, stroke, text, width as figure_width};
+use super::canvas::{
+    Area, Drawn, INK, Look, RIGHT, SHADE, filled, left, notice, px, sketch, spot, stroke, text, width as figure_width,
+};
 use super::layout::is_narrow;
 use crate::report::ReportError;
 
@@ -14,8 +16,6 @@ const TOP: f64 = 52.0;
 const SCALE_HEIGHT: f64 = 300.0;
 /// Smallest text that can be read [px].
 const LEAST_TEXT: f64 = 10.0;
-/// Most room for the names of rows in a narrow figure [px].
-const NARROW_NAMES: f64 = 130.0;
 /// Ground of a cell without a value.
 pub(in crate::report) const NO_VALUE: RGBColor = RGBColor(240, 240, 240);
 
@@ -54,19 +54,23 @@ pub(in crate::report) fn heat(
     cell_at: impl Fn(usize, usize) -> HeatCell,
 ) -> Result<String, ReportError> {
     let (rows, columns) = (map.rows.len(), map.columns.len());
-    let look = Look { size: 12.0, ..Look::default() };
+    let look = Look { size: 13.0, ..Look::default() };
     let longest_row = map.rows.iter().map(|name| look.width(name)).fold(0.0, f64::max);
     // A narrow figure has no room for a scale beside the cells, which say their numbers.
     let (left, scale_room) = match is_narrow() {
-        true => ((longest_row + 18.0).min(NARROW_NAMES), 0.0),
+        true => ((longest_row + 26.0).min((figure_width() - RIGHT - 36.0 * columns as f64).clamp(130.0, 230.0)), 0.0),
         false => (left() + map.name_room, 90.0),
     };
     let width = ((figure_width() - left - RIGHT - scale_room) / columns.max(1) as f64).clamp(4.0, map.cell[0]);
     let height = if map.names_above { map.cell[1] } else { width.min(map.cell[1]) };
     let (across, down) = (width * columns as f64, height * rows as f64);
     let size = (width.min(2.2 * height) * 0.28).clamp(LEAST_TEXT, 13.0);
-    let look = Look { size: (0.45 * width.min(height)).clamp(if height < 12.0 { 4.0 } else { LEAST_TEXT }, 13.0), ..look };
+    let look =
+        Look { size: (0.45 * width.min(height)).clamp(if height < 12.0 { 4.0 } else { LEAST_TEXT }, 13.0), ..look };
     let top = TOP + if map.names_above { 22.0 } else { 0.0 } + if map.axes[0].is_empty() { 0.0 } else { 20.0 };
+    let heads = Look { size: 10.0, ..look };
+    let fits = |name: &String| look.width(name) <= width - 4.0;
+    let heads = if map.names_above && !map.columns.iter().all(fits) { heads } else { look };
     let longest = map.columns.iter().map(|name| look.width(name)).fold(0.0, f64::max).min(map.name_room - 16.0);
     let below = if map.names_above { 12.0 } else { longest + 24.0 };
     let scale_height = if is_narrow() { 0.0 } else { down.clamp(120.0, SCALE_HEIGHT) };
@@ -84,7 +88,7 @@ pub(in crate::report) fn heat(
         for (column, name) in map.columns.iter().enumerate() {
             let middle = left + (column as f64 + 0.5) * width;
             if map.names_above {
-                let centred = Look { anchor: HPos::Center, ..look };
+                let centred = Look { anchor: HPos::Center, ..heads };
                 text(root, (middle, top - 12.0), &centred.fit(name, width - 4.0), centred)?;
             } else {
                 let upward = Look { anchor: HPos::Right, upward: true, ..look };

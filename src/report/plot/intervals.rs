@@ -26,7 +26,7 @@ const BELIEF_OPACITY: f64 = 0.22;
 /// Standard deviations in half a 95 % interval.
 const HALF_95: f64 = 1.96;
 /// An end that is so many times farther out than the next one is cut, with an arrow.
-const TOO_FAR: f64 = 3.0;
+const TOO_FAR: f64 = 20.0;
 
 /// Parameters under one name, with what was believed of them.
 pub(in crate::report) struct Group<'a> {
@@ -37,13 +37,14 @@ pub(in crate::report) struct Group<'a> {
 
 /// Draws all parameters of all models: the estimate as a dot, its robust 95 % interval as a line, the naive one as a box.
 ///
-/// Parameters with a nominal value stand on a ruler of the difference from it, others on one of the estimate's own size.
+/// Parameters with a nominal value stand on a ruler of the difference from it, others on one of the difference from the estimate.
 /// Held parameters and those that the logs do not determine are named in words.
 ///
 /// # Errors
 /// [`ReportError::Font`] and [`ReportError::Draw`], neither of which depends on the data.
 pub fn parameter_intervals(joint: &str, models: &[ModelSummary]) -> Result<String, ReportError> {
-    let group = |model: &'_ ModelSummary| -> (String, Vec<ParameterRow>) { (model.name.clone(), model.parameters.clone()) };
+    let group =
+        |model: &'_ ModelSummary| -> (String, Vec<ParameterRow>) { (model.name.clone(), model.parameters.clone()) };
     let models: Vec<_> = models.iter().map(group).collect();
     let groups: Vec<_> = models.iter().map(|(name, rows)| Group { name, rows, beliefs: &[] }).collect();
     interval_bars(&format!("{joint} parameters with 95 % intervals"), &groups)
@@ -56,7 +57,7 @@ enum Ground {
     Belief(f64, f64),
     /// Its nominal value.
     Nominal(f64),
-    /// Itself.
+    /// Its estimate.
     Own(f64),
     /// Nothing: there is no number, or no size to compare it with.
     Words,
@@ -71,7 +72,7 @@ impl Ground {
             _ if !is_shown(row) || ends(row).is_none() => Self::Words,
             (Some(belief), _) => Self::Belief(belief.believed, belief.sd),
             (None, Some(nominal)) if known(nominal) => Self::Nominal(nominal),
-            (None, None) if known(row.value) => Self::Own(row.value.abs()),
+            (None, None) if known(row.value) => Self::Own(row.value),
             _ => Self::Words,
         }
     }
@@ -81,7 +82,7 @@ impl Ground {
         match self {
             Self::Belief(..) => (0, "from what was believed [its standard deviations]"),
             Self::Nominal(_) => (1, "difference from the nominal value [%]"),
-            Self::Own(_) => (2, "share of the estimate [%]"),
+            Self::Own(_) => (2, "from the estimate [% of it]"),
             Self::Words => (3, ""),
         }
     }
@@ -91,7 +92,7 @@ impl Ground {
         match self {
             Self::Belief(believed, sd) => (value - believed) / sd,
             Self::Nominal(nominal) => 100.0 * (value - nominal) / nominal.abs(),
-            Self::Own(size) => 100.0 * value / size,
+            Self::Own(own) => 100.0 * (value - own) / own.abs(),
             Self::Words => 0.0,
         }
     }
@@ -148,8 +149,7 @@ fn parts<'a>(groups: &[Group<'a>]) -> Vec<Part<'a>> {
 fn axis(rows: &[(&ParameterRow, Ground)]) -> Axis {
     let least: &[f64] = match rows[0].1 {
         Ground::Belief(..) => &[-2.2, 2.2],
-        Ground::Nominal(_) => &[-1.0, 1.0],
-        _ => &[0.0, 110.0],
+        _ => &[-1.0, 1.0],
     };
     let farthest = |(row, ground): &(&ParameterRow, Ground)| {
         let [low, high] = ends(row).unwrap_or([row.value; 2]).map(|end| ground.along(end));
@@ -347,7 +347,7 @@ mod tests {
 
     #[test]
     fn one_end_that_is_far_out_does_not_flatten_the_others() {
-        let rows = [row("a", 1.1, 0.1, Some(1.0)), row("b", 1.0, 0.2, Some(1.0)), row("c", 30.0, 1.0, Some(1.0))];
+        let rows = [row("a", 1.1, 0.1, Some(1.0)), row("b", 1.0, 0.2, Some(1.0)), row("c", 300.0, 1.0, Some(1.0))];
         let parts = parts(&[Group { name: "joint", rows: &rows, beliefs: &[] }]);
         assert!(parts[0].axis.high() < 100.0, "{}", parts[0].axis.high());
     }

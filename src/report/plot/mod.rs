@@ -104,8 +104,7 @@ pub(super) fn model_figures(report: &DropReport) -> Result<Vec<Figure>, ReportEr
         add("correlation", "Correlation of the fitted parameters", caption, svg);
     }
     if !report.models.is_empty() {
-        let caption =
-            "How far the best criterion found so far lies above where it ends, from the start until less than a millionth is \
+        let caption = "How far the best criterion found so far lies above where it ends, from the start until less than a millionth is \
              left: a steep end is a clean convergence, a long flat one means that the criterion hardly changes there.";
         add("optimiser", "Optimiser", caption, optimiser_trace(joint, &report.models)?);
     }

@@ -16,6 +16,8 @@ const LOWER_PANEL: f64 = 130.0;
 const TIME_AXIS: f64 = 42.0;
 const SHADE_OPACITY: f64 = 0.18;
 const BAND_OPACITY: f64 = 0.28;
+/// Residuals of so few samples are drawn as larger dots.
+const FEW: usize = 300;
 /// Where one model's residuals are so many times larger than another's, each of the two gets a panel of its own.
 const TOO_UNEQUAL: f64 = 8.0;
 
@@ -143,7 +145,8 @@ fn residual_panel(
     line(chart, &[(time.low(), 0.0), (time.high(), 0.0)], stroke(INK, 0.5))?;
     for model in panel {
         let colour = log.models[*model].colour;
-        dots(chart, &thinned(log.t_s, &residuals[*model]), 1.0, filled(colour, 0.85))?;
+        let radius = if log.t_s.len() < FEW { 2.0 } else { 1.0 };
+        dots(chart, &thinned(log.t_s, &residuals[*model]), radius, filled(colour, 0.85))?;
     }
     Ok(())
 }

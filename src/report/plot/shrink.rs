@@ -20,11 +20,15 @@ const FEW: usize = 3;
 pub(super) fn shrunk(svg: &str, (title, height): (&str, f64), told: Option<String>) -> String {
     let wide = width();
     let size = format!("width=\"{}\" height=\"{}\"", px(wide), px(height));
-    let clean: String = title.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-    let mut shown = format!("role=\"img\" font-family=\"{FAMILY}\" aria-label=\"{}\" width=\"{wide}\" height=\"{height}\"", HtmlEscape(&clean));
+    let legal = |c: char| !matches!(c, '\u{fffe}' | '\u{ffff}');
+    let clean: String = title.chars().filter(|c| legal(*c)).map(|c| if c.is_control() { ' ' } else { c }).collect();
+    let mut shown = format!(
+        "role=\"img\" font-family=\"{FAMILY}\" aria-label=\"{}\" width=\"{wide}\" height=\"{height}\"",
+        HtmlEscape(&clean)
+    );
     if let Some(told) = told {
-        let legal: String = told.chars().filter(|c| !matches!(c, '\u{fffe}' | '\u{ffff}')).collect();
-        _ = write!(shown, " data-readout=\"{}\"", HtmlEscape(&legal));
+        let told: String = told.chars().filter(|c| legal(*c)).collect();
+        _ = write!(shown, " data-readout=\"{}\"", HtmlEscape(&told));
     }
     let body = svg.replace(" opacity=\"1\"", "").replace(" stroke=\"none\"", "").replace(" fill=\"#000000\"", "");
     let body = body.replace(&format!(" font-family=\"{FAMILY}\""), "");
@@ -66,7 +70,11 @@ fn dots_joined(svg: &str) -> String {
             continue;
         };
         let look = look.replace("fill=", "stroke=").replace(" stroke-width=\"1\"", "");
-        _ = write!(out, "<path class=\"dots\" fill=\"none\" stroke-linecap=\"round\" stroke-width=\"{}\"{look} d=\"", 2 * radius);
+        _ = write!(
+            out,
+            "<path class=\"dots\" fill=\"none\" stroke-linecap=\"round\" stroke-width=\"{}\"{look} d=\"",
+            2 * radius
+        );
         dots.iter().for_each(|(x, y, ..)| _ = write!(out, "M{x},{y}h0"));
         out.push_str("\"/>\n");
     }

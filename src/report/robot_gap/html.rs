@@ -4,8 +4,9 @@ use minijinja::{Value, context};
 
 use super::RobotGapReport;
 use super::plot::RobotGapFigures;
-use super::words;
+use super::{waterfall, words};
 use crate::gap::robot::{Displacement, JointGap, RobotCandidate, RobotDetectable, RobotDiagnosis};
+use crate::report::gap::text::of_answer;
 use crate::report::gap::{gap_view, with_code, words as joint_words};
 use crate::report::html::{both, figure_views, open_and_folded, render};
 use crate::report::measure::ANGLE;
@@ -13,8 +14,8 @@ use crate::report::number::{share, significant};
 use crate::report::rows::typeset_unit;
 use crate::report::{Figure, ReportError};
 
-/// Puts a robot's diagnosis into one HTML page: verdict, where, which, how far, joints, what could have been seen, next
-/// experiment, notes, logs, provenance.
+/// Puts a robot's diagnosis into one HTML page: verdict, the steps to the floor, next experiment, where, which, how far,
+/// joints, what could have been seen, notes, logs, provenance.
 ///
 /// The page holds its figures, its font and its script, and loads nothing but, by links, what was written beside it.
 /// Same report, same bytes.
@@ -33,7 +34,7 @@ pub fn robot_gap_html(report: &RobotGapReport) -> Result<String, ReportError> {
         scenario => diagnosis.scenario.word(),
         sentence => with_code(&answer.sentence),
         verdict => answer.verdict.name(),
-        probability => share(answer.probability),
+        probability => of_answer(answer.probability),
         source => with_code(answer.probability_source.trim_end_matches('.')),
         answer => words::answer(answer),
         has_second => answer.second.is_some(),
@@ -41,6 +42,10 @@ pub fn robot_gap_html(report: &RobotGapReport) -> Result<String, ReportError> {
         closed => joint_words::closed(gap.closed, gap.closed_interval),
         held_out => with_code(&gap.held_out),
         location => with_code(&words::location(&diagnosis.location)),
+        steps => views(|all| &all.steps),
+        steps_heading => waterfall::HEADING,
+        behind => words::BEHIND,
+        rest => words::something_else(diagnosis).map(share),
         place => views(|all| &all.place),
         which => views(|all| &all.which),
         ranking => diagnosis.ranking.iter().map(|candidate| candidate_view(diagnosis, candidate)).collect::<Vec<_>>(),

@@ -46,14 +46,15 @@
     };
     const scale = () => view.w / svg.getBoundingClientRect().width;
     const toDrawing = event => { const b = svg.getBoundingClientRect(); return [view.x + (event.clientX - b.left) * scale(), view.y + (event.clientY - b.top) * scale()]; };
-    const kept = [...svg.querySelectorAll("polyline, path.dots, text")].map(e => [e, e.tagName === "text" ? "font-size" : "stroke-width"]).map(([e, name]) => [e, name, Number(e.getAttribute(name)) || 4]);
+    const kept = [...svg.querySelectorAll("polyline, line, path.dots, text")].flatMap(e => ["font-size", "stroke-width", "stroke-dasharray"]
+      .filter(name => e.hasAttribute(name)).map(name => [e, name, e.getAttribute(name).split(" ").map(Number)]));
     const range = document.createElement("span");
     function show(next) {
       const w = Math.max(full.w / 60, Math.min(full.w, next.w)), h = w * full.h / full.w, by = full.w / w;
       view = { w, h, x: Math.max(full.x, Math.min(full.x + full.w - w, next.x)), y: Math.max(full.y, Math.min(full.y + full.h - h, next.y)) };
       svg.setAttribute("viewBox", `${view.x} ${view.y} ${w} ${h}`);
       // Lines and words stay as large as they are; what is drawn moves apart.
-      for (const [e, name, size] of kept) e.setAttribute(name, size / by);
+      for (const [e, name, sizes] of kept) e.setAttribute(name, sizes.map(size => size / by).join(" "));
       const middle = [view.x + w / 2, view.y + h / 2];
       const panel = data.panels.find(p => inside(p[0], ...middle)) || data.panels.find(p => p[0][0] < view.x + w && p[0][2] > view.x && p[0][1] < view.y + h && p[0][3] > view.y);
       const span = (axis, from, to, low, high) => { const [name, unit] = parted(panel[4][axis]); return `${name} ${coordinate(panel, axis, Math.max(low, from))} to ${coordinate(panel, axis, Math.min(high, to))}${unit}`; };

@@ -6,8 +6,8 @@ use super::{COLOURS, TrunkCurves};
 use crate::report::number::significant;
 use crate::report::plot::axis::Axis;
 use crate::report::plot::canvas::{
-    Area, Drawn, EXTENSIVE, INK, LegendEntry, Look, MEASURED, POSITIVE, RIGHT, Sign, diamond, filled, legend,
-    px, sketch, spot, stroke, text, width,
+    Area, Drawn, EXTENSIVE, INK, LegendEntry, Look, MEASURED, POSITIVE, RIGHT, Sign, diamond, filled, legend, px,
+    sketch, spot, stroke, text, width,
 };
 use crate::report::plot::layout::is_narrow;
 use crate::report::{Figure, ReportError};
@@ -67,7 +67,14 @@ fn compared(title: &str, x_label: &str, of: [&str; 2], rows: &[Comparison]) -> R
     let labels: Vec<&str> = rows.iter().map(|row| row.name.as_str()).collect();
     plane(title, x_label, &names, &axis, &labels, |root, k, y| {
         let said = |value: Option<f64>| value.map_or("–".to_owned(), |value| significant(value, 3));
-        let words = format!("{}: {} {}, {} {}; {x_label}", rows[k].name, of[0], said(rows[k].printed), of[1], said(rows[k].ours));
+        let words = format!(
+            "{}: {} {}, {} {}; {x_label}",
+            rows[k].name,
+            of[0],
+            said(rows[k].printed),
+            of[1],
+            said(rows[k].ours)
+        );
         spot(root, [0.0, y - 0.5 * ROW], [width(), ROW], &words);
         if let Some(value) = rows[k].printed {
             root.draw(&diamond((at(&axis, value), y), filled(MEASURED, 0.8)))?;

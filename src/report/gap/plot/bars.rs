@@ -13,8 +13,8 @@ use crate::report::measure::Measure;
 use crate::report::number;
 use crate::report::plot::axis::{Axis, drawable};
 use crate::report::plot::canvas::{
-    AFTER, Area, BAND, BEFORE, CALIBRATED, Drawn, LegendEntry, Look, RIGHT, SHADE, Sign, filled, legend,
-    legend_end, px, sketch, text, width,
+    AFTER, Area, BAND, BEFORE, CALIBRATED, Drawn, LegendEntry, Look, RIGHT, SHADE, Sign, filled, legend, legend_end,
+    px, sketch, text, width,
 };
 use crate::report::plot::layout::is_narrow;
 
@@ -57,7 +57,9 @@ pub(in crate::report) fn draw(picture: &Bars<'_>) -> Result<String, ReportError>
     let is_log = picture.are_errors && is_uneven(values().filter(|value| *value > 0.0));
     let axis = match is_log {
         true => logarithmic(values().chain(picture.mark)),
-        false => Axis::between(0.0, Some(1.05 * values().fold(0.0, f64::max)).filter(|most| *most > 0.0).unwrap_or(1.0)),
+        false => {
+            Axis::between(0.0, Some(1.05 * values().fold(0.0, f64::max)).filter(|most| *most > 0.0).unwrap_or(1.0))
+        }
     };
     let along = |value: f64| if is_log { value.max(f64::MIN_POSITIVE).log10() } else { value };
     let label = if is_log { format!("{}, logarithmic", picture.label) } else { picture.label.to_owned() };
@@ -93,13 +95,15 @@ pub(in crate::report) fn draw(picture: &Bars<'_>) -> Result<String, ReportError>
 }
 
 /// What stands over a column.
-const HEADER: Look =
-    Look { size: 11.0, colour: RGBColor(90, 90, 90), bold: false, anchor: HPos::Right, upward: false };
+const HEADER: Look = Look { size: 11.0, colour: RGBColor(90, 90, 90), bold: false, anchor: HPos::Right, upward: false };
 
 /// Widths of the columns of words \[px\].
 fn columns(picture: &Bars<'_>) -> Vec<f64> {
     let needs = |(i, header): (usize, &&str)| {
-        let words = picture.bars.iter().filter_map(|bar| Some(Look { bold: bar.bold, ..Look::default() }.width(bar.words.get(i)?)));
+        let words = picture
+            .bars
+            .iter()
+            .filter_map(|bar| Some(Look { bold: bar.bold, ..Look::default() }.width(bar.words.get(i)?)));
         words.fold(HEADER.width(header), f64::max) + BETWEEN
     };
     let all = picture.columns.iter().enumerate();

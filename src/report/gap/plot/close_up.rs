@@ -129,7 +129,8 @@ mod tests {
 
     #[test]
     fn a_motion_turns_where_it_goes_back_and_not_where_it_trembles() {
-        let wave: Vec<f64> = (0..400).map(|i| (0.05 * f64::from(i)).sin() + 0.01 * (3.0 * f64::from(i)).sin()).collect();
+        let wave: Vec<f64> =
+            (0..400).map(|i| (0.05 * f64::from(i)).sin() + 0.01 * (3.0 * f64::from(i)).sin()).collect();
         let turns = turns(&wave);
         assert_eq!(turns.len(), 6, "{turns:?}");
         assert!(turns.windows(2).all(|pair| pair[1].abs_diff(pair[0] + 63) < 6), "{turns:?}");

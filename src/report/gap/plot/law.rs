@@ -6,7 +6,8 @@ use super::figure;
 use crate::joint::{Curve, LawActs, LawTable, LawVariable};
 use crate::report::plot::axis::{Axis, drawable};
 use crate::report::plot::canvas::{
-    AFTER, INK, MEASURED, SHADE, Sign, band, band_name, chart, dashed, dots, filled, legend, line, notice, sketch, stroke,
+    AFTER, INK, MEASURED, SHADE, Sign, band, band_name, chart, dashed, dots, filled, legend, line, notice, sketch,
+    stroke,
 };
 use crate::report::rows::typeset_unit;
 use crate::report::{Figure, ReportError};

@@ -11,12 +11,7 @@ const SPREAD: f64 = 1.96;
 
 /// Draws one log; `half_step_rad` is 0 where its quantisation is unknown.
 pub(super) fn log(diagnosis: &Diagnosis, log: &LogTraces, half_step_rad: f64) -> Result<String, ReportError> {
-    let curve = |name: &str, colour, angle_rad| Curve {
-        name: name.to_owned(),
-        colour,
-        angle_rad,
-        first: 0,
-    };
+    let curve = |name: &str, colour, angle_rad| Curve { name: name.to_owned(), colour, angle_rad, first: 0 };
     let mut models =
         vec![curve("as given", BEFORE, &log.before_rad), curve("recalibrated", CALIBRATED, &log.calibrated_rad)];
     if let Some(answer) = words::answer(diagnosis) {

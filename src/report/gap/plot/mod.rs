@@ -44,7 +44,8 @@ pub(super) struct GapFigures {
 /// # Errors
 /// [`ReportError::Font`] and [`ReportError::Draw`], neither of which depends on the data.
 pub fn gap_figures(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
-    let GapFigures { steps, next, close_up, laws, place, which, twins, how_far, logs, parameters } = GapFigures::of(report)?;
+    let GapFigures { steps, next, close_up, laws, place, which, twins, how_far, logs, parameters } =
+        GapFigures::of(report)?;
     Ok([steps, next, close_up, laws, place, which, twins, how_far, logs, parameters].into_iter().flatten().collect())
 }
 

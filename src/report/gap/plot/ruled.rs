@@ -9,7 +9,7 @@ use crate::report::plot::canvas::{Area, Drawn, Look, px, spot, stroke, text, wid
 use crate::report::plot::layout::is_narrow;
 
 /// Height of a row \[px\]; in a narrow figure its name stands above it.
-const ROWS: [f64; 2] = [26.0, 40.0];
+const ROWS: [f64; 2] = [26.0, 44.0];
 /// Room for the ruler and its label under the rows \[px\].
 pub(super) const RULER: f64 = 50.0;
 /// Where names end \[px\].
@@ -61,9 +61,16 @@ impl Ruled<'_> {
     /// Lines of the ruler, its ticks and its label.
     pub fn draw(&self, root: &Area<'_>) -> Drawn {
         let centred = Look { anchor: HPos::Center, ..Look::default() };
+        let ticks = Look { size: 11.0, ..centred };
+        let mut written_to = f64::NEG_INFINITY;
         for (at, words) in self.axis.ticks() {
             self.upright(root, *at, GRID, 0.5)?;
-            text(root, (self.x(*at), self.bottom() + 12.0), words, Look { size: 11.0, ..centred })?;
+            // Labels that would meet are left out.
+            let half = 0.5 * ticks.width(words);
+            if self.x(*at) - half > written_to + 3.0 {
+                text(root, (self.x(*at), self.bottom() + 12.0), words, ticks)?;
+                written_to = self.x(*at) + half;
+            }
         }
         let middle = if is_narrow() { 0.5 * width() } else { 0.5 * (Self::left() + self.right) };
         text(root, (middle, self.bottom() + 36.0), self.label, centred)
@@ -78,7 +85,7 @@ impl Ruled<'_> {
     pub fn name(&self, root: &Area<'_>, row: usize, words: &str, bold: bool) -> Drawn {
         let look = Look { bold, ..Look::default() };
         if is_narrow() {
-            let above = self.top + (row as f64 + 0.22) * row_height();
+            let above = self.top + (row as f64 + 0.2) * row_height();
             return text(root, (NARROW_LEFT, above), &look.fit(words, width() - 2.0 * NARROW_LEFT), look);
         }
         let look = Look { anchor: HPos::Right, ..look };

@@ -8,8 +8,8 @@ use crate::report::ReportError;
 use crate::report::gap::words;
 use crate::report::plot::axis::{Axis, drawable};
 use crate::report::plot::canvas::{
-    AFTER, INK, Look, POSITIVE, SHADE, Sign, band, band_name, block, chart, dots, filled, legend, line, notice, px, sketch,
-    stroke, text, width,
+    AFTER, INK, Look, POSITIVE, SHADE, Sign, band, band_name, block, chart, dots, filled, legend, line, notice, px,
+    sketch, stroke, text, width,
 };
 use crate::report::rows::typeset_unit;
 

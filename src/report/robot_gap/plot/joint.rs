@@ -46,12 +46,7 @@ pub(super) fn joint(report: &RobotGapReport, trace: &JointTrace) -> Result<Strin
     let (t_s, measured_rad) = (cut(&trace.t_s), cut(&trace.measured_rad));
     let (setpoint_rad, before_rad) = (cut(&trace.setpoint_rad), cut(&trace.before_rad));
     let (after_rad, torque_nm) = (cut(&trace.after_rad), cut(&trace.residual_torque_nm));
-    let curve = |name: &str, colour, angle_rad| Curve {
-        name: name.to_owned(),
-        colour,
-        angle_rad,
-        first: 0,
-    };
+    let curve = |name: &str, colour, angle_rad| Curve { name: name.to_owned(), colour, angle_rad, first: 0 };
     let mut models = vec![curve("as given", BEFORE, &before_rad)];
     if let Some(answer) = words::answer(&diagnosis.answer) {
         models.push(curve(&answer, AFTER, &after_rad));

@@ -9,8 +9,8 @@ use crate::gap::robot::{GaitCell, GaitPhase, RobotDiagnosis};
 use crate::report::ReportError;
 use crate::report::number::significant;
 use crate::report::plot::canvas::{
-    AFTER, Area, Drawn, INK, Look, POSITIVE, RIGHT, SHADE, Sign, filled, left, legend, legend_end, px, sketch,
-    spot, stroke, text, width,
+    AFTER, Area, Drawn, INK, Look, POSITIVE, RIGHT, SHADE, Sign, filled, left, legend, legend_end, px, sketch, spot,
+    stroke, text, width,
 };
 use crate::report::plot::heat::{Heat, HeatCell, NO_VALUE, draw_cell, heat, tint};
 use crate::report::robot_gap::words::joints_and_phases;

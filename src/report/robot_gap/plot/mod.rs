@@ -8,7 +8,7 @@ mod sketch;
 pub use sketch::Sketch;
 
 use super::RobotGapReport;
-use super::words;
+use super::{waterfall, words};
 use crate::gap::LogGap;
 use crate::gap::robot::JointTrace;
 use crate::report::gap::plot::figure;
@@ -20,6 +20,7 @@ use crate::report::{Figure, ReportError};
 
 /// Figures by their place in the report; what would be empty is left out.
 pub(super) struct RobotGapFigures {
+    pub steps: Vec<Figure>,
     pub place: Vec<Figure>,
     pub which: Vec<Figure>,
     pub how_far: Vec<Figure>,
@@ -31,8 +32,8 @@ pub(super) struct RobotGapFigures {
 /// # Errors
 /// [`ReportError::Font`] and [`ReportError::Draw`], neither of which depends on the data.
 pub fn robot_gap_figures(report: &RobotGapReport) -> Result<Vec<Figure>, ReportError> {
-    let RobotGapFigures { place, which, how_far, joints } = RobotGapFigures::of(report)?;
-    Ok([place, which, how_far, joints].into_iter().flatten().collect())
+    let RobotGapFigures { steps, place, which, how_far, joints } = RobotGapFigures::of(report)?;
+    Ok([steps, place, which, how_far, joints].into_iter().flatten().collect())
 }
 
 impl RobotGapFigures {
@@ -64,7 +65,9 @@ impl RobotGapFigures {
             let caption = "How far the trunk went between the times that the study states.";
             how_far.push(figure("displacement", "Displacement of the trunk", caption, bars::displacement(diagnosis)?));
         }
-        Ok(Self { place, which, how_far, joints: joints(report)? })
+        let svg = waterfall::figure(diagnosis)?;
+        let steps = vec![figure("waterfall", waterfall::HEADING, waterfall::EXPLANATION, svg)];
+        Ok(Self { steps, place, which, how_far, joints: joints(report)? })
     }
 }
 
