@@ -174,17 +174,19 @@ pub(in crate::report) fn refit_words(refit: &RefitSummary) -> String {
     let by = significant(refit.gives_by.abs(), 3);
     let verdict = match refit.verdict.as_str() {
         "held joints give" => format!(
-            "the held joints give (the logs tell by {by} points of Schwarz's criterion, where {DECIDED} decide), which explains {} of the mean \
-             square that rigid ones leave above the noise",
+            "the held joints give, which these drops show ({by} points of Schwarz's criterion for comparing models, where {DECIDED} \
+             decide); that explains {} of the mean square that rigid ones leave above the noise",
             percent(refit.share)
         ),
         "rigid" => {
             format!(
-                "the other joints were held rigidly (the logs tell by {by} points of Schwarz's criterion, where {DECIDED} decide)"
+                "the other joints were held rigidly, which these drops show ({by} points of Schwarz's criterion for comparing models, \
+                 where {DECIDED} decide)"
             )
         }
         _ => format!(
-            "these drops do not tell whether the held joints give ({by} points of Schwarz's criterion, where {DECIDED} decide)"
+            "these drops do not tell whether the held joints give ({by} points of Schwarz's criterion for comparing models, where \
+             {DECIDED} decide)"
         ),
     };
     let needed = refit.fits.iter().filter(|fit| fit.what == "without" && fit.needed.is_some_and(|by| by > DECIDED));
@@ -195,7 +197,7 @@ pub(in crate::report) fn refit_words(refit: &RefitSummary) -> String {
             false => needed.join(", "),
         };
         format!(
-            " At rest the nominal robot is off by {}, the best by {}; needed to follow the drops, the most first: {needed}.",
+            " At rest the nominal robot is off by {}, the best by {}; to follow the drops one needs, the most first: {needed}.",
             mrad(nominal.rest_rms),
             mrad(best.rest_rms)
         )

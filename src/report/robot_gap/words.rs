@@ -130,8 +130,12 @@ pub(super) fn location(location: &RobotWhere) -> String {
             vec![format!("Most of the gap is seen in {}.", places(&location.joints)), there(location.share, &when)]
         }
     };
-    // A setpoint that acts late or otherwise is no torque.
-    let is_torque = !matches!(location.stage, Some(RobotStage::Joint(Stage::Setpoint | Stage::Delay)));
+    // Neither a setpoint that acts late nor another floor is a torque that is missing in a joint.
+    let is_torque = match location.stage {
+        Some(RobotStage::Joint(stage)) => !matches!(stage, Stage::Setpoint | Stage::Delay),
+        Some(RobotStage::Floor | RobotStage::Trunk) => false,
+        None => true,
+    };
     if let Some(of) = location.variable.filter(|_| is_torque) {
         let ends = location.range.map(|ends| format!(", {}", range(of, ends))).unwrap_or_default();
         sentences.push(format!("The torque that is missing depends most on the {}{ends}.", variable(of)));

@@ -121,6 +121,9 @@ fn half_step_rad(report: &GapReport, file: &str) -> f64 {
     report.health.iter().find(|row| row.file == file).map_or(0.0, |row| 0.5 * row.resolution_rad)
 }
 
+/// Where no variable explains this share of the missing torque there is nothing to draw.
+const LEAST_SHARE: f64 = 0.005;
+
 /// Where the gap lies.
 fn place(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
     let diagnosis = &report.diagnosis;
@@ -133,7 +136,8 @@ fn place(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
     }
     // A setpoint that acts late or otherwise is no torque: what one depends on would lead astray.
     let is_torque = !matches!(location.stage, Some(Stage::Setpoint | Stage::Delay));
-    if is_torque && !location.variables.is_empty() {
+    let explains = location.variables.iter().any(|(_, share)| *share > LEAST_SHARE);
+    if is_torque && explains {
         let caption = "Variables hang together, so the shares do not add up to 100 %.";
         figures.push(figure("variables", "What the gap depends on", caption, bars::variables(diagnosis)?));
     }

@@ -1,6 +1,5 @@
 //! The torque that the model lacks, against what it depends on.
 
-use plotters::style::text_anchor::HPos;
 use plotters::style::{Color, RGBColor};
 
 use crate::gap::{Diagnosis, Variable};
@@ -8,8 +7,8 @@ use crate::report::ReportError;
 use crate::report::gap::words;
 use crate::report::plot::axis::{Axis, drawable};
 use crate::report::plot::canvas::{
-    AFTER, INK, Look, POSITIVE, SHADE, Sign, band, band_name, block, chart, dots, filled, legend, line, notice, px,
-    sketch, stroke, text, width,
+    AFTER, INK, POSITIVE, SHADE, Sign, band, band_name, block, chart, dots, filled, legend, line, notice, px, sketch,
+    stroke, width,
 };
 use crate::report::rows::typeset_unit;
 
@@ -81,10 +80,15 @@ pub(super) fn shape(diagnosis: &Diagnosis) -> Result<String, ReportError> {
     let title = format!("{}: the torque that no effect explains", diagnosis.joint);
 
     sketch(&title, HEIGHT, |root| {
-        let names = [
+        let mut names = vec![
             (Sign::Dot, FORWARD.to_rgba(), "while the angle grows".to_owned()),
             (Sign::Dot, BACKWARD.to_rgba(), "while it falls".to_owned()),
         ];
+        let outside = samples.iter().filter(|s| !(torque.low()..=torque.high()).contains(&s.torque)).count();
+        if outside > 0 {
+            let words = format!("{outside} of {} samples lie outside", samples.len());
+            names.push((Sign::Box, SHADE.mix(0.3), words));
+        }
         let top = legend(root, &names)?;
         if samples.is_empty() {
             return notice(root, "no torque could be reconstructed from these logs");
@@ -104,13 +108,7 @@ pub(super) fn shape(diagnosis: &Diagnosis) -> Result<String, ReportError> {
                 dots(&mut chart, &points, 1.5, filled(colour, 0.5))?;
             }
         }
-        let outside = samples.iter().filter(|s| !(torque.low()..=torque.high()).contains(&s.torque)).count();
-        if outside == 0 {
-            return Ok(());
-        }
-        let words = format!("{outside} of {} samples lie outside", samples.len());
-        let look = Look { size: 11.0, colour: RGBColor(90, 90, 90), anchor: HPos::Right, ..Look::default() };
-        text(root, (width() - 28.0, 44.0), &words, look)
+        Ok(())
     })
 }
 
