@@ -76,7 +76,7 @@ fn answers_are_sealed_before_and_opened_after_the_diagnosis() {
     }
     assert_eq!(run["score"]["false_alarms"]["of"], 2);
     let page = fs::read_to_string(folder.join("report.html")).unwrap();
-    assert!(page.contains("</html>") && !page.contains("<script") && !page.contains("src="));
+    assert!(page.contains("</html>") && page.matches("<script").count() <= 1 && !page.contains("src="));
     // what `gap --json` writes
     assert_eq!(json(&folder.join("diagnoses/001.json"))["schema"], 1);
     assert_eq!(json(&folder.join("score.json")), run);
@@ -129,7 +129,7 @@ fn answers_about_a_robot_are_sealed_opened_and_scored() {
     let rates = fs::read_to_string(dir.path().join("rates.toml")).unwrap();
     assert!(rates.contains("aibo-fit blind --robot") && rates.contains("answers = 1"), "{rates}");
     let page = fs::read_to_string(folder.join("report.html")).unwrap();
-    assert!(page.contains("</html>") && !page.contains("<script") && !page.contains("src="));
+    assert!(page.contains("</html>") && page.matches("<script").count() <= 1 && !page.contains("src="));
 }
 
 #[test]

@@ -17,7 +17,7 @@ fn the_example_is_fitted_and_everything_is_written() {
     let page = fs::read_to_string(out.join("report.html")).unwrap();
     let namespaces = page.matches("xmlns=\"http://www.w3.org/2000/svg\"").count();
     assert_eq!(page.matches("http://").count() + page.matches("https://").count(), namespaces);
-    assert!(!page.contains("<script") && !page.contains("src="));
+    assert!(page.matches("<script").count() <= 1 && !page.contains("src="));
 
     let mut names: Vec<String> =
         everything_in(&out).iter().map(|p| p.file_name().unwrap().to_string_lossy().into_owned()).collect();

@@ -4,10 +4,12 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use minijinja::{Environment, Value, context};
 
+use super::grid::Grid;
 use super::number::{UNKNOWN, quantity, significant};
+use super::plot::layout::narrow;
 use super::plot::{FONT_BOLD, FONT_REGULAR, Figure, log_figures, model_figures};
 use super::rows::{ParameterCells, is_shown, typeset_unit};
-use super::{DropReport, LogHealthRow, ModelSummary, ParameterRow, ReportError, beliefs, full};
+use super::{DropReport, LogHealthRow, ModelSummary, ParameterRow, ReportError, beliefs, full, table};
 use crate::identify::BeliefFound;
 
 /// Logs whose figures stand open on the page; the others can be unfolded.
@@ -16,27 +18,35 @@ const OPEN_LOGS: usize = 8;
 const SHARED: [(&str, &str); 2] =
     [("page.html", include_str!("templates/page.html")), ("parts.html", include_str!("templates/parts.html"))];
 
-/// Renders a page from its template; the fonts are given to every page.
+/// Zooms figures and reads values off them; the page can be read without it.
+const SCRIPT: &str = include_str!("templates/figures.js");
+
+/// Renders a page from its template; the fonts are given to every page, the script to those with figures that it can read.
 pub(super) fn render(name: &str, template: &str, values: Value) -> Result<String, ReportError> {
     let mut environment = Environment::new();
     for (name, template) in SHARED.into_iter().chain([(name, template)]) {
         environment.add_template(name, template)?;
     }
     let fonts = context! { font_regular => STANDARD.encode(FONT_REGULAR), font_bold => STANDARD.encode(FONT_BOLD) };
-    Ok(environment.get_template(name)?.render(context! { ..values, ..fonts })?)
+    let page = environment.get_template(name)?.render(context! { ..values, ..fonts })?;
+    if !page.contains(" data-readout=\"") {
+        return Ok(page);
+    }
+    Ok(page.replacen("</body>", &format!("<script>\n{SCRIPT}</script>\n</body>"), 1))
 }
 
 /// Puts a drop report into one HTML page: verdict, notes, models, parameters, data health, figures, provenance.
 ///
-/// The page holds its figures and its font, runs no scripts and loads nothing. Same report, same bytes.
+/// The page holds its figures, its font and its script, and loads nothing; it can be read without the script. Same report,
+/// same bytes.
 ///
 /// # Errors
 /// [`ReportError::Draw`] or [`ReportError::Font`] from the figures, [`ReportError::Page`] from the template; none depends
 /// on the data.
 pub fn render_html(report: &DropReport) -> Result<String, ReportError> {
-    let (logs, folded) = open_and_folded(log_figures(report)?);
+    let (logs, folded) = open_and_folded(both(|| log_figures(report))?.each_ref());
     let (full_logs, full_folded) = match &report.full {
-        Some(full) => open_and_folded(full::full_figures(&report.joint, full)?),
+        Some(full) => open_and_folded(both(|| full::full_figures(&report.joint, full))?.each_ref()),
         None => (Vec::new(), Vec::new()),
     };
     let provenance = report.provenance.clone();
@@ -49,8 +59,12 @@ pub fn render_html(report: &DropReport) -> Result<String, ReportError> {
         health => report.health.iter().map(health_view).collect::<Vec<_>>(),
         logs,
         folded,
-        figures => figure_views(model_figures(report)?),
+        figures => figure_views(both(|| model_figures(report))?.each_ref()),
+        swings => (!report.logs.is_empty()).then(|| table::logs(report).view()),
         full => report.full.as_ref().map(full::summary),
+        full_tables => report.full.as_ref().map(|full| {
+            full::full_tables(full).iter().map(Grid::view).collect::<Vec<_>>()
+        }),
         full_logs,
         full_folded,
         has_friction => !report.friction.is_empty(),
@@ -70,18 +84,30 @@ fn belief_view(report: &DropReport, belief: &BeliefFound) -> Value {
     }
 }
 
-/// Figures of the logs that stand open, and those that can be unfolded.
-pub(super) fn open_and_folded(figures: Vec<Figure>) -> (Vec<Value>, Vec<Value>) {
+/// Draws figures for a wide and for a narrow screen.
+pub(super) fn both<T>(draw: impl Fn() -> Result<T, ReportError>) -> Result<[T; 2], ReportError> {
+    Ok([draw()?, narrow(&draw)?])
+}
+
+/// Figures of the logs that stand open, and those that can be unfolded; each wide and narrow.
+pub(super) fn open_and_folded(figures: [&Vec<Figure>; 2]) -> (Vec<Value>, Vec<Value>) {
     let mut open = figure_views(figures);
     let folded = open.split_off(OPEN_LOGS.min(open.len()));
     (open, folded)
 }
 
-pub(super) fn figure_views(figures: Vec<Figure>) -> Vec<Value> {
-    let view = |figure: Figure| {
-        context! { title => figure.title, caption => figure.caption, svg => Value::from_safe_string(figure.svg) }
+/// Figures with their captions, wide and narrow; where both are the same there is one.
+pub(super) fn figure_views([wide, narrow]: [&Vec<Figure>; 2]) -> Vec<Value> {
+    let view = |figure: &Figure| {
+        let slim = narrow.iter().find(|other| other.file_name == figure.file_name && other.svg != figure.svg);
+        context! {
+            title => figure.title.as_str(),
+            caption => figure.caption.as_str(),
+            svg => Value::from_safe_string(figure.svg.clone()),
+            narrow => slim.map(|slim| Value::from_safe_string(slim.svg.clone())),
+        }
     };
-    figures.into_iter().map(view).collect()
+    wide.iter().map(view).collect()
 }
 
 fn model_view(model: &ModelSummary) -> Value {
@@ -131,7 +157,7 @@ pub(super) fn health_view(row: &LogHealthRow) -> Value {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::report::sample;
 
@@ -139,12 +165,27 @@ mod tests {
         render_html(report).expect("a page for any report")
     }
 
-    #[test]
-    fn page_needs_no_network_and_no_script() {
-        let page = page(&sample::troubled());
-        assert!(!page.contains("<script") && !page.contains("src=") && !page.contains("href="));
+    /// A page loads nothing, and runs nothing but the script of its figures.
+    pub(in crate::report) fn is_alone(page: &str) {
+        let own = format!("<script>\n{SCRIPT}</script>");
+        assert_eq!(page.matches("<script").count(), page.matches(&own).count());
+        let rest = page.replace(&own, "");
+        assert!(!rest.contains("src=") && !rest.contains("javascript:"));
         let addresses = page.matches("http").count();
         assert_eq!(addresses, page.matches("xmlns=\"http://www.w3.org/2000/svg\"").count());
+    }
+
+    #[test]
+    fn page_needs_no_network() {
+        let page = page(&sample::troubled());
+        is_alone(&page);
+        assert!(!page.contains("href="));
+    }
+
+    #[test]
+    fn script_is_short_and_of_its_own() {
+        assert!(SCRIPT.lines().count() < 170, "{}", SCRIPT.lines().count());
+        assert!(!["http", "import", "fetch(", "eval("].iter().any(|word| SCRIPT.contains(word)));
     }
 
     #[test]
@@ -152,10 +193,10 @@ mod tests {
         let page = page(&sample::single());
         let headings = [
             "class=\"verdict\"",
+            ">Swings<",
             ">Models<",
             ">Parameters<",
             ">Data health<",
-            ">Swings<",
             ">About the fit<",
             ">Provenance<",
         ];

@@ -20,11 +20,14 @@ mod friction_table;
 mod full;
 mod gap;
 mod gate;
+mod grid;
 mod html;
 mod mcap;
 mod measure;
 mod model;
 mod notes;
+#[cfg(test)]
+mod pages;
 mod plot;
 mod robot_gap;
 mod rows;

@@ -1,18 +1,14 @@
 //! The report as text for a terminal.
 
-use comfy_table::Cell;
-
 use super::beliefs::belief_table;
 use super::full::full_text;
+use super::grid::Grid;
 use super::number::significant;
-use super::rows::shorten;
-use super::text::{finish, number, one_line, parameter_table, table, wrap};
-use super::{DropReport, ModelSummary};
+use super::text::{parameter_table, wrap};
+use super::{DropReport, LogCurves, ModelSummary};
 
 /// Columns of the text.
 const WIDTH: usize = 108;
-/// Characters of a file name.
-const NAME: usize = 36;
 
 /// Writes a drop report as plain text, as a rule at most 108 columns wide, ending in a newline.
 ///
@@ -21,7 +17,7 @@ const NAME: usize = 36;
 pub fn drop_text(report: &DropReport) -> String {
     let mut blocks = vec![wrap(WIDTH, &report.sentence, "", "")];
     if !report.logs.is_empty() {
-        blocks.push(logs(report));
+        blocks.push(logs(report).text(WIDTH));
     }
     blocks.extend(report.models.iter().map(model));
     if !report.beliefs.is_empty() {
@@ -36,21 +32,23 @@ pub fn drop_text(report: &DropReport) -> String {
     blocks.join("\n\n") + "\n"
 }
 
-fn logs(report: &DropReport) -> String {
-    let numbers = ["fitted\nsamples", "release\n[s]", "RMS simple\n[mrad]", "RMS extensive\n[mrad]"];
-    let mut table = table(WIDTH, &["log", "role"], &numbers);
-    for log in &report.logs {
+/// What each log gave to the fit and what the models leave of it.
+pub(super) fn logs(report: &DropReport) -> Grid {
+    let row = |log: &LogCurves| {
         let release = report.health.iter().find(|row| row.file == log.file).and_then(|row| row.release_s);
-        table.add_row([
-            Cell::new(shorten(&one_line(&log.file), NAME)),
-            Cell::new(&log.role),
-            number(log.t_s.len().saturating_sub(log.first_fitted).to_string()),
-            number(release.map_or("-".to_owned(), |release| format!("{release:.3}"))),
-            number(significant(1e3 * log.simple_rms_rad, 3)),
-            number(significant(1e3 * log.extensive_rms_rad, 3)),
-        ]);
+        let numbers = vec![
+            log.t_s.len().saturating_sub(log.first_fitted).to_string(),
+            release.map_or("-".to_owned(), |release| format!("{release:.3}")),
+            significant(1e3 * log.simple_rms_rad, 3),
+            significant(1e3 * log.extensive_rms_rad, 3),
+        ];
+        (format!("{} ({})", log.file, log.role), numbers)
+    };
+    Grid {
+        name: "log",
+        numbers: vec!["fitted\nsamples", "release\n[s]", "RMS simple\n[mrad]", "RMS extensive\n[mrad]"],
+        rows: report.logs.iter().map(row).collect(),
     }
-    finish(&mut table)
 }
 
 fn model(model: &ModelSummary) -> String {

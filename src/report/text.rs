@@ -1,6 +1,6 @@
 //! Text for a terminal: tables and paragraphs of a given width.
 
-use comfy_table::{Cell, CellAlignment, ContentArrangement, Table, TableComponent, presets};
+use comfy_table::{Cell, CellAlignment, ColumnConstraint, ContentArrangement, Table, TableComponent, Width, presets};
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -54,10 +54,18 @@ pub(super) fn table(width: usize, words: &[&str], numbers: &[&str]) -> Table {
         .set_content_arrangement(ContentArrangement::Dynamic)
         .set_width(u16::try_from(at_most(width)).unwrap_or(u16::MAX))
         .set_header(header);
-    for column in table.column_iter_mut() {
-        column.set_padding((0, 1));
+    let heads: Vec<usize> = words.iter().chain(numbers).map(|head| longest_word(head)).collect();
+    for (column, longest) in table.column_iter_mut().zip(heads) {
+        // A head that is broken within a word cannot be read; names give way.
+        let least = u16::try_from(longest + 1).unwrap_or(u16::MAX);
+        column.set_padding((0, 1)).set_constraint(ColumnConstraint::LowerBoundary(Width::Fixed(least)));
     }
     table
+}
+
+/// Characters of the longest word of a head.
+fn longest_word(head: &str) -> usize {
+    head.split_whitespace().map(|word| word.chars().count()).max().unwrap_or(0)
 }
 
 /// A cell whose text stands to the right.
@@ -102,6 +110,14 @@ pub(super) fn wrap(width: usize, text: &str, first: &str, rest: &str) -> String 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn heads_are_not_broken_within_a_word() {
+        let mut table = table(30, &["log"], &["duration\n[s]", "jitter\n[ms]", "samples"]);
+        table.add_row(["a-rather-long-name-of-a-file.csv", "1.00", "0.1", "12"].map(Cell::new));
+        let text = finish(&mut table);
+        assert!(["duration", "jitter", "samples"].iter().all(|word| text.contains(word)), "{text}");
+    }
 
     #[test]
     fn wrapping_breaks_at_blanks_and_indents() {

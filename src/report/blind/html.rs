@@ -7,11 +7,12 @@ use super::{BlindReport, blind_figures};
 use crate::blind::{Judgement, Trial};
 use crate::gap::Verdict;
 use crate::report::ReportError;
-use crate::report::html::{figure_views, render};
+use crate::report::html::{both, figure_views, render};
 
 /// Puts the report of sealed trials into one HTML page.
 ///
-/// The page holds its figures and its font, runs no scripts and loads nothing. Same report, same bytes.
+/// The page holds its figures, its font and its script, and loads nothing; it can be read without the script. Same report,
+/// same bytes.
 ///
 /// # Errors
 /// [`ReportError::Draw`] or [`ReportError::Font`] from the figures, [`ReportError::Page`] from the template; none depends
@@ -95,7 +96,7 @@ pub fn blind_html(report: &BlindReport) -> Result<String, ReportError> {
         sentence => sentence(score),
         rates,
         numbers => numbers(score),
-        figures => figure_views(blind_figures(report)?),
+        figures => figure_views(both(|| blind_figures(report))?.each_ref()),
         causes,
         sets,
         noises,

@@ -7,8 +7,8 @@ use crate::blind::Bin;
 use crate::report::ReportError;
 use crate::report::plot::axis::Axis;
 use crate::report::plot::canvas::{
-    EXTENSIVE, LEFT, Look, RIGHT, SHADE, Sign, WIDTH, block, chart, dots, filled, legend, line, notice, sketch, stroke,
-    text,
+    EXTENSIVE, Look, RIGHT, SHADE, Sign, block, chart, dots, filled, left, legend, line, notice, sketch, stroke, text,
+    width,
 };
 
 const HEIGHT: f64 = 460.0;
@@ -39,7 +39,7 @@ pub(super) fn reliability(title: &str, bins: &[Bin]) -> Result<String, ReportErr
         }
         for (at, (stated, _, bin)) in seen().enumerate() {
             // the box of the chart: the y labels' room left, the x labels' below
-            let x = LEFT + stated * (WIDTH - LEFT - RIGHT);
+            let x = left() + stated * (width() - left() - RIGHT);
             let y = |share: f64| top + (1.0 - share) * (bottom - 42.0 - top);
             // neighbours at different heights, so that their words do not meet
             let off = 10.0 + 14.0 * (at % 2) as f64;

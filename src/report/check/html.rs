@@ -7,7 +7,7 @@ use crate::gap::Checkup;
 use crate::report::beliefs::{believed, moved};
 use crate::report::gap::words;
 use crate::report::gap::{detectable_view, with_code};
-use crate::report::html::{figure_views, health_view, open_and_folded, render};
+use crate::report::html::{both, figure_views, health_view, open_and_folded, render};
 use crate::report::number::{quantity, significant};
 use crate::report::rows::typeset_unit;
 use crate::report::{LogHealthRow, ReportError};
@@ -32,9 +32,12 @@ pub fn check_html(name: &str, reports: &[CheckReport], notes: &[String]) -> Resu
 }
 
 fn view(report: &CheckReport) -> Result<Value, ReportError> {
-    let rows = report.health.iter().zip(&report.series);
-    let figures = rows.map(|(row, series)| plot::series(&report.joint, row, series)).collect::<Result<Vec<_>, _>>()?;
-    let (logs, folded) = open_and_folded(figures);
+    let figures = || -> Result<Vec<_>, _> {
+        let rows = report.health.iter().zip(&report.series);
+        rows.map(|(row, series)| plot::series(&report.joint, row, series)).collect()
+    };
+    let (logs, folded) = open_and_folded(both(figures)?.each_ref());
+    let noise = || Ok(plot::noise(&report.joint, &report.health)?.into_iter().collect());
     let checkup = report.checkup.as_ref();
     Ok(context! {
         joint => report.joint.as_str(),
@@ -43,7 +46,7 @@ fn view(report: &CheckReport) -> Result<Value, ReportError> {
         doubts => report.doubts.clone(),
         logs,
         folded,
-        noise => figure_views(plot::noise(&report.joint, &report.health)?.into_iter().collect()),
+        noise => figure_views(both(noise)?.each_ref()),
         sizes => checkup.map(|checkup| sizes(&report.joint, checkup)),
         numbers => checkup.map(numbers).unwrap_or_default(),
         undetermined_words => words::UNDETERMINED,

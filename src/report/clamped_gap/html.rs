@@ -8,7 +8,7 @@ use crate::gap::whole::WholeJoint;
 use crate::report::data_health::together;
 use crate::report::gap::plot::how_far::errors;
 use crate::report::gap::{gap_view, with_code};
-use crate::report::html::{figure_views, health_view, render};
+use crate::report::html::{both, figure_views, health_view, render};
 use crate::report::measure::{ANGLE, Measure};
 use crate::report::number::share;
 use crate::report::{Figure, GapReport, LogHealthRow, ReportError};
@@ -67,7 +67,7 @@ pub fn clamped_gap_html(report: &ClampedGapReport) -> Result<String, ReportError
         closed => gap.closed.map_or_else(|| "–".to_owned(), share),
         health => health.map(|row| health_view(&row)).collect::<Vec<_>>(),
         remarks => remarks.iter().map(|(of, said)| format!("{of}: {}.", said.join("; "))).collect::<Vec<_>>(),
-        figures => figure_views(clamped_gap_figures(report)?),
+        figures => figure_views(both(|| clamped_gap_figures(report))?.each_ref()),
         joints => joints.iter().map(|(folder, joint)| joint_view(folder, joint)).collect::<Vec<_>>(),
         still => still.map(|joint| joint.joint.clone()).collect::<Vec<_>>(),
         animation => report.animation.is_some().then_some(super::ANIMATION_FILE),

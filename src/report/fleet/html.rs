@@ -4,7 +4,7 @@ use super::{FleetReport, JointTrend, TrendPoint};
 use crate::report::ReportError;
 use crate::report::html::render;
 use crate::report::number::{UNKNOWN, significant};
-use minijinja::{Value, context};
+use minijinja::{HtmlEscape, Value, context};
 use std::fmt::Write as _;
 
 /// Width of a trend \[px\].
@@ -54,12 +54,14 @@ fn of_joint(joint: &JointTrend, page: Option<&String>) -> Value {
         sentence => latest.sentence.as_deref().unwrap_or_default(),
         study => latest.study.as_str(),
         page,
-        trend => Value::from_safe_string(trend(&joint.points)),
+        trend => Value::from_safe_string(trend(joint)),
     }
 }
 
-/// The gaps over the days, from zero; what parts from the model in the colour of warnings.
-fn trend(points: &[TrendPoint]) -> String {
+/// The gaps over the days, from zero; what parts from the model in the colour of warnings. A point under the pointer says
+/// its study, its day and its gap.
+fn trend(joint: &JointTrend) -> String {
+    let points = &joint.points;
     let most = points.iter().map(|point| point.gap).filter(|gap| gap.is_finite()).fold(0.0, f64::max);
     let days: Vec<f64> = points.iter().filter_map(|point| point.day).map(|day| f64::from(day.number())).collect();
     let (first, last) = (days.first().copied().unwrap_or_default(), days.last().copied().unwrap_or_default());
@@ -81,7 +83,13 @@ fn trend(points: &[TrendPoint]) -> String {
     for point in points {
         let (x, y) = place(point);
         let colour = if point.is_off { "var(--odd)" } else { "var(--accent)" };
-        let _ = write!(svg, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\" fill=\"{colour}\"/>");
+        let day = point.day.map(|day| format!(", {day}")).unwrap_or_default();
+        let words = format!("{}{day}: {}", point.study, joint.measure().quantity(point.gap));
+        let title = HtmlEscape(&words);
+        let _ = write!(
+            svg,
+            "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\" fill=\"{colour}\"><title>{title}</title></circle>"
+        );
     }
     svg + "</svg>"
 }

@@ -6,8 +6,8 @@ mod text;
 
 pub(super) use plot::full_figures;
 pub use ranking::{RefitFit, RefitSummary};
-pub(super) use ranking::{causes_figure, causes_text, refit_words};
-pub(super) use text::{full_text, summary};
+pub(super) use ranking::{causes_figure, causes_table, refit_words};
+pub(super) use text::{full_tables, full_text, summary};
 
 use serde::{Deserialize, Serialize};
 

@@ -29,8 +29,8 @@ pub(in crate::report) fn full_figures(joint: &str, full: &FullDrop) -> Result<Ve
             Figure {
                 file_name: "full-causes.svg".into(),
                 title: format!("{joint}: what the angle of rest needs"),
-                caption: "Model less measurement at rest [mrad] by log: the nominal robot, each explanation alone, all but one, \
-                          everything."
+                caption: "Model less measurement at rest [mrad] by log, 0 where it is met: the nominal robot, each explanation alone, \
+                          all but one, everything."
                     .into(),
                 svg: causes_figure(joint, refit)?,
             },

@@ -3,10 +3,9 @@
 use super::super::plot::canvas::{EXTENSIVE, POSITIVE};
 use super::super::plot::heat::{Heat, HeatCell, heat, tint};
 use crate::report::ReportError;
+use crate::report::grid::Grid;
 use crate::report::number::{format_with_uncertainty, mrad, percent, significant};
-use crate::report::text::{finish, number, table};
 use crate::robot::refit::{Cause, DECIDED, Refit, Refits, Verdict};
-use comfy_table::Cell;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -126,31 +125,33 @@ impl RefitSummary {
 }
 
 /// Causes, the most needed first.
-pub(in crate::report) fn causes_text(refit: &RefitSummary, width: usize) -> String {
-    let numbers = [
-        "alone: RMS,\nat rest [mrad]",
-        "without: RMS,\nat rest [mrad]",
-        "needed\nby",
-        "with all others: value",
-        "unit",
-    ];
-    let mut rows = table(width, &["explanation"], &numbers);
+pub(in crate::report) fn causes_table(refit: &RefitSummary) -> Grid {
     let both = |fit: &RefitFit| format!("{}, {}", significant(1e3 * fit.rms, 3), significant(1e3 * fit.rest_rms, 3));
     let only = refit.fits.iter().filter(|fit| fit.what == "only");
-    for (only, without) in only.zip(refit.fits.iter().filter(|fit| fit.what == "without")) {
+    let row = |(only, without): (&RefitFit, &RefitFit)| {
         let cause = only.cause.as_deref().unwrap_or_default();
         let id = Cause::ALL.into_iter().find(|c| c.words() == cause).map_or("", Cause::id);
         let found = refit.best().and_then(|best| best.values.iter().find(|value| value.name == id));
-        rows.add_row([
-            Cell::new(cause),
-            number(both(only)),
-            number(both(without)),
-            number(significant(only.needed.unwrap_or(f64::NAN), 3)),
-            number(found.map_or_else(String::new, value)),
-            number(found.map_or_else(String::new, |found| found.unit.clone())),
-        ]);
+        let numbers = vec![
+            both(only),
+            both(without),
+            significant(only.needed.unwrap_or(f64::NAN), 3),
+            found.map_or_else(String::new, value),
+            found.map_or_else(String::new, |found| found.unit.clone()),
+        ];
+        (cause.to_owned(), numbers)
+    };
+    Grid {
+        name: "explanation",
+        numbers: vec![
+            "alone: RMS,\nat rest [mrad]",
+            "without: RMS,\nat rest [mrad]",
+            "needed\nby",
+            "with all others: value",
+            "unit",
+        ],
+        rows: only.zip(refit.fits.iter().filter(|fit| fit.what == "without")).map(row).collect(),
     }
-    finish(&mut rows)
 }
 
 fn value(found: &Found) -> String {
@@ -173,17 +174,19 @@ pub(in crate::report) fn refit_words(refit: &RefitSummary) -> String {
     let by = significant(refit.gives_by.abs(), 3);
     let verdict = match refit.verdict.as_str() {
         "held joints give" => format!(
-            "the held joints give (the logs tell by {by} points of Schwarz's criterion, where {DECIDED} decide), which explains {} of the mean \
-             square that rigid ones leave above the noise",
+            "the held joints give, which these drops show ({by} points of Schwarz's criterion for comparing models, where {DECIDED} \
+             decide); that explains {} of the mean square that rigid ones leave above the noise",
             percent(refit.share)
         ),
         "rigid" => {
             format!(
-                "the other joints were held rigidly (the logs tell by {by} points of Schwarz's criterion, where {DECIDED} decide)"
+                "the other joints were held rigidly, which these drops show ({by} points of Schwarz's criterion for comparing models, \
+                 where {DECIDED} decide)"
             )
         }
         _ => format!(
-            "these drops do not tell whether the held joints give ({by} points of Schwarz's criterion, where {DECIDED} decide)"
+            "these drops do not tell whether the held joints give ({by} points of Schwarz's criterion for comparing models, where \
+             {DECIDED} decide)"
         ),
     };
     let needed = refit.fits.iter().filter(|fit| fit.what == "without" && fit.needed.is_some_and(|by| by > DECIDED));
@@ -194,7 +197,7 @@ pub(in crate::report) fn refit_words(refit: &RefitSummary) -> String {
             false => needed.join(", "),
         };
         format!(
-            " At rest the nominal robot is off by {}, the best by {}; needed to follow the drops, the most first: {needed}.",
+            " At rest the nominal robot is off by {}, the best by {}; to follow the drops one needs, the most first: {needed}.",
             mrad(nominal.rest_rms),
             mrad(best.rest_rms)
         )
@@ -221,6 +224,13 @@ pub(in crate::report) fn refit_words(refit: &RefitSummary) -> String {
 
 /// An RMS this many times the noise is more than noise.
 const REMAINS: f64 = 1.3;
+
+/// A distance with its sign and as many digits as the largest has; one that rounds to nothing is 0.
+fn signed_mrad(rest_rad: f64, most_rad: f64) -> String {
+    let decimals = if most_rad < 0.02 { 1 } else { 0 };
+    let words = format!("{:+.decimals$}", 1e3 * rest_rad).replace('-', "\u{2212}");
+    if words.chars().all(|c| matches!(c, '+' | '\u{2212}' | '0' | '.')) { "0".to_owned() } else { words }
+}
 
 /// Distances at rest by fit and log.
 ///
@@ -255,6 +265,6 @@ pub(in crate::report) fn causes_figure(joint: &str, refit: &RefitSummary) -> Res
     };
     heat(&map, |row, column| {
         let rest = fits.get(row).and_then(|fit| fit.rest.get(column)).copied().unwrap_or(f64::NAN);
-        HeatCell { ground: colour(rest / most), words: format!("{:+.0}", 1e3 * rest), framed: false }
+        HeatCell { ground: colour(rest / most), words: signed_mrad(rest, most), framed: false }
     })
 }

@@ -1,43 +1,50 @@
 //! The full model's drop in words and as a table.
 
-use super::{FullDrop, HeldRow, causes_text, refit_words};
+use super::{FullDrop, HeldRow, causes_table, refit_words};
+use crate::report::grid::Grid;
 use crate::report::number::{mrad, significant};
 use crate::report::rows::shorten;
-use crate::report::text::{finish, number, one_line, table, wrap};
-use comfy_table::Cell;
+use crate::report::text::wrap;
 use std::path::Path;
 
 const NAME: usize = 16;
 
-/// Table and summary, `width` columns wide.
+/// Tables and summary, `width` columns wide.
 pub(in crate::report) fn full_text(full: &FullDrop, width: usize) -> String {
-    let numbers = [
-        "pendulum\nRMS [mrad]",
-        "as fitted:\nrigid, PID [mrad]",
-        "refitted:\nrigid, PID [mrad]",
-        "first swing\nrigid, PID [ms]",
-        "at rest\nrigid, PID [mrad]",
-        "others give\n[mrad]",
-    ];
-    let mut rows = table(width, &["whole robot"], &numbers);
+    let tables: Vec<String> = full_tables(full).iter().map(|grid| grid.text(width)).collect();
+    format!("{}\n\n{}", tables.join("\n\n"), wrap(width, &summary(full), "", ""))
+}
+
+/// The whole robot log by log, and what each explanation is worth where they were ranked.
+pub(in crate::report) fn full_tables(full: &FullDrop) -> Vec<Grid> {
     let milli = |value: Option<f64>| value.map_or("-".to_owned(), |value| significant(1e3 * value, 3));
     let both =
         |of: fn(&HeldRow) -> Option<f64>, a: &HeldRow, b: &HeldRow| format!("{}, {}", milli(of(a)), milli(of(b)));
-    for row in &full.rows {
-        let (rigid, controlled) = (&row.rigid, &row.controlled);
-        rows.add_row([
-            Cell::new(shorten(&one_line(&name(&row.file)), NAME)),
-            number(milli(Some(row.pendulum_rms))),
-            number(both(|held| held.rms, rigid, controlled)),
-            number(both(|held| held.rms, &row.rigid_refitted, &row.controlled_refitted)),
-            number(both(|held| held.first_swing, &row.rigid_refitted, &row.controlled_refitted)),
-            number(both(|held| held.rest, &row.rigid_refitted, &row.controlled_refitted)),
-            number(milli(Some(row.give))),
-        ]);
-    }
-    let causes = full.refit.as_ref().filter(|refit| refit.ranked());
-    let causes = causes.map_or_else(String::new, |refit| format!("{}\n\n", causes_text(refit, width)));
-    format!("{}\n\n{causes}{}", finish(&mut rows), wrap(width, &summary(full), "", ""))
+    let row = |row: &super::FullRow| {
+        let numbers = vec![
+            milli(Some(row.pendulum_rms)),
+            both(|held| held.rms, &row.rigid, &row.controlled),
+            both(|held| held.rms, &row.rigid_refitted, &row.controlled_refitted),
+            both(|held| held.first_swing, &row.rigid_refitted, &row.controlled_refitted),
+            both(|held| held.rest, &row.rigid_refitted, &row.controlled_refitted),
+            milli(Some(row.give)),
+        ];
+        (shorten(&name(&row.file), NAME), numbers)
+    };
+    let robot = Grid {
+        name: "whole robot",
+        numbers: vec![
+            "pendulum\nRMS [mrad]",
+            "as fitted:\nrigid, PID [mrad]",
+            "refitted:\nrigid, PID [mrad]",
+            "first swing\nrigid, PID [ms]",
+            "at rest\nrigid, PID [mrad]",
+            "others give\n[mrad]",
+        ],
+        rows: full.rows.iter().map(row).collect(),
+    };
+    let causes = full.refit.as_ref().filter(|refit| refit.ranked()).map(causes_table);
+    std::iter::once(robot).chain(causes).collect()
 }
 
 /// The log's name without its folder.

@@ -3,7 +3,7 @@
 use comfy_table::{Cell, Table};
 
 use super::rows::{effect_rows, joint_rows};
-use super::waterfall::{Step, closes_alone, explanation, heading, moved, steps};
+use super::waterfall::{closes_alone, explanation, heading, moved, steps};
 use super::words;
 use super::{GapReport, NEXT_FILE};
 use crate::gap::{Candidate, Detectable, Diagnosis, Gap, MapCell, Phase};
@@ -67,7 +67,7 @@ fn waterfall(diagnosis: &Diagnosis) -> String {
     for step in &steps {
         table.add_row([
             Cell::new(step.label()),
-            Cell::new(bar(step, longest)),
+            Cell::new(characters(step.rms, longest)),
             number(measure.number(step.rms)),
             part(step.closes),
             part(step.alone()),
@@ -77,9 +77,9 @@ fn waterfall(diagnosis: &Diagnosis) -> String {
     format!("{}:\n{}\n{}", heading(diagnosis), finish(&mut table), paragraph(&explanation(diagnosis)))
 }
 
-/// A bar of characters, as long as the RMS after the step; empty where there is no number.
-fn bar(step: &Step<'_>, longest: f64) -> String {
-    let length = (step.rms / longest * BAR as f64).round();
+/// A bar of characters for an error; empty where there is none.
+pub(in crate::report) fn characters(rms: f64, longest: f64) -> String {
+    let length = (rms / longest * BAR as f64).round();
     if length.is_finite() { "#".repeat((length as usize).clamp(1, BAR)) } else { String::new() }
 }
 

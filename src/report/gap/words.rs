@@ -123,7 +123,9 @@ pub(super) fn location(location: &Where) -> String {
         Some(of) => format!("The gap lies {} (stage `{}`).", stage(of), of.name()),
         None => "There is no gap to place.".to_owned(),
     }];
-    if let Some(variable_of) = location.variable {
+    // A setpoint that acts late or otherwise is no torque.
+    let is_torque = !matches!(location.stage, Some(Stage::Setpoint | Stage::Delay));
+    if let Some(variable_of) = location.variable.filter(|_| is_torque) {
         let range = location.range.map(|ends| format!(", {}", range(variable_of, ends))).unwrap_or_default();
         sentences.push(format!("The torque that is missing depends most on the {}{range}.", variable(variable_of)));
     }

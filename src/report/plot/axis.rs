@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 
+use super::layout::is_narrow;
 use crate::report::number::as_given;
 
 /// Range of an axis, its ticks and their labels.
@@ -12,6 +13,7 @@ pub(in crate::report) struct Axis {
     low: f64,
     high: f64,
     ticks: Vec<(f64, String)>,
+    is_log: bool,
 }
 
 impl Axis {
@@ -37,7 +39,7 @@ impl Axis {
 
     /// An axis between two limits, `low < high`, with ticks at multiples of 1, 2 or 5.
     pub(in crate::report) fn between(low: f64, high: f64) -> Self {
-        let rough = (high - low) / 8.0;
+        let rough = (high - low) / if is_narrow() { 5.0 } else { 8.0 };
         let power = rough.log10().floor();
         let step = [1.0, 2.0, 5.0, 10.0].map(|s| s * 10f64.powf(power)).into_iter().find(|step| *step >= rough);
         let step = step.unwrap_or(rough);
@@ -46,7 +48,7 @@ impl Axis {
         let plain = decimals <= 6 && low.abs().max(high.abs()) < 1e6;
         let label = |tick: f64| if plain { format!("{tick:.decimals$}") } else { short_exponent(tick, step) };
         let ticks = (first..=last).map(|k| k as f64 * step).map(|tick| (tick, label(tick).replace('-', "\u{2212}")));
-        Self { low, high, ticks: ticks.collect() }
+        Self { low, high, ticks: ticks.collect(), is_log: false }
     }
 
     /// A logarithmic axis; its coordinates are the decimal logarithms.
@@ -54,13 +56,14 @@ impl Axis {
         let stride = ((high - low) / 7 + 1).max(1) as usize;
         let label = |exponent: i32| format!("10{}", superscript(exponent));
         let ticks = (low..=high).step_by(stride).map(|exponent| (f64::from(exponent), label(exponent))).collect();
-        Self { low: f64::from(low), high: f64::from(high), ticks }
+        Self { low: f64::from(low), high: f64::from(high), ticks, is_log: true }
     }
 
     /// A logarithmic axis over all values above zero, with ticks at 1, 2 and 5, or at powers of ten over a wide range;
     /// its coordinates are the decimal logarithms.
     pub(in crate::report) fn logarithmic(values: impl IntoIterator<Item = f64>) -> Self {
         let mut axis = Self::over(values.into_iter().filter(|value| *value > 1e-100).map(f64::log10), 0.05);
+        axis.is_log = true;
         if axis.high - axis.low < 0.5 {
             let middle = 0.5 * (axis.low + axis.high);
             (axis.low, axis.high) = (middle - 0.25, middle + 0.25);
@@ -95,6 +98,11 @@ impl Axis {
 
     pub(in crate::report) fn high(&self) -> f64 {
         self.high
+    }
+
+    /// Whether its coordinates are decimal logarithms.
+    pub(in crate::report) fn is_log(&self) -> bool {
+        self.is_log
     }
 
     /// Places of the ticks and their labels.

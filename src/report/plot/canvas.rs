@@ -7,23 +7,29 @@ use std::io;
 use std::sync::OnceLock;
 
 use plotters::chart::ChartContext;
-use plotters::coord::Shift;
 use plotters::drawing::DrawingAreaErrorKind;
 use plotters::prelude::{
-    Cartesian2d, ChartBuilder, Circle, DrawingArea, IntoDrawingArea, PathElement, Polygon, RGBAColor, RGBColor,
-    Rectangle, SVGBackend, ShapeStyle,
+    Cartesian2d, ChartBuilder, Circle, IntoDrawingArea, PathElement, Polygon, RGBAColor, RGBColor, Rectangle,
+    SVGBackend, ShapeStyle,
 };
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontDesc, FontFamily, FontStyle, FontTransform, TextStyle, register_font};
 
 use super::axis::{Axis, drawable};
+use super::layout::{heading_left, is_narrow};
+pub(in crate::report) use super::layout::{left, width};
+pub(in crate::report) use super::readout::Area;
+use super::shrink::shrunk;
 use crate::report::ReportError;
+use crate::report::number::significant;
 use crate::report::rows::shorten;
 
+/// Room outside of a chart's labels \[px\].
+const EDGE: f64 = 12.0;
 /// Drawing units in a CSS pixel.
 const SCALE: f64 = 4.0;
 /// Font of all figures; also the `font-family` of the SVG, so the fallbacks stand in the name.
-const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
+pub(super) const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
 /// plotters writes a font of size `s` as `s / 1.24` pixels.
 const FONT_SIZE_IN_SVG: f64 = 1.24;
 pub(crate) const FONT_REGULAR: &[u8] = include_bytes!("../../../assets/dejavu-sans.ttf");
@@ -32,7 +38,9 @@ pub(crate) const FONT_BOLD: &[u8] = include_bytes!("../../../assets/dejavu-sans-
 /// Okabe and Ito's colour-blind-safe palette (2008), the part in use.
 pub(in crate::report) const SIMPLE: RGBColor = RGBColor(230, 159, 0);
 pub(in crate::report) const EXTENSIVE: RGBColor = RGBColor(0, 114, 178);
-pub(in crate::report) const SETPOINT: RGBColor = RGBColor(0, 158, 115);
+/// What is asked; [`DASHED`], so that it hides nothing of what is done.
+pub(in crate::report) const SETPOINT: RGBColor = RGBColor(0, 0, 0);
+pub(in crate::report) const GREEN: RGBColor = RGBColor(0, 158, 115);
 pub(in crate::report) const POSITIVE: RGBColor = RGBColor(213, 94, 0);
 pub(in crate::report) const MEASURED: RGBColor = RGBColor(90, 90, 90);
 pub(in crate::report) const INK: RGBColor = RGBColor(34, 34, 34);
@@ -45,13 +53,13 @@ pub(in crate::report) const BEFORE: RGBColor = SIMPLE;
 pub(in crate::report) const CALIBRATED: RGBColor = RGBColor(86, 180, 233);
 pub(in crate::report) const AFTER: RGBColor = EXTENSIVE;
 
+/// Lines of these colours are dashed: what lies under them is seen.
+pub(super) const DASHED: [RGBColor; 2] = [SETPOINT, GREEN];
+
 /// Models in the order of the report: simple, extensive.
 pub(in crate::report) const MODEL_COLOURS: [RGBColor; 2] = [SIMPLE, EXTENSIVE];
 
-/// Width of every figure \[px\].
-pub(in crate::report) const WIDTH: f64 = 920.0;
-/// Left and right margins that every chart keeps \[px\].
-pub(in crate::report) const LEFT: f64 = 84.0;
+/// Right margin that every chart keeps \[px\].
 pub(in crate::report) const RIGHT: f64 = 24.0;
 /// Where a legend of two rows ends \[px\].
 pub(in crate::report) const LEGEND_END: f64 = 79.0;
@@ -61,7 +69,6 @@ const LEGEND_ROW: f64 = 19.0;
 /// Points that one series of a figure may have.
 pub(in crate::report) const MOST_POINTS: usize = 2000;
 
-pub(in crate::report) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub(in crate::report) type DrawError = DrawingAreaErrorKind<io::Error>;
 pub(in crate::report) type Drawn = Result<(), DrawError>;
 pub(in crate::report) type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<Axis, Axis>>;
@@ -80,14 +87,17 @@ pub(in crate::report) fn sketch(
     register_fonts()?;
     let failed = |cause: DrawError| ReportError::Draw { figure: title.to_owned(), cause: cause.to_string() };
     let mut svg = String::new();
-    {
-        let root = SVGBackend::with_string(&mut svg, (px(WIDTH) as u32, px(height) as u32)).into_drawing_area();
+    let told = {
+        let ground = SVGBackend::with_string(&mut svg, (px(width()) as u32, px(height) as u32)).into_drawing_area();
+        let root = Area::new(ground);
         root.fill(&RGBColor(255, 255, 255)).map_err(failed)?;
-        text(&root, (LEFT, 20.0), title, Look { size: 15.0, bold: true, ..Look::default() }).map_err(failed)?;
+        let size = if is_narrow() { 13.0 } else { 15.0 };
+        text(&root, (heading_left(), 20.0), title, Look { size, bold: true, ..Look::default() }).map_err(failed)?;
         draw(&root).map_err(failed)?;
         root.present().map_err(failed)?;
-    }
-    Ok(shrunk(&svg, height))
+        root.told()
+    };
+    Ok(shrunk(&svg, (title, height), told))
 }
 
 fn register_fonts() -> Result<(), ReportError> {
@@ -99,17 +109,6 @@ fn register_fonts() -> Result<(), ReportError> {
             register(FontStyle::Bold, FONT_BOLD, "dejavu-sans-bold.ttf")
         })
         .map_err(|name| ReportError::Font { name })
-}
-
-/// Sets the shown size and leaves out attributes that say what is so anyway.
-///
-/// Quotes in texts are escaped by the backend, so nothing but attributes can match.
-fn shrunk(svg: &str, height: f64) -> String {
-    let size = format!("width=\"{}\" height=\"{}\"", px(WIDTH), px(height));
-    svg.replacen(&size, &format!("role=\"img\" width=\"{WIDTH}\" height=\"{height}\""), 1)
-        .replace(" opacity=\"1\"", "")
-        .replace(" stroke=\"none\"", "")
-        .replace(" fill=\"#000000\"", "")
 }
 
 /// How a text looks and which of its points is placed.
@@ -164,8 +163,18 @@ impl Look {
 pub(in crate::report) fn text(area: &Area<'_>, (x, y): (f64, f64), words: &str, look: Look) -> Drawn {
     let forbidden = |c: char| c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}');
     let clean: String = words.chars().map(|c| if forbidden(c) { '\u{fffd}' } else { c }).collect();
-    let room = if look.upward { f64::INFINITY } else { WIDTH - RIGHT - LEFT.min(x) };
+    let room = match look.anchor {
+        _ if look.upward => f64::INFINITY,
+        HPos::Left => width() - x - 2.0,
+        HPos::Center => 2.0 * x.min(width() - x) - 4.0,
+        HPos::Right => x - 2.0,
+    };
     area.draw_text(&look.fit(&clean, room), &look.style(), (px(x), px(y)))
+}
+
+/// Says what the script tells of a box given by its upper left corner and its size \[px\].
+pub(in crate::report) fn spot(area: &Area<'_>, [x, y]: [f64; 2], [across, down]: [f64; 2], words: &str) {
+    area.has_spot([px(x), px(y), px(x + across), px(y + down)], words);
 }
 
 /// Words in the middle of an area that has nothing to draw.
@@ -197,9 +206,9 @@ pub(in crate::report) fn chart<'a, 'b>(
     builder
         .margin_top(px(top))
         .margin_bottom(height as i32 - px(bottom))
-        .margin_left(px(12.0))
+        .margin_left(px(EDGE))
         .margin_right(px(RIGHT))
-        .y_label_area_size(px(LEFT - 12.0))
+        .y_label_area_size(px(left() - EDGE))
         .x_label_area_size(px(bottom_room));
     let mut chart = builder.build_cartesian_2d(x.clone(), y.clone())?;
     let named = !x_label.is_empty();
@@ -215,6 +224,8 @@ pub(in crate::report) fn chart<'a, 'b>(
         .x_desc(x_label)
         .y_desc(y_label)
         .draw()?;
+    let (across, down) = chart.plotting_area().get_pixel_range();
+    root.has_panel([across.start, down.start, across.end, down.end], (x, y), (x_label, y_label));
     Ok(chart)
 }
 
@@ -263,6 +274,22 @@ pub(in crate::report) fn band(chart: &mut Chart<'_, '_>, points: &[(f64, f64, f6
     Ok(())
 }
 
+/// Name of a 95 % band in a legend: one that is hidden by its line is told in numbers.
+pub(in crate::report) fn band_name(points: &[(f64, f64, f64)], axis: &Axis, height: f64, unit: &str) -> String {
+    let mut halves: Vec<f64> =
+        points.iter().map(|(_, low, high)| 0.5 * (high - low)).filter(|h| drawable(*h)).collect();
+    halves.sort_by(f64::total_cmp);
+    let Some(middle) = halves.get(halves.len() / 2) else { return BAND_NAME.to_owned() };
+    if 2.0 * middle / (axis.high() - axis.low()) * height > SEEN {
+        return BAND_NAME.to_owned();
+    }
+    format!("{BAND_NAME}: ±{} {unit}, hidden by the line", significant(*middle, 2))
+}
+
+const BAND_NAME: &str = "95 % band";
+/// Width from which on a band is seen beside its line \[px\].
+const SEEN: f64 = 4.0;
+
 /// A rectangle in the chart's coordinates, given by two opposite corners.
 pub(in crate::report) fn block(chart: &mut Chart<'_, '_>, corners: [(f64, f64); 2], style: ShapeStyle) -> Drawn {
     chart.draw_series([Rectangle::new(corners, style)])?;
@@ -290,16 +317,17 @@ pub(in crate::report) type LegendEntry = (Sign, RGBAColor, String);
 /// Places of a legend's entries \[px\], with their words as they fit.
 fn legend_places(names: &[LegendEntry]) -> Vec<([f64; 2], String)> {
     let look = Look::default();
-    let (mut x, mut y) = (LEFT, LEGEND_TOP);
+    let begin = heading_left();
+    let (mut x, mut y) = (begin, LEGEND_TOP);
     let mut places = Vec::with_capacity(names.len());
     for (_, _, words) in names {
-        let words = look.fit(words, WIDTH - LEFT - RIGHT - 26.0);
-        let width = 26.0 + look.width(&words);
-        if x > LEFT && x + width > WIDTH - RIGHT {
-            (x, y) = (LEFT, y + LEGEND_ROW);
+        let words = look.fit(words, width() - begin - RIGHT - 26.0);
+        let room = 26.0 + look.width(&words);
+        if x > begin && x + room > width() - RIGHT {
+            (x, y) = (begin, y + LEGEND_ROW);
         }
         places.push(([x, y], words));
-        x += width + 22.0;
+        x += room + 22.0;
     }
     places
 }
@@ -311,7 +339,10 @@ pub(in crate::report) fn legend_end(names: &[LegendEntry]) -> f64 {
 
 /// Legend in rows under the title; returns where it ends \[px\].
 pub(in crate::report) fn legend(root: &Area<'_>, names: &[LegendEntry]) -> Result<f64, DrawError> {
-    for ((sign, colour, _), ([x, y], words)) in names.iter().zip(legend_places(names)) {
+    for ((sign, colour, name), ([x, y], words)) in names.iter().zip(legend_places(names)) {
+        if matches!(sign, Sign::Dot | Sign::Line) {
+            root.has_name(*colour, name);
+        }
         match sign {
             Sign::Dot => root.draw(&Circle::new((px(x + 10.0), px(y)), px(2.5), colour.filled()))?,
             Sign::Line => {

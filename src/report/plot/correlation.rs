@@ -25,9 +25,14 @@ pub fn correlation_matrix(joint: &str, correlation: &Correlation) -> Result<Stri
     };
     heat(&map, |row, column| {
         let value = correlation.matrix.get(row).and_then(|row| row.get(column)).copied().filter(|v| v.is_finite());
-        let words = value.map_or("–".to_owned(), |value| format!("{value:+.2}").replace('-', "\u{2212}"));
+        let words = value.map_or("–".to_owned(), signed);
         HeatCell { ground: value.map_or(NO_VALUE, colour), words, framed: false }
     })
+}
+
+/// With its sign, where it is not next to nothing.
+fn signed(value: f64) -> String {
+    if value.abs() < 0.005 { "0".to_owned() } else { format!("{value:+.2}").replace('-', "\u{2212}") }
 }
 
 /// White at 0, full colour at -1 and 1.

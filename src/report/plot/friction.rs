@@ -3,7 +3,7 @@
 use plotters::style::Color;
 
 use super::axis::Axis;
-use super::canvas::{EXTENSIVE, INK, Sign, band, chart, filled, legend, line, notice, sketch, stroke};
+use super::canvas::{EXTENSIVE, INK, Sign, band, band_name, chart, filled, legend, line, notice, sketch, stroke};
 use crate::report::{FrictionPoint, ReportError};
 
 const HEIGHT: f64 = 440.0;
@@ -21,10 +21,12 @@ pub fn friction_curve(joint: &str, points: &[FrictionPoint]) -> Result<String, R
     let torques = points.iter().flat_map(|point| [point.torque_nm, point.low_nm, point.high_nm]);
     let torque = Axis::over(torques.chain([0.0]), 0.06);
 
+    let limits: Vec<_> = points.iter().map(|point| (point.rate_rad_s, point.low_nm, point.high_nm)).collect();
+    let band_words = band_name(&limits, &torque, HEIGHT - 120.0, "N m");
     sketch(&format!("{joint} friction against speed"), HEIGHT, |root| {
         let names = [
             (Sign::Line, EXTENSIVE.to_rgba(), "extensive model".to_owned()),
-            (Sign::Box, EXTENSIVE.mix(BAND_OPACITY), "95 % band".to_owned()),
+            (Sign::Box, EXTENSIVE.mix(BAND_OPACITY), band_words),
         ];
         let top = legend(root, &names)?;
         let labels = ("speed [rad/s]", "friction torque [N m]");

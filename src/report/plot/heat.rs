@@ -4,13 +4,18 @@ use plotters::prelude::{PathElement, Rectangle};
 use plotters::style::RGBColor;
 use plotters::style::text_anchor::HPos;
 
-use super::canvas::{Area, Drawn, INK, LEFT, Look, RIGHT, SHADE, WIDTH, filled, notice, px, sketch, stroke, text};
+use super::canvas::{
+    Area, Drawn, INK, Look, RIGHT, SHADE, filled, left, notice, px, sketch, spot, stroke, text, width as figure_width,
+};
+use super::layout::is_narrow;
 use crate::report::ReportError;
 
 /// Where the cells begin, without names above them [px].
 const TOP: f64 = 52.0;
 /// Longest scale [px].
 const SCALE_HEIGHT: f64 = 300.0;
+/// Smallest text that can be read [px].
+const LEAST_TEXT: f64 = 10.0;
 /// Ground of a cell without a value.
 pub(in crate::report) const NO_VALUE: RGBColor = RGBColor(240, 240, 240);
 
@@ -49,16 +54,26 @@ pub(in crate::report) fn heat(
     cell_at: impl Fn(usize, usize) -> HeatCell,
 ) -> Result<String, ReportError> {
     let (rows, columns) = (map.rows.len(), map.columns.len());
-    let left = LEFT + map.name_room;
-    let width = ((WIDTH - left - RIGHT - 90.0) / columns.max(1) as f64).clamp(4.0, map.cell[0]);
+    let look = Look { size: 13.0, ..Look::default() };
+    let longest_row = map.rows.iter().map(|name| look.width(name)).fold(0.0, f64::max);
+    // A narrow figure has no room for a scale beside the cells, which say their numbers.
+    let (left, scale_room) = match is_narrow() {
+        true => ((longest_row + 26.0).min((figure_width() - RIGHT - 36.0 * columns as f64).clamp(130.0, 230.0)), 0.0),
+        false => (left() + map.name_room, 90.0),
+    };
+    let width = ((figure_width() - left - RIGHT - scale_room) / columns.max(1) as f64).clamp(4.0, map.cell[0]);
     let height = if map.names_above { map.cell[1] } else { width.min(map.cell[1]) };
     let (across, down) = (width * columns as f64, height * rows as f64);
-    let size = (width.min(2.2 * height) * 0.28).clamp(3.0, 13.0);
-    let look = Look { size: (0.45 * width.min(height)).clamp(5.0, 13.0), ..Look::default() };
+    let size = (width.min(2.2 * height) * 0.28).clamp(LEAST_TEXT, 13.0);
+    let look =
+        Look { size: (0.45 * width.min(height)).clamp(if height < 12.0 { 4.0 } else { LEAST_TEXT }, 13.0), ..look };
     let top = TOP + if map.names_above { 22.0 } else { 0.0 } + if map.axes[0].is_empty() { 0.0 } else { 20.0 };
+    let heads = Look { size: 10.0, ..look };
+    let fits = |name: &String| look.width(name) <= width - 4.0;
+    let heads = if map.names_above && !map.columns.iter().all(fits) { heads } else { look };
     let longest = map.columns.iter().map(|name| look.width(name)).fold(0.0, f64::max).min(map.name_room - 16.0);
     let below = if map.names_above { 12.0 } else { longest + 24.0 };
-    let scale_height = down.clamp(120.0, SCALE_HEIGHT);
+    let scale_height = if is_narrow() { 0.0 } else { down.clamp(120.0, SCALE_HEIGHT) };
 
     sketch(map.title, top + down.max(scale_height) + below, |root| {
         if rows == 0 || columns == 0 {
@@ -73,7 +88,7 @@ pub(in crate::report) fn heat(
         for (column, name) in map.columns.iter().enumerate() {
             let middle = left + (column as f64 + 0.5) * width;
             if map.names_above {
-                let centred = Look { anchor: HPos::Center, ..look };
+                let centred = Look { anchor: HPos::Center, ..heads };
                 text(root, (middle, top - 12.0), &centred.fit(name, width - 4.0), centred)?;
             } else {
                 let upward = Look { anchor: HPos::Right, upward: true, ..look };
@@ -85,10 +100,18 @@ pub(in crate::report) fn heat(
             text(root, (left - 8.0, top + (row as f64 + 0.5) * height), &right.fit(name, left - 20.0), right)?;
             for column in 0..columns {
                 let corner = [left + column as f64 * width, top + row as f64 * height];
-                draw_cell(root, corner, [width, height], &cell_at(row, column), size)?;
+                let cell = cell_at(row, column);
+                draw_cell(root, corner, [width, height], &cell, size)?;
+                if !cell.words.is_empty() {
+                    let said = format!("{name}, {}: {}", map.columns[column], cell.words);
+                    spot(root, corner, [width, height], &said);
+                }
             }
         }
-        scale(root, map, [left + across + 30.0, top], scale_height)
+        match is_narrow() {
+            true => Ok(()),
+            false => scale(root, map, [left + across + 30.0, top], scale_height),
+        }
     })
 }
 
@@ -113,8 +136,12 @@ pub(in crate::report) fn draw_cell(
     if cell.words.is_empty() {
         return Ok(());
     }
+    let look = Look { size, bold: cell.framed, ..Look::default() };
+    if look.width(&cell.words) > width - 2.0 || size > height {
+        return Ok(());
+    }
     let colour = if is_dark(cell.ground) { RGBColor(255, 255, 255) } else { INK };
-    let look = Look { size, colour, bold: cell.framed, anchor: HPos::Center, ..Look::default() };
+    let look = Look { colour, anchor: HPos::Center, ..look };
     text(root, (x + width / 2.0, y + height / 2.0), &cell.words, look)
 }
 

@@ -6,8 +6,11 @@ mod correlation;
 mod friction;
 pub(super) mod heat;
 pub(super) mod intervals;
+pub(super) mod layout;
 pub(super) mod overlay;
 mod phase;
+mod readout;
+mod shrink;
 mod swing;
 #[cfg(test)]
 pub(super) mod tests;
@@ -21,6 +24,7 @@ pub use phase::phase_portrait;
 pub use swing::swing;
 pub use trace::optimiser_trace;
 
+use self::intervals::{Group, interval_bars};
 use super::full::full_figures;
 use super::{DropReport, LogCurves, ReportError};
 
@@ -85,9 +89,14 @@ pub(super) fn model_figures(report: &DropReport) -> Result<Vec<Figure>, ReportEr
         add("friction", "Friction against speed", caption, friction_curve(joint, &report.friction)?);
     }
     if !report.models.is_empty() {
-        let caption = "Each parameter on its own scale: the robust interval allows for residuals that hang together in \
-                   time, the naive one does not. An arrow is a nominal value beyond the edge.";
-        add("intervals", "Parameters and their intervals", caption, parameter_intervals(joint, &report.models)?);
+        let caption = "The robust interval allows for residuals that hang together in time, the naive one does not. Numbers of which \
+                 something was believed are drawn from that, in its standard deviations: an interval that fills the band says no \
+                 more than was believed, a short one beside it is a finding. An arrow is an end beyond the ruler.";
+        let groups = report.models.iter();
+        let groups: Vec<_> =
+            groups.map(|m| Group { name: &m.name, rows: &m.parameters, beliefs: &report.beliefs }).collect();
+        let svg = interval_bars(&format!("{joint} parameters with 95 % intervals"), &groups)?;
+        add("intervals", "Parameters and their intervals", caption, svg);
     }
     if report.correlation.names.len() > 1 {
         let caption = "Near +1 or \u{2212}1 the logs fix a combination of two parameters better than either alone.";
@@ -95,8 +104,8 @@ pub(super) fn model_figures(report: &DropReport) -> Result<Vec<Figure>, ReportEr
         add("correlation", "Correlation of the fitted parameters", caption, svg);
     }
     if !report.models.is_empty() {
-        let caption =
-            "A steep end is a clean convergence; a long flat one means that the criterion hardly changes there.";
+        let caption = "How far the best criterion found so far lies above where it ends, from the start until less than a millionth is \
+             left: a steep end is a clean convergence, a long flat one means that the criterion hardly changes there.";
         add("optimiser", "Optimiser", caption, optimiser_trace(joint, &report.models)?);
     }
     Ok(figures)

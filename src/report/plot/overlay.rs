@@ -16,6 +16,8 @@ const LOWER_PANEL: f64 = 130.0;
 const TIME_AXIS: f64 = 42.0;
 const SHADE_OPACITY: f64 = 0.18;
 const BAND_OPACITY: f64 = 0.28;
+/// Residuals of so few samples are drawn as larger dots.
+const FEW: usize = 300;
 /// Where one model's residuals are so many times larger than another's, each of the two gets a panel of its own.
 const TOO_UNEQUAL: f64 = 8.0;
 
@@ -84,10 +86,10 @@ pub(in crate::report) fn overlay(log: &Overlay<'_>) -> Result<String, ReportErro
         let mut upper = chart(root, (top, bottom), (&time, &angle), ("", "angle [rad]"))?;
         shade(&mut upper, log, &angle)?;
         dots(&mut upper, &thinned(log.t_s, log.measured_rad), 2.25, filled(MEASURED, 0.45))?;
-        line(&mut upper, &thinned(log.t_s, log.setpoint_rad), stroke(SETPOINT, 1.25))?;
         for model in &log.models {
             line(&mut upper, &thinned(log.t_s, model.angle_rad), stroke(model.colour, 1.25))?;
         }
+        line(&mut upper, &thinned(log.t_s, log.setpoint_rad), stroke(SETPOINT, 1.25))?;
 
         for i in 0..lower {
             let is_last = i + 1 == lower;
@@ -143,7 +145,8 @@ fn residual_panel(
     line(chart, &[(time.low(), 0.0), (time.high(), 0.0)], stroke(INK, 0.5))?;
     for model in panel {
         let colour = log.models[*model].colour;
-        dots(chart, &thinned(log.t_s, &residuals[*model]), 1.0, filled(colour, 0.85))?;
+        let radius = if log.t_s.len() < FEW { 2.0 } else { 1.0 };
+        dots(chart, &thinned(log.t_s, &residuals[*model]), radius, filled(colour, 0.85))?;
     }
     Ok(())
 }

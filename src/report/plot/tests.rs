@@ -26,9 +26,9 @@ fn every_figure_names_its_axes_with_units() {
         ("swing-01-q1", ["angle [rad]", "residual [mrad]", "time [s]"].as_slice()),
         ("phase-portrait", &["angle [rad]", "speed [rad/s]"]),
         ("friction", &["speed [rad/s]", "friction torque [N m]"]),
-        ("intervals", &["inertia I*", "0.000912 kg m² (±3.0 %)"]),
+        ("intervals", &["inertia I*", "difference from the nominal value [%]"]),
         ("correlation", &["rest angle", "+1.00"]),
-        ("optimiser", &["J above its minimum [rad² s]", "10⁻³"]),
+        ("optimiser", &["best J so far above its end, share of it", "10⁻⁴"]),
     ] {
         let texts = figure(&report, start);
         for label in labels {

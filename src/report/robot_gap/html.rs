@@ -4,19 +4,20 @@ use minijinja::{Value, context};
 
 use super::RobotGapReport;
 use super::plot::RobotGapFigures;
-use super::words;
+use super::{waterfall, words};
 use crate::gap::robot::{Displacement, JointGap, RobotCandidate, RobotDetectable, RobotDiagnosis};
-use crate::report::ReportError;
+use crate::report::gap::text::of_answer;
 use crate::report::gap::{gap_view, with_code, words as joint_words};
-use crate::report::html::{figure_views, open_and_folded, render};
+use crate::report::html::{both, figure_views, open_and_folded, render};
 use crate::report::measure::ANGLE;
 use crate::report::number::{share, significant};
 use crate::report::rows::typeset_unit;
+use crate::report::{Figure, ReportError};
 
-/// Puts a robot's diagnosis into one HTML page: verdict, where, which, how far, joints, what could have been seen, next
-/// experiment, notes, logs, provenance.
+/// Puts a robot's diagnosis into one HTML page: verdict, the steps to the floor, next experiment, where, which, how far,
+/// joints, what could have been seen, notes, logs, provenance.
 ///
-/// The page holds its figures and its font, runs no scripts and loads nothing but, by links, what was written beside it.
+/// The page holds its figures, its font and its script, and loads nothing but, by links, what was written beside it.
 /// Same report, same bytes.
 ///
 /// # Errors
@@ -25,14 +26,15 @@ use crate::report::rows::typeset_unit;
 pub fn robot_gap_html(report: &RobotGapReport) -> Result<String, ReportError> {
     let RobotGapReport { diagnosis, provenance, .. } = report;
     let RobotDiagnosis { answer, gap, .. } = diagnosis;
-    let RobotGapFigures { place, which, how_far, joints } = RobotGapFigures::of(report)?;
-    let (joints, folded) = open_and_folded(joints);
+    let [wide, narrow] = both(|| RobotGapFigures::of(report))?;
+    let views = |of: fn(&RobotGapFigures) -> &Vec<Figure>| figure_views([of(&wide), of(&narrow)]);
+    let (joints, folded) = open_and_folded([&wide.joints, &narrow.joints]);
     let values = context! {
         robot => diagnosis.robot.as_str(),
         scenario => diagnosis.scenario.word(),
         sentence => with_code(&answer.sentence),
         verdict => answer.verdict.name(),
-        probability => share(answer.probability),
+        probability => of_answer(answer.probability),
         source => with_code(answer.probability_source.trim_end_matches('.')),
         answer => words::answer(answer),
         has_second => answer.second.is_some(),
@@ -40,12 +42,16 @@ pub fn robot_gap_html(report: &RobotGapReport) -> Result<String, ReportError> {
         closed => joint_words::closed(gap.closed, gap.closed_interval),
         held_out => with_code(&gap.held_out),
         location => with_code(&words::location(&diagnosis.location)),
-        place => figure_views(place),
-        which => figure_views(which),
+        steps => views(|all| &all.steps),
+        steps_heading => waterfall::HEADING,
+        behind => words::BEHIND,
+        rest => words::something_else(diagnosis).map(share),
+        place => views(|all| &all.place),
+        which => views(|all| &all.which),
         ranking => diagnosis.ranking.iter().map(|candidate| candidate_view(diagnosis, candidate)).collect::<Vec<_>>(),
         mark => words::mark(answer),
         untrusted => (!answer.intervals_trusted).then_some(joint_words::UNTRUSTED),
-        how_far => figure_views(how_far),
+        how_far => views(|all| &all.how_far),
         first => diagnosis.answer.first.as_ref().filter(|_| diagnosis.answer.second.is_some()).map(|first| first.cause.id()),
         per_joint => gap.per_joint.iter().map(joint_view).collect::<Vec<_>>(),
         displacement => gap.displacement.iter().map(displacement_view).collect::<Vec<_>>(),

@@ -11,10 +11,11 @@ mod json;
 mod plot;
 mod repaired;
 #[cfg(test)]
-mod sample;
+pub(super) mod sample;
 #[cfg(test)]
 mod tests;
 mod text;
+mod waterfall;
 mod words;
 
 pub use animation::robot_gap_animation;

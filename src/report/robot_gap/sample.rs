@@ -194,6 +194,6 @@ pub(super) fn unexplained() -> RobotGapReport {
 }
 
 /// All of them with their names.
-pub(super) fn all() -> [(&'static str, RobotGapReport); 3] {
+pub(in crate::report) fn all() -> [(&'static str, RobotGapReport); 3] {
     [("effect", effect()), ("nothing", nothing()), ("unexplained", unexplained())]
 }

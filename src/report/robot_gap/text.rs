@@ -3,7 +3,7 @@
 use comfy_table::{Cell, Table};
 
 use super::RobotGapReport;
-use super::words;
+use super::{waterfall, words};
 use crate::gap::robot::{GaitCell, GaitPhase, RobotCandidate, RobotDiagnosis, RobotGap};
 use crate::report::gap::text::{WIDTH, file, mrad, opening, paragraph, rms_row, rms_table};
 use crate::report::gap::words as joint_words;
@@ -13,19 +13,21 @@ use crate::report::text::{finish, number, one_line, table, wrap};
 
 /// Writes a robot's diagnosis as plain text, as a rule at most 100 columns wide, ending in a newline.
 ///
-/// The sentence with its probability, where the gap lies, which causes were refitted, how far the gap closes joint by
-/// joint and in the trunk's way, what the logs could have shown, what to do next, then the notes.
+/// The sentence with its probability, the steps from as given to the floor, what to do next, where the gap lies, which
+/// causes were fitted, how far the gap closes joint by joint and in the trunk's way, what the logs could have shown, then
+/// the notes.
 pub fn robot_gap_text(report: &RobotGapReport) -> String {
     let diagnosis = &report.diagnosis;
     let answer = &diagnosis.answer;
     let blocks = [
         Some(opening(&answer.sentence, answer.probability, &answer.probability_source)),
+        Some(waterfall::text(diagnosis)),
+        next(diagnosis),
         Some(location(diagnosis)),
         (!diagnosis.ranking.is_empty()).then(|| ranking(diagnosis)),
         Some(how_far(&diagnosis.gap)),
         displacement(&diagnosis.gap),
         detectable(diagnosis),
-        next(diagnosis),
         notes(report),
     ];
     blocks.into_iter().flatten().collect::<Vec<_>>().join("\n\n") + "\n"
@@ -82,11 +84,15 @@ fn ranking(diagnosis: &RobotDiagnosis) -> String {
         ]);
     }
     plain(&mut table, "(sensor noise)", gap.floor);
+    if let Some(rest) = words::something_else(diagnosis) {
+        let cells = ["(something else)", "", "", "", ""].map(Cell::new);
+        table.add_row(cells.into_iter().chain([number(share(rest))]));
+    }
     let mut text = finish(&mut table);
     if let Some(mark) = words::mark(&diagnosis.answer) {
         text += &format!("\n* {mark}");
     }
-    text
+    format!("{text}\n{}", paragraph(words::BEHIND))
 }
 
 /// Joint by joint, log by log where there are several, and in all.
@@ -110,7 +116,7 @@ fn displacement(gap: &RobotGap) -> Option<String> {
     if gap.displacement.is_empty() {
         return None;
     }
-    let mut table = table(WIDTH, &["way of the trunk"], &["measured\n[m]", "as given\n[m]", "after\n[m]"]);
+    let mut table = table(WIDTH, &["how far the trunk went"], &["measured\n[m]", "as given\n[m]", "after\n[m]"]);
     let metres = |m: f64| number(format!("{m:.3}"));
     for log in &gap.displacement {
         table.add_row([file(&log.file), metres(log.measured), metres(log.before), metres(log.after)]);

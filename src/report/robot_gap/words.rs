@@ -3,14 +3,26 @@
 use super::RobotGapReport;
 use crate::gap::Verdict;
 use crate::gap::robot::{
-    Found, GaitCell, GaitPhase, RobotAnswer, RobotCandidate, RobotDetectable, RobotDiagnosis, RobotWhere,
+    Found, GaitCell, GaitPhase, RobotAnswer, RobotCandidate, RobotDetectable, RobotDiagnosis, RobotStage, RobotWhere,
 };
+use crate::joint::Stage;
 use crate::report::gap::words::{range, size, there, variable};
 use crate::report::number::mrad;
 
 /// What stands above the sizes that would have been seen.
 pub(super) const DETECTABLE: &str =
     "Smallest size of each cause that these logs would have shown, on the joint where it shows best:";
+
+/// What the columns of the ranking mean.
+pub(super) const BEHIND: &str = "Gap closed: share of the whole gap above the sensor's noise. Behind: how much worse than the best a cause \
+    explains the samples it was fitted to, as a sum of squares in units of the sensor's noise; below ten or so it may be chance. \
+    Causes that are not here explain less already to first order.";
+
+/// Probability of what is not in the ranking; `None` where the ranking has none at all.
+pub(super) fn something_else(diagnosis: &RobotDiagnosis) -> Option<f64> {
+    let named: f64 = diagnosis.ranking.iter().map(|candidate| candidate.probability).sum();
+    (named > 0.0 && named <= 1.0 + 1e-9).then_some((1.0 - named).max(0.0))
+}
 
 /// From so many joints on a place is said by their number.
 const MANY: usize = 5;
@@ -26,12 +38,20 @@ fn phase(phase: GaitPhase) -> &'static str {
     }
 }
 
-/// `lf2, rf2`; `all 12 joints`; `the robot`.
+/// `lf2, rf2`; `12 joints`; `the robot`.
 pub(super) fn place(joints: &[String]) -> String {
     match joints.len() {
         0 => "the robot".to_owned(),
         n if n >= MANY => format!("{n} joints"),
         _ => joints.join(", "),
+    }
+}
+
+/// `lf2 and rf2`, in a sentence.
+fn places(joints: &[String]) -> String {
+    match joints {
+        [one, two] => format!("{one} and {two}"),
+        _ => place(joints),
     }
 }
 
@@ -81,23 +101,44 @@ pub(super) fn joints_and_phases(cells: &[GaitCell]) -> (Vec<&str>, Vec<GaitPhase
     (joints, phases)
 }
 
+/// A stage in a sentence.
+fn at(stage: RobotStage) -> &'static str {
+    match stage {
+        RobotStage::Joint(Stage::Setpoint) => "in the setpoints that reach the controller",
+        RobotStage::Joint(Stage::Delay) => "in the time at which setpoints act",
+        RobotStage::Joint(Stage::Controller) => "in the control law",
+        RobotStage::Joint(Stage::Motor) => "in the torque that the motor delivers",
+        RobotStage::Joint(Stage::Gearing) => "between motor and link",
+        RobotStage::Joint(Stage::Link) => "at the link (its friction, gravity, springs or stops)",
+        RobotStage::Joint(Stage::Sensor) => "in the reading of the angle",
+        RobotStage::Floor => "the floor",
+        RobotStage::Trunk => "what the trunk carries",
+    }
+}
+
 /// Where the gap lies, in a few sentences.
 pub(super) fn location(location: &RobotWhere) -> String {
     let when = location.phase.map_or_else(String::new, |of| format!(", most of it {}", phase(of)));
     let mut sentences = match (location.stage, location.joints.is_empty()) {
-        (Some(stage), true) => vec![format!("The gap comes from the {}.", stage.name())],
+        (Some(stage), true) => vec![format!("The gap comes from {} (stage `{}`).", at(stage), stage.name())],
         (Some(stage), false) => vec![
-            format!("The gap lies in the stage `{}` of {}.", stage.name(), place(&location.joints)),
+            format!("The gap lies {}, on {} (stage `{}`).", at(stage), places(&location.joints), stage.name()),
             there(location.share, &when),
         ],
         (None, true) => vec!["There is no gap to place.".to_owned()],
         (None, false) => {
-            vec![format!("Most of the gap is seen in {}.", place(&location.joints)), there(location.share, &when)]
+            vec![format!("Most of the gap is seen in {}.", places(&location.joints)), there(location.share, &when)]
         }
     };
-    if let Some(of) = location.variable {
+    // Neither a setpoint that acts late nor another floor is a torque that is missing in a joint.
+    let is_torque = match location.stage {
+        Some(RobotStage::Joint(stage)) => !matches!(stage, Stage::Setpoint | Stage::Delay),
+        Some(RobotStage::Floor | RobotStage::Trunk) => false,
+        None => true,
+    };
+    if let Some(of) = location.variable.filter(|_| is_torque) {
         let ends = location.range.map(|ends| format!(", {}", range(of, ends))).unwrap_or_default();
-        sentences.push(format!("It depends most on the {}{ends}.", variable(of)));
+        sentences.push(format!("The torque that is missing depends most on the {}{ends}.", variable(of)));
     }
     if !location.logs.is_empty() {
         sentences.push(format!("Logs with more than their share: {}.", location.logs.join(", ")));

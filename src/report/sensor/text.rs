@@ -2,7 +2,7 @@
 
 use super::{SensorReport, SweepPart, sensor_figures};
 use crate::report::ReportError;
-use crate::report::html::{figure_views, render};
+use crate::report::html::{both, figure_views, render};
 use crate::report::number::significant;
 use crate::report::text::{finish, number, table, wrap};
 use comfy_table::Cell;
@@ -55,7 +55,7 @@ pub fn sensor_html(report: &SensorReport) -> Result<String, ReportError> {
         joint => report.joint.as_str(),
         sentence => report.sentence.as_str(),
         rows => report.sweeps.iter().map(row).collect::<Vec<_>>(),
-        figures => figure_views(sensor_figures(report)?),
+        figures => figure_views(both(|| sensor_figures(report))?.each_ref()),
         version => report.provenance.version.as_str(),
         command => report.provenance.command.as_str(),
     };

@@ -6,12 +6,13 @@ use super::sections::{Shown, sections};
 use super::words::explanations;
 use super::{ThesisReport, thesis_figures};
 use crate::report::ReportError;
-use crate::report::html::{figure_views, render};
+use crate::report::html::{both, figure_views, render};
 use crate::report::rows::typeset_unit;
 
 /// Puts tables, explanation and figures into one HTML page.
 ///
-/// The page holds its figures and its font, runs no scripts and loads nothing. Same report, same bytes.
+/// The page holds its figures, its font and its script, and loads nothing; it can be read without the script. Same report,
+/// same bytes.
 ///
 /// # Errors
 /// [`ReportError::Draw`] or [`ReportError::Font`] from the figures, [`ReportError::Page`] from the template; none depends
@@ -41,7 +42,7 @@ pub fn thesis_html(report: &ThesisReport) -> Result<String, ReportError> {
         of => counted.len(),
         tables,
         answers,
-        figures => figure_views(thesis_figures(report)?),
+        figures => figure_views(both(|| thesis_figures(report))?.each_ref()),
         version => report.provenance.version.as_str(),
         command => report.provenance.command.as_str(),
         inputs => report.provenance.inputs.clone(),

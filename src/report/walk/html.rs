@@ -4,7 +4,7 @@ use super::WalkReport;
 use super::plot::walk_figures;
 use super::text::cost;
 use crate::report::ReportError;
-use crate::report::html::{figure_views, render};
+use crate::report::html::{both, figure_views, render};
 use crate::report::number::significant;
 use minijinja::context;
 
@@ -33,7 +33,7 @@ pub fn walk_html(report: &WalkReport) -> Result<String, ReportError> {
         notes => report.notes.clone(),
         cost => cost(report),
         rows => report.joints.iter().map(row).collect::<Vec<_>>(),
-        figures => figure_views(walk_figures(report)?),
+        figures => figure_views(both(|| walk_figures(report))?.each_ref()),
         version => report.provenance.version.as_str(),
         command => report.provenance.command.as_str(),
         inputs => report.provenance.inputs.clone(),

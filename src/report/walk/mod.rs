@@ -16,13 +16,13 @@ pub use study_plot::{
 };
 pub use text::walk_text;
 
-use super::plot::canvas::{EXTENSIVE, POSITIVE, SETPOINT, SIMPLE};
+use super::plot::canvas::{EXTENSIVE, GREEN, SETPOINT, SIMPLE};
 use super::{Figure, Provenance};
 use plotters::style::RGBColor;
 use serde::Serialize;
 
 /// Colours of curves that stand beside each other.
-pub(super) const COLOURS: [RGBColor; 4] = [EXTENSIVE, SIMPLE, SETPOINT, POSITIVE];
+pub(super) const COLOURS: [RGBColor; 4] = [EXTENSIVE, SIMPLE, GREEN, SETPOINT];
 
 /// Everything that the report of `aibo-fit walk` shows.
 #[derive(Clone, Debug, Serialize)]

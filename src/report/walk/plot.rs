@@ -5,7 +5,7 @@ use super::panels::{Curve, Panel, stacked};
 use super::study_plot::{at, plane};
 use super::{Footfalls, JointCurves, LegCurves, TrunkCurves, WalkReport};
 use crate::report::plot::axis::Axis;
-use crate::report::plot::canvas::{EXTENSIVE, INK, SETPOINT, Sign, filled, px};
+use crate::report::plot::canvas::{EXTENSIVE, INK, SETPOINT, Sign, filled, px, spot};
 use crate::report::{Figure, ReportError};
 use plotters::prelude::Rectangle;
 use plotters::style::Color;
@@ -57,8 +57,7 @@ pub fn walk_figures(report: &WalkReport) -> Result<Vec<Figure>, ReportError> {
         let legs: Vec<LegCurves> = report.legs.iter().map(|leg| leg.within(&window)).collect();
         let title = format!("Figure 4.2, setpoints of the gait: {}", report.gait);
         add("walk-setpoints", title, caption.to_owned(), draw_setpoints(&report.gait, &legs)?);
-        let asked = "Setpoint and simulated reading. Where only one line is seen the joint follows without delay and at \
-                     full amplitude.";
+        let asked = "Setpoint and simulated reading. Where the dashes lie on the line the joint follows without delay and at full amplitude.";
         if !report.legs[0].joints.is_empty() && window.start > 0 && report.trunk.is_some() {
             let leg = &legs[0];
             let words = format!("{name}, {} leg, enlarged", leg.name);
@@ -105,7 +104,7 @@ fn draw(leg: &LegCurves, place: &str) -> Result<String, ReportError> {
         .iter()
         .map(|(label, [setpoint, reading])| Panel {
             label: label.clone(),
-            curves: vec![curve(setpoint, SETPOINT, 4.0), curve(reading, EXTENSIVE, 1.25)],
+            curves: vec![curve(reading, EXTENSIVE, 1.5), curve(setpoint, SETPOINT, 1.25)],
         })
         .collect();
     stacked(&format!("walk {place}, {} leg", leg.name), &names, "time [s]", &panels)
@@ -124,8 +123,8 @@ fn draw_setpoints(gait: &str, legs: &[LegCurves]) -> Result<String, ReportError>
             .zip(colours)
             .enumerate()
             .filter_map(|(k, (leg, colour))| {
-                // Diagonal legs often do the same: the first is drawn wider.
-                let width = if k < 2 { 5.0 } else { 1.5 };
+                // Diagonal legs often do the same: the rear ones are dashed upon wider lines.
+                let width = if k < 2 { 4.0 } else { 1.75 };
                 Some(Curve { x: &leg.t_s, y: &leg.joints.get(joint)?.setpoint_rad, colour, width })
             })
             .collect(),
@@ -153,6 +152,8 @@ fn draw_feet(title: &str, feet: &Footfalls, span_s: f64) -> Result<String, Repor
     plane(title, "time [s]", &[], &time, &labels, |root, k, y| {
         let bar = |from: f64, to: f64| {
             let corners = [(px(at(&time, from)), px(y - 8.0)), (px(at(&time, to)), px(y + 8.0))];
+            let size = [at(&time, to) - at(&time, from), 16.0];
+            spot(root, [at(&time, from), y - 8.0], size, &format!("{} down from {from:.3} to {to:.3} s", labels[k]));
             root.draw(&Rectangle::new(corners, filled(INK, 0.8)))
         };
         let mut begin: Option<f64> = None;

@@ -92,7 +92,7 @@ pub fn study_html<R: Serialize>(report: &StudyReport<R>) -> Result<String, Repor
         numbers => shown.numbers.clone(),
         rows => shown.rows.iter().enumerate().map(row).collect::<Vec<_>>(),
         columns => shown.words.len() + shown.numbers.len(),
-        figures => figure_views(report.figures.clone()),
+        figures => figure_views([&report.figures, &report.figures]),
         version => report.provenance.version.as_str(),
         command => report.provenance.command.as_str(),
         inputs => report.provenance.inputs.clone(),

@@ -3,11 +3,13 @@
 use super::panels::{Curve, Panel, stacked};
 use super::plot::draw_trunk;
 use super::{COLOURS, TrunkCurves};
+use crate::report::number::significant;
 use crate::report::plot::axis::Axis;
 use crate::report::plot::canvas::{
-    Area, Drawn, EXTENSIVE, INK, LegendEntry, Look, MEASURED, POSITIVE, RIGHT, Sign, WIDTH, diamond, filled, legend,
-    px, sketch, stroke, text,
+    Area, Drawn, EXTENSIVE, INK, LegendEntry, Look, MEASURED, POSITIVE, RIGHT, Sign, diamond, filled, legend, px,
+    sketch, spot, stroke, text, width,
 };
+use crate::report::plot::layout::is_narrow;
 use crate::report::{Figure, ReportError};
 use plotters::prelude::{Circle, PathElement, Rectangle};
 use plotters::style::text_anchor::HPos;
@@ -15,7 +17,9 @@ use plotters::style::{Color, RGBColor};
 
 const ROW: f64 = 24.0;
 /// Where the names end and the plane begins \[px\].
-const NAMES: f64 = 290.0;
+fn names_end() -> f64 {
+    if is_narrow() { 150.0 } else { 290.0 }
+}
 const GRID: RGBColor = RGBColor(224, 224, 224);
 
 /// A row of a comparison.
@@ -62,6 +66,16 @@ fn compared(title: &str, x_label: &str, of: [&str; 2], rows: &[Comparison]) -> R
         [(Sign::Diamond, MEASURED.to_rgba(), of[0].to_owned()), (Sign::Dot, EXTENSIVE.to_rgba(), of[1].to_owned())];
     let labels: Vec<&str> = rows.iter().map(|row| row.name.as_str()).collect();
     plane(title, x_label, &names, &axis, &labels, |root, k, y| {
+        let said = |value: Option<f64>| value.map_or("–".to_owned(), |value| significant(value, 3));
+        let words = format!(
+            "{}: {} {}, {} {}; {x_label}",
+            rows[k].name,
+            of[0],
+            said(rows[k].printed),
+            of[1],
+            said(rows[k].ours)
+        );
+        spot(root, [0.0, y - 0.5 * ROW], [width(), ROW], &words);
         if let Some(value) = rows[k].printed {
             root.draw(&diamond((at(&axis, value), y), filled(MEASURED, 0.8)))?;
         }
@@ -69,7 +83,7 @@ fn compared(title: &str, x_label: &str, of: [&str; 2], rows: &[Comparison]) -> R
             Some(value) => root.draw(&Circle::new((px(at(&axis, value)), px(y)), px(4.0), filled(EXTENSIVE, 1.0))),
             None => {
                 let look = Look { colour: MEASURED, size: 11.0, anchor: HPos::Right, ..Look::default() };
-                text(root, (WIDTH - RIGHT, y), "not run here", look)
+                text(root, (width() - RIGHT, y), "not run here", look)
             }
         }
     })
@@ -90,6 +104,10 @@ pub fn sensitivity_figure(
     let entry = |k: usize| (Sign::Box, colours[k].to_rgba(), less_and_more[k].to_owned());
     let labels: Vec<&str> = rows.iter().map(|row| row.0.as_str()).collect();
     plane(title, x_label, &[entry(0), entry(1)], &axis, &labels, |root, k, y| {
+        let said = |value: Option<f64>| value.map_or("does not fall".to_owned(), |value| significant(value, 3));
+        let [less, more] = rows[k].1.map(said);
+        let words = format!("{}: {} {less}, {} {more}; {x_label}", rows[k].0, less_and_more[0], less_and_more[1]);
+        spot(root, [0.0, y - 0.5 * ROW], [width(), ROW], &words);
         for (side, value) in rows[k].1.iter().enumerate() {
             let top = y - 8.0 + 8.0 * side as f64;
             let (from, colour) = (at(&axis, 0.0), colours[side]);
@@ -109,7 +127,7 @@ pub fn sensitivity_figure(
 }
 
 pub(super) fn at(axis: &Axis, value: f64) -> f64 {
-    NAMES + axis.share(value) * (WIDTH - RIGHT - NAMES)
+    names_end() + axis.share(value) * (width() - RIGHT - names_end())
 }
 
 /// Names at the left, an axis below, whatever `row` draws in each row at its height.
@@ -133,11 +151,11 @@ pub(super) fn plane(
             rule(at(axis, *tick), stroke(if *tick == 0.0 { INK } else { GRID }, 0.75))?;
             text(root, (at(axis, *tick), bottom + 12.0), label, centred)?;
         }
-        let middle = (NAMES + WIDTH - RIGHT) / 2.0;
+        let middle = (names_end() + width() - RIGHT) / 2.0;
         text(root, (middle, bottom + 34.0), x_label, Look { size: 12.0, ..centred })?;
         for (k, label) in labels.iter().enumerate() {
             let y = begin + ROW * (k as f64 + 0.5) + 3.0;
-            text(root, (NAMES - 10.0, y), label, Look { size: 11.0, anchor: HPos::Right, ..Look::default() })?;
+            text(root, (names_end() - 10.0, y), label, Look { size: 11.0, anchor: HPos::Right, ..Look::default() })?;
             row(root, k, y)?;
         }
         Ok(())

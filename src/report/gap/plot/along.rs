@@ -4,7 +4,6 @@ use super::super::words;
 use crate::gap::Diagnosis;
 use crate::gap::inverse::TorqueTraces;
 use crate::report::ReportError;
-use crate::report::number::significant;
 use crate::report::plot::axis::Axis;
 use crate::report::plot::canvas::{
     AFTER, BEFORE, CALIBRATED, INK, MEASURED, Sign, chart, dashed, legend, legend_end, line, sketch, stroke, thinned,
@@ -27,11 +26,8 @@ pub(super) fn torques(diagnosis: &Diagnosis, log: &TorqueTraces) -> Result<Strin
         models.push((words, AFTER, &log.after_nm));
     }
     let left = |model: &[f64]| -> Vec<f64> { log.measured_nm.iter().zip(model).map(|(a, b)| a - b).collect() };
-    let rms = |values: &[f64]| (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt();
     let mut names = vec![(Sign::Line, MEASURED.to_rgba(), "drive".to_owned())];
-    names.extend(models.iter().map(|(name, colour, model)| {
-        (Sign::Line, colour.to_rgba(), format!("{name}, RMS left {} N m", significant(rms(&left(model)), 3)))
-    }));
+    names.extend(models.iter().map(|(name, colour, _)| (Sign::Line, colour.to_rgba(), name.clone())));
     let time = Axis::over(log.t_s.iter().copied(), 0.0);
     let all = models.iter().flat_map(|(_, _, model)| model.iter().copied());
     let torque = Axis::over(all.chain(log.measured_nm.iter().copied()), 0.06);

@@ -1,10 +1,10 @@
 //! Horizontal bars with words beside them: which effects were considered, which variables explain most.
 
-use plotters::prelude::{Polygon, Rectangle};
+use plotters::prelude::Rectangle;
 use plotters::style::text_anchor::HPos;
 use plotters::style::{Color, RGBColor};
 
-use super::ruled::{ROW, RULER, Ruled};
+use super::ruled::{RULER, Ruled, row_height};
 use crate::gap::Diagnosis;
 use crate::report::ReportError;
 use crate::report::gap::waterfall::closes_alone;
@@ -13,14 +13,18 @@ use crate::report::measure::Measure;
 use crate::report::number;
 use crate::report::plot::axis::{Axis, drawable};
 use crate::report::plot::canvas::{
-    AFTER, Area, BAND, BEFORE, CALIBRATED, Drawn, LegendEntry, Look, RIGHT, SHADE, Sign, WIDTH, filled, legend,
-    legend_end, px, sketch, text,
+    AFTER, Area, BAND, BEFORE, CALIBRATED, Drawn, LegendEntry, Look, RIGHT, SHADE, Sign, filled, legend, legend_end,
+    px, sketch, text, width,
 };
+use crate::report::plot::layout::is_narrow;
 
-/// Width of a column of words \[px\].
+/// Width of a column of words \[px\]; in a narrow figure what they need and so much.
 const COLUMN: f64 = 92.0;
-/// A bar that is so many times longer than the others is cut.
+const BETWEEN: f64 = 14.0;
+/// Where a bar is so many times longer than the next one, the ruler is logarithmic.
 const TOO_LONG: f64 = 3.0;
+/// A logarithmic ruler begins at this share of its shortest bar.
+const BEGINS: f64 = 0.6;
 
 /// A bar with its name to the left and words to the right.
 pub(in crate::report) struct Bar {
@@ -34,7 +38,7 @@ pub(in crate::report) struct Bar {
     pub words: Vec<String>,
 }
 
-/// Bars under each other, over a ruler that begins at 0.
+/// Bars under each other, over a ruler that begins at 0, or a logarithmic one that says so.
 pub(in crate::report) struct Bars<'a> {
     pub title: &'a str,
     pub legend: Vec<LegendEntry>,
@@ -43,67 +47,94 @@ pub(in crate::report) struct Bars<'a> {
     pub bars: Vec<Bar>,
     /// A value that is marked through all rows.
     pub mark: Option<f64>,
+    /// Lengths are errors, of which ratios count: the ruler may be logarithmic.
+    pub are_errors: bool,
 }
 
-/// Draws bars; one that is much longer than the others is cut.
+/// Draws bars; where one is much longer than the others the ruler is logarithmic.
 pub(in crate::report) fn draw(picture: &Bars<'_>) -> Result<String, ReportError> {
-    let longest = longest(&picture.bars);
-    let axis = Axis::between(0.0, if longest > 0.0 { longest } else { 1.0 });
+    let values = || picture.bars.iter().map(|bar| bar.value).filter(|value| drawable(*value));
+    let is_log = picture.are_errors && is_uneven(values().filter(|value| *value > 0.0));
+    let axis = match is_log {
+        true => logarithmic(values().chain(picture.mark)),
+        false => {
+            Axis::between(0.0, Some(1.05 * values().fold(0.0, f64::max)).filter(|most| *most > 0.0).unwrap_or(1.0))
+        }
+    };
+    let along = |value: f64| if is_log { value.max(f64::MIN_POSITIVE).log10() } else { value };
+    let label = if is_log { format!("{}, logarithmic", picture.label) } else { picture.label.to_owned() };
     let top = if picture.legend.is_empty() { 34.0 } else { legend_end(&picture.legend) };
     let header_room = if picture.columns.iter().all(|words| words.is_empty()) { 4.0 } else { 20.0 };
-    let height = top + header_room + ROW * picture.bars.len() as f64 + RULER;
+    let height = top + header_room + row_height() * picture.bars.len() as f64 + RULER;
+    let columns = columns(picture);
     sketch(picture.title, height, |root| {
         legend(root, &picture.legend)?;
-        let right = WIDTH - RIGHT - COLUMN * picture.columns.len() as f64;
-        let rows = Ruled { axis: &axis, label: picture.label, right, top: top + header_room, rows: picture.bars.len() };
-        let column = |i: usize| right + COLUMN * (i as f64 + 1.0);
-        let header = Look { size: 11.0, colour: RGBColor(90, 90, 90), anchor: HPos::Right, ..Look::default() };
+        let right = width() - RIGHT - columns.iter().sum::<f64>();
+        let rows = Ruled { axis: &axis, label: &label, right, top: top + header_room, rows: picture.bars.len() };
+        let column = |i: usize| right + columns[..=i].iter().sum::<f64>();
         for (i, words) in picture.columns.iter().enumerate() {
-            text(root, (column(i), top + 8.0), words, header)?;
+            text(root, (column(i), top + 8.0), words, HEADER)?;
         }
         rows.draw(root)?;
         for (row, bar) in picture.bars.iter().enumerate() {
             rows.name(root, row, &bar.name, bar.bold)?;
-            draw_bar(root, &rows, row, bar)?;
+            draw_bar(root, &rows, row, bar, &along)?;
             for (i, words) in bar.words.iter().enumerate() {
                 let look = Look { anchor: HPos::Right, bold: bar.bold, ..Look::default() };
                 text(root, (column(i), rows.y(row)), words, look)?;
             }
+            let said = picture.columns.iter().zip(&bar.words).filter(|(_, words)| !words.is_empty());
+            let said: Vec<String> = said.map(|(name, words)| format!("{name} {words}").trim().to_owned()).collect();
+            rows.says(root, row, &format!("{}: {}", bar.name, said.join(", ")));
         }
         match picture.mark {
-            Some(mark) => rows.upright(root, mark, BAND, 2.0),
+            Some(mark) => rows.upright(root, along(mark), BAND, 2.0),
             None => Ok(()),
         }
     })
 }
 
-/// The longest bar that is not cut, with a little room.
-fn longest(bars: &[Bar]) -> f64 {
-    let mut lengths: Vec<f64> = bars.iter().map(|bar| bar.value).filter(|value| drawable(*value)).collect();
-    lengths.sort_by(f64::total_cmp);
-    match lengths[..] {
-        [.., second, longest] if longest > TOO_LONG * second && second > 0.0 => 1.5 * second,
-        [.., longest] => 1.05 * longest,
-        [] => 0.0,
-    }
+/// What stands over a column.
+const HEADER: Look = Look { size: 11.0, colour: RGBColor(90, 90, 90), bold: false, anchor: HPos::Right, upward: false };
+
+/// Widths of the columns of words \[px\].
+fn columns(picture: &Bars<'_>) -> Vec<f64> {
+    let needs = |(i, header): (usize, &&str)| {
+        let words = picture
+            .bars
+            .iter()
+            .filter_map(|bar| Some(Look { bold: bar.bold, ..Look::default() }.width(bar.words.get(i)?)));
+        words.fold(HEADER.width(header), f64::max) + BETWEEN
+    };
+    let all = picture.columns.iter().enumerate();
+    if is_narrow() { all.map(needs).collect() } else { all.map(|_| COLUMN).collect() }
 }
 
-fn draw_bar(root: &Area<'_>, rows: &Ruled<'_>, row: usize, bar: &Bar) -> Drawn {
+/// Whether one bar would leave the others no room.
+fn is_uneven(values: impl Iterator<Item = f64>) -> bool {
+    let mut lengths: Vec<f64> = values.collect();
+    lengths.sort_by(f64::total_cmp);
+    matches!(lengths[..], [.., _, second, longest] if longest > TOO_LONG * second)
+}
+
+/// An axis of decimal logarithms that begins below the shortest bar.
+fn logarithmic(values: impl Iterator<Item = f64>) -> Axis {
+    let above: Vec<f64> = values.filter(|value| *value > 0.0).collect();
+    let (least, most) = above.iter().fold((f64::INFINITY, 0.0f64), |(l, h), x| (l.min(*x), h.max(*x)));
+    Axis::logarithmic([BEGINS * least, most])
+}
+
+fn draw_bar(root: &Area<'_>, rows: &Ruled<'_>, row: usize, bar: &Bar, along: &dyn Fn(f64) -> f64) -> Drawn {
     if !drawable(bar.value) || bar.value <= 0.0 {
         return Ok(());
     }
-    let (y, end) = (rows.y(row), rows.x(bar.value));
+    let (y, end) = (rows.y(row), rows.x(along(bar.value)));
     if let Some(above) = bar.down_from.filter(|above| drawable(*above) && *above > bar.value) {
-        let closed = [(px(end), px(y - 8.0)), (px(rows.x(above.min(rows.axis.high()))), px(y + 8.0))];
+        let closed = [(px(end), px(y - 8.0)), (px(rows.x(along(above))), px(y + 8.0))];
         root.draw(&Rectangle::new(closed, filled(bar.colour, 0.3)))?;
     }
-    let corners = [(px(Ruled::LEFT), px(y - 8.0)), (px(end), px(y + 8.0))];
-    root.draw(&Rectangle::new(corners, filled(bar.colour, 0.9)))?;
-    if bar.value <= rows.axis.high() {
-        return Ok(());
-    }
-    let tip = [(end - 7.0, y - 8.0), (end + 6.0, y), (end - 7.0, y + 8.0)];
-    root.draw(&Polygon::new(tip.map(|(x, y)| (px(x), px(y))), filled(bar.colour, 1.0)))
+    let corners = [(px(Ruled::left()), px(y - 8.0)), (px(end), px(y + 8.0))];
+    root.draw(&Rectangle::new(corners, filled(bar.colour, 0.9)))
 }
 
 /// Draws the RMS over the held-out logs as given, recalibrated, with each candidate, and the sensor's noise.
@@ -149,6 +180,7 @@ pub(super) fn ranking(diagnosis: &Diagnosis) -> Result<String, ReportError> {
         columns: &[&*format!("RMS [{}]", measure.unit), "closes alone", "probability"],
         bars,
         mark: Some(measure.scale * gap.floor).filter(|floor| drawable(*floor)),
+        are_errors: true,
     })
 }
 
@@ -169,5 +201,6 @@ pub(super) fn variables(diagnosis: &Diagnosis) -> Result<String, ReportError> {
         columns: &[""],
         bars: bars.collect(),
         mark: None,
+        are_errors: false,
     })
 }

@@ -3,14 +3,14 @@
 use plotters::prelude::{Circle, PathElement};
 use plotters::style::{Color, RGBColor};
 
-use super::ruled::{ROW, RULER, Ruled};
+use super::ruled::{RULER, Ruled, row_height};
 use crate::gap::{Diagnosis, LogGap};
 use crate::report::ReportError;
 use crate::report::gap::words;
 use crate::report::measure::Measure;
 use crate::report::plot::axis::{Axis, drawable};
 use crate::report::plot::canvas::{
-    AFTER, BAND, BEFORE, CALIBRATED, RIGHT, SHADE, Sign, WIDTH, diamond, filled, legend, legend_end, px, sketch, stroke,
+    AFTER, BAND, BEFORE, CALIBRATED, RIGHT, SHADE, Sign, diamond, filled, legend, legend_end, px, sketch, stroke, width,
 };
 
 /// Draws each held-out log's RMS as given, recalibrated, with the answer and the sensor's noise, on a logarithmic axis.
@@ -45,12 +45,12 @@ pub(in crate::report) fn errors(
     ];
     names.extend(answer.iter().map(|words| (Sign::Dot, AFTER.to_rgba(), words.clone())));
     names.push((Sign::Diamond, BAND.to_rgba(), "the sensor's own noise".to_owned()));
-    let height = legend_end(&names) + 4.0 + ROW * logs.len() as f64 + RULER;
+    let height = legend_end(&names) + 4.0 + row_height() * logs.len() as f64 + RULER;
 
     sketch(title, height, |root| {
         let top = legend(root, &names)?;
         let label = format!("RMS of the {} [{}], logarithmic", measure.what, measure.unit);
-        let rows = Ruled { axis: &axis, label: &label, right: WIDTH - RIGHT, top: top + 4.0, rows: logs.len() };
+        let rows = Ruled { axis: &axis, label: &label, right: width() - RIGHT, top: top + 4.0, rows: logs.len() };
         rows.draw(root)?;
         for (row, log) in logs.iter().enumerate() {
             let is_last = row + 1 == logs.len();
@@ -60,6 +60,7 @@ pub(in crate::report) fn errors(
                 (shown.then(|| rows.x((measure.scale * rms).log10())), colour)
             });
             let shown = || places.iter().filter_map(|(x, _)| *x);
+            rows.says(root, row, &said(log, &files[row], measure, answer.as_deref()));
             let (low, high) = shown().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
             let y = rows.y(row);
             if low < high {
@@ -78,6 +79,15 @@ pub(in crate::report) fn errors(
         }
         Ok(())
     })
+}
+
+/// All errors of a row in words.
+fn said(log: &LogGap, name: &str, measure: Measure, answer: Option<&str>) -> String {
+    let of = |words: &str, rms: f64| format!("{words} {}", measure.quantity(rms));
+    let after = answer.map(|words| of(words, log.after));
+    let all = [of("as given", log.before), of("recalibrated", log.calibrated)].into_iter().chain(after);
+    let all: Vec<String> = all.chain([of("noise", log.floor)]).collect();
+    format!("{name}: {}", all.join(", "))
 }
 
 /// RMS and colour: before, calibrated, after, floor.

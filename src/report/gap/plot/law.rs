@@ -6,7 +6,8 @@ use super::figure;
 use crate::joint::{Curve, LawActs, LawTable, LawVariable};
 use crate::report::plot::axis::{Axis, drawable};
 use crate::report::plot::canvas::{
-    AFTER, INK, MEASURED, SHADE, Sign, band, chart, dashed, dots, filled, legend, line, notice, sketch, stroke,
+    AFTER, INK, MEASURED, SHADE, Sign, band, band_name, chart, dashed, dots, filled, legend, line, notice, sketch,
+    stroke,
 };
 use crate::report::rows::typeset_unit;
 use crate::report::{Figure, ReportError};
@@ -66,11 +67,12 @@ fn drawing(title: &str, law: &LawTable, sd: Option<&[f64]>, seen: &[f64]) -> Res
     let value = Axis::over(points.iter().map(|(_, y)| *y).chain(ends).chain([0.0]), 0.08);
     let rug: Vec<f64> = thinned(seen, [at.low(), at.high()]);
 
+    let band_words = band_name(&limits, &value, HEIGHT - 120.0, &typeset_unit(law.acts.unit()));
     sketch(title, HEIGHT, |root| {
         let mut names =
             vec![(Sign::Line, AFTER.to_rgba(), "law".to_owned()), (Sign::Dot, AFTER.to_rgba(), "its knots".to_owned())];
         if !limits.is_empty() {
-            names.push((Sign::Box, AFTER.mix(BAND_OPACITY), "95 % band".to_owned()));
+            names.push((Sign::Box, AFTER.mix(BAND_OPACITY), band_words));
         }
         if !rug.is_empty() {
             names.push((Sign::Line, SHADE.to_rgba(), "samples of the logs".to_owned()));

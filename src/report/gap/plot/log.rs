@@ -2,22 +2,16 @@
 
 use crate::gap::{Diagnosis, LogTraces, Phase};
 use crate::report::ReportError;
-use crate::report::gap::rows::residual_rms_rad;
 use crate::report::gap::words;
 use crate::report::plot::canvas::{AFTER, BEFORE, CALIBRATED};
-use crate::report::plot::overlay::{Curve, Overlay, TorqueCurve, overlay, with_rms};
+use crate::report::plot::overlay::{Curve, Overlay, TorqueCurve, overlay};
 
 /// Half-width of a 95 % band in standard deviations.
 const SPREAD: f64 = 1.96;
 
 /// Draws one log; `half_step_rad` is 0 where its quantisation is unknown.
 pub(super) fn log(diagnosis: &Diagnosis, log: &LogTraces, half_step_rad: f64) -> Result<String, ReportError> {
-    let curve = |name: &str, colour, angle_rad| Curve {
-        name: with_rms(name, residual_rms_rad(log, angle_rad)),
-        colour,
-        angle_rad,
-        first: 0,
-    };
+    let curve = |name: &str, colour, angle_rad| Curve { name: name.to_owned(), colour, angle_rad, first: 0 };
     let mut models =
         vec![curve("as given", BEFORE, &log.before_rad), curve("recalibrated", CALIBRATED, &log.calibrated_rad)];
     if let Some(answer) = words::answer(diagnosis) {

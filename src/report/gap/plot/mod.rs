@@ -3,6 +3,7 @@
 mod along;
 pub(in crate::report) mod bars;
 mod cells;
+mod close_up;
 pub(in crate::report) mod how_far;
 mod law;
 mod log;
@@ -19,13 +20,16 @@ use super::rows::{effect_rows, joint_rows};
 use super::{GapReport, NEXT_FILE};
 use crate::gap::Verdict;
 use crate::gap::inverse::TorqueTraces;
-use crate::report::plot::intervals::interval_bars;
+use crate::joint::Stage;
+use crate::report::plot::intervals::{Group, interval_bars};
 use crate::report::plot::plain;
 use crate::report::{Figure, ReportError};
 
 /// Figures by their place in the report; what would be empty is left out.
 pub(super) struct GapFigures {
     pub steps: Vec<Figure>,
+    pub laws: Vec<Figure>,
+    pub close_up: Vec<Figure>,
     pub place: Vec<Figure>,
     pub which: Vec<Figure>,
     pub twins: Vec<Figure>,
@@ -40,8 +44,9 @@ pub(super) struct GapFigures {
 /// # Errors
 /// [`ReportError::Font`] and [`ReportError::Draw`], neither of which depends on the data.
 pub fn gap_figures(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
-    let GapFigures { steps, place, which, twins, how_far, logs, parameters, next } = GapFigures::of(report)?;
-    Ok([steps, place, which, twins, how_far, logs, parameters, next].into_iter().flatten().collect())
+    let GapFigures { steps, next, close_up, laws, place, which, twins, how_far, logs, parameters } =
+        GapFigures::of(report)?;
+    Ok([steps, next, close_up, laws, place, which, twins, how_far, logs, parameters].into_iter().flatten().collect())
 }
 
 /// A figure with its file's name.
@@ -54,19 +59,19 @@ impl GapFigures {
         let diagnosis = &report.diagnosis;
         let mut steps = Vec::new();
         if !diagnosis.gap.per_log.is_empty() {
-            let caption =
-                format!("{} A bar with a tip is longer than the ruler.", super::waterfall::explanation(diagnosis));
+            let caption = super::waterfall::explanation(diagnosis);
             let title = super::waterfall::heading(diagnosis);
             steps.push(figure("waterfall", title, &caption, waterfall::waterfall(diagnosis)?));
         }
+        let mut laws = Vec::new();
         if let Some(law) = &diagnosis.law {
-            steps.push(law_figure(&diagnosis.joint, &law.table, law.sd.as_deref(), &[])?);
+            laws.push(law_figure(&diagnosis.joint, &law.table, law.sd.as_deref(), &[])?);
         }
         let mut which = Vec::new();
         if !diagnosis.ranking.is_empty() {
             let caption = "Recalibrated: inertia, moment and friction refitted, nothing added. Each effect is added to \
                            the joint and everything is refitted; the error is that of logs that the fit has not seen. \
-                           Closes alone: share of what recalibration leaves. A bar with a tip is longer than the ruler.";
+                           Closes alone: share of what recalibration leaves.";
             which.push(figure("ranking", "Effects that were considered", caption, bars::ranking(diagnosis)?));
         }
         let mut twins = Vec::new();
@@ -88,6 +93,8 @@ impl GapFigures {
         }
         Ok(Self {
             steps,
+            laws,
+            close_up: close_up(report)?,
             place: place(report)?,
             which,
             twins,
@@ -99,6 +106,24 @@ impl GapFigures {
     }
 }
 
+/// The moment at which the answer matters most.
+fn close_up(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
+    let diagnosis = &report.diagnosis;
+    let Some(moment) = close_up::moment(diagnosis) else { return Ok(Vec::new()) };
+    let caption = "The turn of the motion at which the answer matters most. Dots are readings, dashes what was asked; below, \
+                   measured minus model.";
+    let svg = close_up::close_up(diagnosis, &moment, half_step_rad(report, &moment.log.file))?;
+    Ok(vec![figure("close-up", "Close-up", caption, svg)])
+}
+
+/// Half a step of a log's readings \[rad\]; 0 where it is unknown.
+fn half_step_rad(report: &GapReport, file: &str) -> f64 {
+    report.health.iter().find(|row| row.file == file).map_or(0.0, |row| 0.5 * row.resolution_rad)
+}
+
+/// Where no variable explains this share of the missing torque there is nothing to draw.
+const LEAST_SHARE: f64 = 0.005;
+
 /// Where the gap lies.
 fn place(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
     let diagnosis = &report.diagnosis;
@@ -109,12 +134,15 @@ fn place(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
                        would give; grey: no more than that.";
         figures.push(figure("map", "Where the gap lies", caption, cells::map(diagnosis)?));
     }
-    if !location.variables.is_empty() {
+    // A setpoint that acts late or otherwise is no torque: what one depends on would lead astray.
+    let is_torque = !matches!(location.stage, Some(Stage::Setpoint | Stage::Delay));
+    let explains = location.variables.iter().any(|(_, share)| *share > LEAST_SHARE);
+    if is_torque && explains {
         let caption = "Variables hang together, so the shares do not add up to 100 %.";
         figures.push(figure("variables", "What the gap depends on", caption, bars::variables(diagnosis)?));
     }
     let best = location.variable.or(location.variables.first().map(|(variable, _)| *variable));
-    if let Some(variable) = best.filter(|_| !location.profile.is_empty()) {
+    if let Some(variable) = best.filter(|_| is_torque && !location.profile.is_empty()) {
         let caption = "The torque that the recalibrated model lacks, averaged in bins. A constant or smooth curve away \
                        from zero is missing physics; a band around zero is none. For variables of friction it counts \
                        against the motion.";
@@ -131,14 +159,13 @@ fn place(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
 
 fn logs(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
     let diagnosis = &report.diagnosis;
-    let caption = "Above: readings and models. Middle: measured minus model; what explains the log stays in the band. \
-                   Below: the torque that is missing. Mind the scales where a model has a panel of its own.";
+    let caption = "Above: readings and models, fitted to all logs with role fit; their errors on held-out logs stand above. \
+                   Middle: measured minus model; what explains the log stays in the band. Below: the torque that is missing. \
+                   Mind the scales where a model has a panel of its own.";
     let draw = |(i, log): (usize, &crate::gap::LogTraces)| {
-        let resolution_rad =
-            report.health.iter().find(|row| row.file == log.file).map_or(0.0, |row| row.resolution_rad);
         let name = format!("log-{:02}-{}", i + 1, plain(&log.file));
         let title = format!("Log {} ({})", log.file, log.role);
-        Ok(figure(&name, &title, caption, log::log(diagnosis, log, 0.5 * resolution_rad)?))
+        Ok(figure(&name, &title, caption, log::log(diagnosis, log, half_step_rad(report, &log.file))?))
     };
     diagnosis.traces.iter().enumerate().map(draw).collect()
 }
@@ -157,13 +184,15 @@ fn torques(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
 fn parameters(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
     let diagnosis = &report.diagnosis;
     let (joint, effects) = (joint_rows(diagnosis), effect_rows(diagnosis));
-    let groups: Vec<_> =
-        [("joint", &joint[..]), ("effects", &effects[..])].into_iter().filter(|(_, rows)| !rows.is_empty()).collect();
+    let group = |name, rows| Group { name, rows, beliefs: &diagnosis.beliefs };
+    let mut groups = vec![group("joint", &joint[..]), group("effects", &effects[..])];
+    groups.retain(|group| !group.rows.is_empty());
     if groups.is_empty() {
         return Ok(Vec::new());
     }
-    let caption = "Each parameter on its own scale: the robust interval allows for residuals that hang together in time, \
-                   the naive one does not. An arrow is a nominal value beyond the edge.";
+    let caption = "The robust interval allows for residuals that hang together in time, the naive one does not. Numbers of which \
+                 something was believed are drawn from that, in its standard deviations: an interval that fills the band says no \
+                 more than was believed, a short one beside it is a finding. An arrow is an end beyond the ruler.";
     let svg = interval_bars(&format!("{} parameters with 95 % intervals", diagnosis.joint), &groups)?;
     Ok(vec![figure("intervals", "Parameters and their intervals", caption, svg)])
 }

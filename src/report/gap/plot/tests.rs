@@ -43,6 +43,7 @@ fn figures_name_their_axes_with_units() {
         ("log-01", &["angle [rad]", "residual [mrad]", "torque [N m]", "time [s]"]),
         ("intervals", &["inertia I*", "stribeck mu_st"]),
         ("next", &["setpoint [rad]", "time [s]"]),
+        ("close-up", &["angle [rad]", "residual [mrad]", "time [s]"]),
     ] {
         let texts = figure(&report, start);
         for label in labels {

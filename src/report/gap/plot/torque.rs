@@ -1,6 +1,5 @@
 //! The torque that the model lacks, against what it depends on.
 
-use plotters::style::text_anchor::HPos;
 use plotters::style::{Color, RGBColor};
 
 use crate::gap::{Diagnosis, Variable};
@@ -8,8 +7,8 @@ use crate::report::ReportError;
 use crate::report::gap::words;
 use crate::report::plot::axis::{Axis, drawable};
 use crate::report::plot::canvas::{
-    AFTER, INK, Look, POSITIVE, SHADE, Sign, WIDTH, band, block, chart, dots, filled, legend, line, notice, px, sketch,
-    stroke, text,
+    AFTER, INK, POSITIVE, SHADE, Sign, band, band_name, block, chart, dots, filled, legend, line, notice, px, sketch,
+    stroke, width,
 };
 use crate::report::rows::typeset_unit;
 
@@ -27,10 +26,12 @@ pub(super) fn profile(diagnosis: &Diagnosis, variable: Variable) -> Result<Strin
     let at = Axis::over(bins.iter().map(|bin| bin.at), if is_direction { 0.5 } else { 0.04 });
     let range = diagnosis.location.range.filter(|ends| !is_direction && ends.iter().all(|end| drawable(*end)));
 
+    let limits: Vec<_> = bins.iter().map(|bin| (bin.at, bin.band_nm[0], bin.band_nm[1])).collect();
+    let band_words = band_name(&limits, &torque, HEIGHT - 120.0, "N m");
     sketch(&format!("{}: missing torque against the {}", diagnosis.joint, words::variable(variable)), HEIGHT, |root| {
         let mut names = vec![
             (Sign::Dot, AFTER.to_rgba(), "mean of a bin".to_owned()),
-            (Sign::Box, AFTER.mix(BAND_OPACITY), "95 % band".to_owned()),
+            (Sign::Box, AFTER.mix(BAND_OPACITY), band_words),
         ];
         if range.is_some() {
             names.push((Sign::Box, SHADE.mix(0.3), "where most of the gap lies".to_owned()));
@@ -53,7 +54,6 @@ pub(super) fn profile(diagnosis: &Diagnosis, variable: Variable) -> Result<Strin
                 line(&mut chart, &[(bin.at, low), (bin.at, high)], stroke(AFTER.mix(2.0 * BAND_OPACITY), 6.0))?;
             }
         } else {
-            let limits: Vec<_> = bins.iter().map(|bin| (bin.at, bin.band_nm[0], bin.band_nm[1])).collect();
             band(&mut chart, &limits, filled(AFTER, BAND_OPACITY))?;
         }
         let means: Vec<_> = bins.iter().map(|bin| (bin.at, bin.torque_nm)).collect();
@@ -80,15 +80,20 @@ pub(super) fn shape(diagnosis: &Diagnosis) -> Result<String, ReportError> {
     let title = format!("{}: the torque that no effect explains", diagnosis.joint);
 
     sketch(&title, HEIGHT, |root| {
-        let names = [
+        let mut names = vec![
             (Sign::Dot, FORWARD.to_rgba(), "while the angle grows".to_owned()),
             (Sign::Dot, BACKWARD.to_rgba(), "while it falls".to_owned()),
         ];
+        let outside = samples.iter().filter(|s| !(torque.low()..=torque.high()).contains(&s.torque)).count();
+        if outside > 0 {
+            let words = format!("{outside} of {} samples lie outside", samples.len());
+            names.push((Sign::Box, SHADE.mix(0.3), words));
+        }
         let top = legend(root, &names)?;
         if samples.is_empty() {
             return notice(root, "no torque could be reconstructed from these logs");
         }
-        let (left, right) = root.split_horizontally(px(WIDTH / 2.0));
+        let [left, right] = root.halves(px(width() / 2.0));
         let place = |sample: &Sample, along: bool| (if along { sample.rate } else { sample.angle }, sample.torque);
         for (half, axis, label, along) in
             [(&left, &rate, "speed [rad/s]", true), (&right, &angle, "angle [rad]", false)]
@@ -103,13 +108,7 @@ pub(super) fn shape(diagnosis: &Diagnosis) -> Result<String, ReportError> {
                 dots(&mut chart, &points, 1.5, filled(colour, 0.5))?;
             }
         }
-        let outside = samples.iter().filter(|s| !(torque.low()..=torque.high()).contains(&s.torque)).count();
-        if outside == 0 {
-            return Ok(());
-        }
-        let words = format!("{outside} of {} samples lie outside", samples.len());
-        let look = Look { size: 11.0, colour: RGBColor(90, 90, 90), anchor: HPos::Right, ..Look::default() };
-        text(root, (WIDTH - 28.0, 44.0), &words, look)
+        Ok(())
     })
 }
 

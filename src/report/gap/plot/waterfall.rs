@@ -27,6 +27,7 @@ pub(super) fn waterfall(diagnosis: &Diagnosis) -> Result<String, ReportError> {
         columns: &[&*format!("RMS [{}]", measure.unit), "closes", "alone", "last"],
         bars,
         mark: Some(measure.scale * diagnosis.gap.floor).filter(|floor| drawable(*floor)),
+        are_errors: true,
     })
 }
 

@@ -52,6 +52,7 @@ pub(super) fn ranking(diagnosis: &RobotDiagnosis) -> Result<String, ReportError>
         columns: &["RMS [mrad]", "gap closed", "probability"],
         bars,
         mark: Some(1e3 * gap.floor).filter(|floor| drawable(*floor)),
+        are_errors: true,
     })
 }
 
@@ -79,5 +80,6 @@ pub(super) fn displacement(diagnosis: &RobotDiagnosis) -> Result<String, ReportE
         columns: &[""],
         bars,
         mark: None,
+        are_errors: false,
     })
 }

@@ -6,7 +6,7 @@ use crate::gap::robot::{JointTrace, RobotDiagnosis};
 use crate::log::RobotScenario;
 use crate::report::ReportError;
 use crate::report::plot::canvas::{AFTER, BEFORE};
-use crate::report::plot::overlay::{Curve, Overlay, TorqueCurve, overlay, with_rms};
+use crate::report::plot::overlay::{Curve, Overlay, TorqueCurve, overlay};
 use crate::report::robot_gap::{RobotGapReport, words};
 
 /// Joints that are shown where no cause is on a joint, and figures at the most.
@@ -46,12 +46,7 @@ pub(super) fn joint(report: &RobotGapReport, trace: &JointTrace) -> Result<Strin
     let (t_s, measured_rad) = (cut(&trace.t_s), cut(&trace.measured_rad));
     let (setpoint_rad, before_rad) = (cut(&trace.setpoint_rad), cut(&trace.before_rad));
     let (after_rad, torque_nm) = (cut(&trace.after_rad), cut(&trace.residual_torque_nm));
-    let curve = |name: &str, colour, angle_rad| Curve {
-        name: with_rms(name, rms_rad(&measured_rad, angle_rad)),
-        colour,
-        angle_rad,
-        first: 0,
-    };
+    let curve = |name: &str, colour, angle_rad| Curve { name: name.to_owned(), colour, angle_rad, first: 0 };
     let mut models = vec![curve("as given", BEFORE, &before_rad)];
     if let Some(answer) = words::answer(&diagnosis.answer) {
         models.push(curve(&answer, AFTER, &after_rad));
@@ -94,11 +89,6 @@ fn spans(t_s: &[f64], held: &[bool]) -> Vec<[f64; 2]> {
     let samples: Vec<(f64, bool)> = t_s.iter().copied().zip(held.iter().copied()).collect();
     let runs = samples.chunk_by(|a, b| a.1 == b.1).filter(|run| run[0].1);
     runs.map(|run| [run[0].0, run[run.len() - 1].0]).collect()
-}
-
-fn rms_rad(measured_rad: &[f64], model_rad: &[f64]) -> f64 {
-    let squares = measured_rad.iter().zip(model_rad).map(|(measured, model)| (measured - model).powi(2));
-    (squares.sum::<f64>() / measured_rad.len() as f64).sqrt()
 }
 
 #[cfg(test)]

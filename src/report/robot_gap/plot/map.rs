@@ -9,8 +9,8 @@ use crate::gap::robot::{GaitCell, GaitPhase, RobotDiagnosis};
 use crate::report::ReportError;
 use crate::report::number::significant;
 use crate::report::plot::canvas::{
-    AFTER, Area, Drawn, INK, LEFT, Look, POSITIVE, RIGHT, SHADE, Sign, WIDTH, filled, legend, legend_end, px, sketch,
-    stroke, text,
+    AFTER, Area, Drawn, INK, Look, POSITIVE, RIGHT, SHADE, Sign, filled, left, legend, legend_end, px, sketch, spot,
+    stroke, text, width,
 };
 use crate::report::plot::heat::{Heat, HeatCell, NO_VALUE, draw_cell, heat, tint};
 use crate::report::robot_gap::words::joints_and_phases;
@@ -125,7 +125,7 @@ pub(super) fn on_robot(diagnosis: &RobotDiagnosis, robot: &Sketch) -> Result<Str
         }
         for strip in &strips {
             let (x, y) = place(strip.joint.at_m);
-            let end = if strip.is_left { CELLS[1] + 3.0 } else { WIDTH - CELLS[1] - 3.0 };
+            let end = if strip.is_left { CELLS[1] + 3.0 } else { width() - CELLS[1] - 3.0 };
             root.draw(&PathElement::new([(px(end), px(strip.y)), (px(x), px(y))], stroke(SHADE, 0.75)))?;
         }
         for joint in &robot.joints {
@@ -157,7 +157,7 @@ pub(super) fn on_robot(diagnosis: &RobotDiagnosis, robot: &Sketch) -> Result<Str
 
 /// Where a column of cells begins \[px\].
 fn cell_x(map: &Map<'_>, is_left: bool, column: f64) -> f64 {
-    let begin = if is_left { CELLS[0] } else { WIDTH - CELLS[1] };
+    let begin = if is_left { CELLS[0] } else { width() - CELLS[1] };
     begin + column * (CELLS[1] - CELLS[0]) / map.phases.len().max(1) as f64
 }
 
@@ -198,13 +198,15 @@ fn strips<'a>(
 }
 
 fn draw_strip(root: &Area<'_>, map: &Map<'_>, strip: &Strip<'_>, is_blamed: bool) -> Drawn {
-    let (x, anchor) = if strip.is_left { (NAMES, HPos::Right) } else { (WIDTH - NAMES, HPos::Left) };
+    let (x, anchor) = if strip.is_left { (NAMES, HPos::Right) } else { (width() - NAMES, HPos::Left) };
     let look = Look { bold: is_blamed, colour: if is_blamed { AFTER } else { INK }, anchor, ..Look::default() };
     text(root, (x, strip.y), &look.fit(&strip.joint.name, NAMES - 20.0), look)?;
     let width = cell_x(map, true, 1.0) - cell_x(map, true, 0.0);
     for (column, phase) in map.phases.iter().enumerate() {
         let corner = [cell_x(map, strip.is_left, column as f64), strip.y - 0.5 * ROW + 1.0];
-        draw_cell(root, corner, [width, ROW - 2.0], &map.cell(&strip.joint.name, *phase), 11.0)?;
+        let cell = map.cell(&strip.joint.name, *phase);
+        draw_cell(root, corner, [width, ROW - 2.0], &cell, 11.0)?;
+        spot(root, corner, [width, ROW - 2.0], &format!("{}, {}: {} mrad", strip.joint.name, phase.name(), cell.words));
     }
     Ok(())
 }
@@ -212,7 +214,7 @@ fn draw_strip(root: &Area<'_>, map: &Map<'_>, strip: &Strip<'_>, is_blamed: bool
 /// From white to the largest cell.
 fn scale_bar(root: &Area<'_>, map: &Map<'_>, y: f64) -> Drawn {
     const STEPS: usize = 40;
-    let (from, to) = (LEFT + 150.0, WIDTH - RIGHT - 250.0);
+    let (from, to) = (left() + 150.0, width() - RIGHT - 250.0);
     let step = (to - from) / STEPS as f64;
     for (row, colour) in [(y - 7.0, POSITIVE), (y, SHADE)] {
         for k in 0..STEPS {

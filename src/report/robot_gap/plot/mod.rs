@@ -8,17 +8,19 @@ mod sketch;
 pub use sketch::Sketch;
 
 use super::RobotGapReport;
-use super::words;
+use super::{waterfall, words};
 use crate::gap::LogGap;
 use crate::gap::robot::JointTrace;
 use crate::report::gap::plot::figure;
 use crate::report::gap::plot::how_far::errors;
 use crate::report::measure::ANGLE;
+use crate::report::plot::layout::is_narrow;
 use crate::report::plot::plain;
 use crate::report::{Figure, ReportError};
 
 /// Figures by their place in the report; what would be empty is left out.
 pub(super) struct RobotGapFigures {
+    pub steps: Vec<Figure>,
     pub place: Vec<Figure>,
     pub which: Vec<Figure>,
     pub how_far: Vec<Figure>,
@@ -30,8 +32,8 @@ pub(super) struct RobotGapFigures {
 /// # Errors
 /// [`ReportError::Font`] and [`ReportError::Draw`], neither of which depends on the data.
 pub fn robot_gap_figures(report: &RobotGapReport) -> Result<Vec<Figure>, ReportError> {
-    let RobotGapFigures { place, which, how_far, joints } = RobotGapFigures::of(report)?;
-    Ok([place, which, how_far, joints].into_iter().flatten().collect())
+    let RobotGapFigures { steps, place, which, how_far, joints } = RobotGapFigures::of(report)?;
+    Ok([steps, place, which, how_far, joints].into_iter().flatten().collect())
 }
 
 impl RobotGapFigures {
@@ -39,19 +41,19 @@ impl RobotGapFigures {
         let diagnosis = &report.diagnosis;
         let mut place = Vec::new();
         if !diagnosis.location.cells.is_empty() {
-            let caption = "The robot from above, its legs spread out for the picture. Each joint has a cell for what its \
-                           leg was doing; the number is the RMS of the gap above the sensor's noise in mrad. Framed: more \
-                           than chance gives, also when all cells are looked at.";
-            let svg = map::on_robot(diagnosis, &report.sketch)?;
-            place.push(figure("map-on-robot", "Where the gap lies", caption, svg));
-            let caption = "The same as a table, touch-down being the first moments of a stance.";
-            place.push(figure("map", "Where the gap lies, by joint and phase", caption, map::table(diagnosis)?));
+            let caption = "Each joint has a cell for what its leg was doing, touch-down being the first moments of a stance; \
+                           the number is the RMS of the gap above the sensor's noise in mrad. Framed: more than chance gives, \
+                           also when all cells are looked at. Where there is room, the robot is seen from above, its legs \
+                           spread out for the picture.";
+            // On a narrow screen the robot has no room between its cells.
+            let svg = if is_narrow() { map::table(diagnosis)? } else { map::on_robot(diagnosis, &report.sketch)? };
+            place.push(figure("map", "Where the gap lies", caption, svg));
         }
         let mut which = Vec::new();
         if !diagnosis.ranking.is_empty() {
             let caption = "Recalibrated: masses and friction adapted within what is uncertain anyway, nothing added. Each \
                            cause is added where it stands and fitted; the error is that of samples that the fit has not \
-                           seen. A bar with a tip is longer than the ruler.";
+                           seen.";
             which.push(figure("ranking", "Causes that were fitted", caption, bars::ranking(diagnosis)?));
         }
         let mut how_far = Vec::new();
@@ -63,7 +65,9 @@ impl RobotGapFigures {
             let caption = "How far the trunk went between the times that the study states.";
             how_far.push(figure("displacement", "Displacement of the trunk", caption, bars::displacement(diagnosis)?));
         }
-        Ok(Self { place, which, how_far, joints: joints(report)? })
+        let svg = waterfall::figure(diagnosis)?;
+        let steps = vec![figure("waterfall", waterfall::HEADING, waterfall::EXPLANATION, svg)];
+        Ok(Self { steps, place, which, how_far, joints: joints(report)? })
     }
 }
 
