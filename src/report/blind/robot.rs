@@ -255,6 +255,7 @@ mod tests {
             seed: 7,
             trial: 0,
             scenario: "floor",
+            robot: "ers7".to_owned(),
             verdict,
             faults: causes
                 .iter()
@@ -280,6 +281,7 @@ mod tests {
             places: vec![vec!["lf1".to_owned()], vec!["rf1".to_owned()]],
             first,
             second: None,
+            more: vec![],
             probability: 0.7,
             standing: String::new(),
             partial: None,
