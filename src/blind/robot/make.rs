@@ -229,10 +229,8 @@ fn finish(
         noise_rad: scene.noise_rad(),
         scatter,
         friction_scatter,
-        method: made.truth.method,
+        method: made.truth.method.clone(),
         motions: scene.motions,
     };
-    let study =
-        std::iter::once(("study.toml".to_owned(), made.study_toml)).chain(made.robot).chain(made.logs).collect();
-    Some(RobotMade { study, truth })
+    Some(RobotMade { study: made.files().collect(), truth })
 }

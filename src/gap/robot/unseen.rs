@@ -47,7 +47,8 @@ impl<'a> Unseen<'a> {
         self.left(simple) - self.left(rich) > GAINED.max(OF_PROMISED * promised)
     }
 
-    fn squares(&self, residual: &[f64]) -> f64 {
+    /// Weighed sum of squares of a residual over them.
+    pub fn squares(&self, residual: &[f64]) -> f64 {
         self.samples.iter().map(|k| self.bench.noise_of_all.weight[*k] * residual[*k].powi(2)).sum()
     }
 }
