@@ -91,7 +91,10 @@ pub(super) fn gap(bench: &Bench<'_>, given: &Hypothesis, decision: &Decision<'_>
         held_out: if has_validate {
             "predicted by a fit to the other logs, as the study says".to_owned()
         } else {
-            "of three gait cycles (or parts of the motion) one: simulated through, not seen by any fit".to_owned()
+            let which = if bench.case.is_clamped() { "middle" } else { "last" };
+            format!(
+                "of three gait cycles (or parts of the motion) the {which} one: simulated through, not seen by any fit"
+            )
         },
         per_log: per_log.collect(),
         per_joint: per_joint.collect(),
