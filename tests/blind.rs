@@ -93,24 +93,28 @@ fn unknown_causes_are_refused_with_those_that_are_known() {
 #[test]
 fn robot_studies_are_the_same_on_one_thread_or_two_and_say_nothing_of_their_cause() {
     let dir = tempfile::tempdir().unwrap();
-    for (folder, threads) in [("one", "1"), ("two", "2")] {
-        let words = ["blind", "--robot", "--scenario", "drop", "--make-only", folder, "--trials", "3", "--seed", "2"];
-        let out = expect_code(dir.path(), &[&words[..], &["--threads", threads]].concat(), 0);
-        assert!(out.contains("3 studies, seed 2"), "{out}");
+    for (scenario, of_robot, trials) in [("drop", "robot.toml", 3), ("arm", "arm.urdf", 2)] {
+        for threads in ["1", "2"] {
+            let (folder, trials) = (format!("{scenario}-{threads}"), trials.to_string());
+            let words = ["blind", "--robot", "--scenario", scenario, "--make-only", &folder, "--seed", "2"];
+            let out = expect_code(dir.path(), &[&words[..], &["--trials", &trials, "--threads", threads]].concat(), 0);
+            assert!(out.contains(&format!("{trials} studies, seed 2")), "{out}");
+        }
+        let [one, two] = ["1", "2"].map(|threads| files(&dir.path().join(format!("{scenario}-{threads}"))));
+        assert!(one == two && one.len() >= 3 * trials);
+        for (path, content) in one.iter().filter(|(path, _)| path.starts_with("studies")) {
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            let is_log = name.starts_with("log-") && name.ends_with(".csv");
+            assert!(name == "study.toml" || name == of_robot || is_log, "{name}");
+            let text = String::from_utf8_lossy(content);
+            assert!(!WORDS_OF_CAUSES.iter().any(|word| text.contains(word)), "{name}");
+        }
+        let truth = json(&dir.path().join(format!("{scenario}-1/truth/000.json")));
+        assert_eq!(truth["scenario"], scenario);
+        // Masses and friction are drawn off by more than the diagnosis once assumed.
+        let within = |key: &str, range: std::ops::RangeInclusive<f64>| range.contains(&truth[key].as_f64().unwrap());
+        assert!(within("scatter", 0.05..=0.10) && within("friction_scatter", 0.10..=0.30), "{truth}");
     }
-    let (one, two) = (files(&dir.path().join("one")), files(&dir.path().join("two")));
-    assert!(one == two && one.len() >= 3 * 3);
-    for (path, content) in one.iter().filter(|(path, _)| path.starts_with("studies")) {
-        let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        assert!(name == "study.toml" || (name.starts_with("log-") && name.ends_with(".csv")), "{name}");
-        let text = String::from_utf8_lossy(content);
-        assert!(!WORDS_OF_CAUSES.iter().any(|word| text.contains(word)), "{name}");
-    }
-    let truth = json(&dir.path().join("one/truth/000.json"));
-    assert_eq!(truth["scenario"], "drop");
-    // Masses and friction are drawn off by more than the diagnosis once assumed.
-    let within = |key: &str, range: std::ops::RangeInclusive<f64>| range.contains(&truth[key].as_f64().unwrap());
-    assert!(within("scatter", 0.05..=0.10) && within("friction_scatter", 0.10..=0.30), "{truth}");
 }
 
 #[test]
@@ -138,6 +142,7 @@ fn causes_that_a_scenario_cannot_show_are_refused() {
         (vec!["blind", "--robot", "--cause", "gremlins"], "`gremlins` is no cause of a robot"),
         (vec!["blind", "--robot", "--cause", "payload", "--scenario", "air"], "no log of scenario `air` shows it"),
         (vec!["blind", "--robot", "--cause", "delay", "--scenario", "drop"], "no log of scenario `drop` shows it"),
+        (vec!["blind", "--robot", "--cause", "boot", "--scenario", "arm"], "no log of scenario `arm` shows it"),
         (vec!["blind", "--scenario", "air"], "--robot"),
     ];
     for (words, why) in refused {

@@ -5,11 +5,10 @@ mod support;
 
 use aibo_fit::gap::robot::Cause;
 use aibo_fit::log::{RobotLog, read_robot_log};
-use aibo_fit::synth::{Spec, make};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use support::{everything_in, expect_code, json, run_in, stderr};
+use support::{everything_in, expect_code, json, make_study, run_in, stderr};
 
 /// A walk in the air whose rear knees are weak; a short one, for the tests.
 const WEAK: &str = r#"
@@ -86,17 +85,6 @@ duration = 6.0
 forward = [2.0, 6.0]
 "#;
 
-fn made(folder: &Path) {
-    made_of(folder, WEAK);
-}
-
-fn made_of(folder: &Path, spec: &str) {
-    let made = make(&Spec::from_toml(Path::new("spec.toml"), spec).expect("a spec"), None).expect("logs");
-    for (name, text) in made.logs.into_iter().chain([("study.toml".to_owned(), made.study_toml)]) {
-        fs::write(folder.join(name), text).expect("written");
-    }
-}
-
 /// Causes that stand for all, so that the tests are quick.
 const ONLY: &str = "torque_limit,motor_gain,viscous";
 
@@ -109,7 +97,7 @@ fn diagnosed(folder: &Path, out: &str, words: &[&str]) -> Value {
 #[test]
 fn an_answer_has_every_key_is_the_same_on_any_number_of_threads_and_its_robot_closes_the_gap() {
     let dir = tempfile::tempdir().unwrap();
-    made(dir.path());
+    make_study(dir.path(), WEAK);
     let with = |threads: &str| {
         let found = diagnosed(dir.path(), "out", &["--threads", threads]);
         let out = dir.path().join("out");
@@ -176,7 +164,7 @@ fn an_answer_has_every_key_is_the_same_on_any_number_of_threads_and_its_robot_cl
 #[test]
 fn friction_three_times_the_believed_one_is_never_nothing() {
     let dir = tempfile::tempdir().unwrap();
-    made_of(dir.path(), STIFF);
+    make_study(dir.path(), STIFF);
     let only = "load_friction,asymmetric_friction,coulomb,viscous";
     expect_code(dir.path(), &["gap", "study.toml", "--only", only, "--json", "gap.json", "--quiet"], 0);
     let found = json(&dir.path().join("gap.json"));
@@ -196,7 +184,7 @@ fn friction_three_times_the_believed_one_is_never_nothing() {
 #[test]
 fn a_slippery_floor_is_the_floors() {
     let dir = tempfile::tempdir().unwrap();
-    made_of(dir.path(), SLIPPERY);
+    make_study(dir.path(), SLIPPERY);
     let only = "floor_friction,floor_slope,payload";
     expect_code(dir.path(), &["gap", "study.toml", "--only", only, "--json", "gap.json", "--quiet"], 0);
     let found = json(&dir.path().join("gap.json"));
@@ -227,7 +215,7 @@ fn rms_rad(a: &RobotLog, b: &RobotLog, joint: &str) -> f64 {
 #[test]
 fn wrong_words_are_usage_errors() {
     let dir = tempfile::tempdir().unwrap();
-    made(dir.path());
+    make_study(dir.path(), WEAK);
     let fails = |words: &[&str], says: &str| {
         let all: Vec<&str> = ["gap", "study.toml"].iter().chain(words).copied().collect();
         let output = run_in(dir.path(), &all);
@@ -256,7 +244,7 @@ const WRONG: [(&str, &str, &str, &str); 8] = [
 fn a_wrong_study_is_one_error() {
     for (file, from, to, says) in WRONG {
         let dir = tempfile::tempdir().unwrap();
-        made(dir.path());
+        make_study(dir.path(), WEAK);
         let path = dir.path().join(file);
         let text = fs::read_to_string(&path).unwrap();
         assert!(text.contains(from), "{file} has no {from}:\n{}", &text[..text.len().min(600)]);
@@ -275,7 +263,7 @@ fn a_wrong_study_is_one_error() {
 #[test]
 fn a_robot_that_is_not_asked_to_move_gets_no_diagnosis() {
     let dir = tempfile::tempdir().unwrap();
-    made(dir.path());
+    make_study(dir.path(), WEAK);
     // Every row as the first one, but for its time.
     let text = fs::read_to_string(dir.path().join("trot.csv")).unwrap();
     let mut rows = text.lines();

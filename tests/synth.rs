@@ -6,9 +6,7 @@ mod support;
 use aibo_fit::log::{RobotLog, RobotScenario, read_robot_log, read_robot_study, read_robot_study_logs, read_study};
 use aibo_fit::robot::Nominal;
 use aibo_fit::robot::simulate::{Method, run};
-use aibo_fit::synth::{Made, Spec, make};
-use std::path::Path;
-use support::{everything_in, expect_code, json, root, run_in, stderr};
+use support::{everything_in, expect_code, json, make_study, root, run_in, stderr};
 
 const AIR: &str = r#"
 schema = 1
@@ -56,20 +54,9 @@ duration = 2.0
 gravity = [5.127562, -8.363266, 0.0]
 "#;
 
-fn made(text: &str) -> Made {
-    let spec = Spec::from_toml(Path::new("spec.toml"), text).expect("a spec");
-    make(&spec, None).expect("logs")
-}
-
-fn write(made: &Made, folder: &Path) {
-    for (name, text) in made.logs.iter().chain([&("study.toml".to_owned(), made.study_toml.clone())]) {
-        std::fs::write(folder.join(name), text).expect("written");
-    }
-}
-
 fn log(text: &str) -> RobotLog {
     let folder = tempfile::tempdir().expect("a folder");
-    write(&made(text), folder.path());
+    make_study(folder.path(), text);
     read_robot_log(&folder.path().join("a.csv")).expect("a log")
 }
 
@@ -113,7 +100,7 @@ fn the_study_is_read_back_and_the_believed_robot_follows_logs_without_an_effect(
         (DROP, RobotScenario::Drop, 0.0035),
     ] {
         let folder = tempfile::tempdir().expect("a folder");
-        write(&made(text), folder.path());
+        make_study(folder.path(), text);
         let study = read_robot_study(&folder.path().join("study.toml")).expect("a study");
         assert_eq!(study.scenario, scenario);
         let logs = read_robot_study_logs(&study).expect("logs");

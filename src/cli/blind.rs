@@ -27,9 +27,10 @@ use std::time::Instant;
 ///
 /// Makes studies of joints with a hidden cause, prints and stores the SHA-256 of the answers, diagnoses every study from
 /// its files, opens the answers and scores. The maker has its own integrator, formulas and mechanisms. With --robot the
-/// studies are of the whole ERS-7, walking in the air or on the floor or dropping a leg: made by the simulator with
-/// another integrator and step than the diagnosis, masses, friction and floor off by some percent. Writes studies,
-/// sealed.sha256, diagnoses, truths.json, score.json, report.html and the figures as SVG.
+/// studies are of whole robots: the ERS-7 and quadrupeds of another size, walking in the air or on the floor or dropping
+/// a leg, and arms of three to six joints that are made at random. They are made by the simulator with another integrator
+/// and step than the diagnosis, masses and floor off by 5 to 10 %, friction by 10 to 30 %. Writes studies, sealed.sha256,
+/// diagnoses, truths.json, score.json, report.html and the figures as SVG.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Causes: any, none, calibration, effect, pair, three, four, servo, outside; the id of an effect, as \
@@ -51,8 +52,8 @@ pub(super) struct BlindArgs {
     /// Studies of a whole robot
     #[arg(long)]
     robot: bool,
-    /// Scenario of all robot studies [default: drawn, of a hundred 60 air, 25 floor, 15 drop]
-    #[arg(long, value_name = "SCENARIO", requires = "robot", value_parser = ["air", "floor", "drop"])]
+    /// Scenario of all robot studies [default: drawn, of a hundred 45 air, 20 floor, 10 drop, 25 arm]
+    #[arg(long, value_name = "SCENARIO", requires = "robot", value_parser = ["air", "floor", "drop", "arm"])]
     scenario: Option<String>,
     /// Diagnose nothing; write the studies to DIR/studies and the open answers to DIR/truth
     #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "json"])]

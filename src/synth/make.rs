@@ -26,6 +26,13 @@ pub struct Made {
     pub truth: Truth,
 }
 
+impl Made {
+    /// Names and contents of the study's files, `study.toml` first.
+    pub fn files(self) -> impl Iterator<Item = (String, String)> {
+        std::iter::once(("study.toml".to_owned(), self.study_toml)).chain(self.robot).chain(self.logs)
+    }
+}
+
 /// Name of the robot's file beside a study.
 const ROBOT_FILE: &str = "robot.toml";
 

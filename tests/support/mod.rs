@@ -8,6 +8,7 @@ pub mod signature;
 pub mod swing;
 
 use aibo_fit::blind::{Cause, Truth, make_with};
+use aibo_fit::synth::{Spec, make};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -41,6 +42,13 @@ pub fn expect_code(folder: &Path, words: &[&str], code: i32) -> String {
     assert_eq!(output.status.code(), Some(code), "aibo-fit {}\n{out}\n{err}", words.join(" "));
     assert!(!err.contains("panicked"), "{err}");
     out
+}
+
+/// Makes the study of a spec in a folder.
+pub fn make_study(folder: &Path, spec: &str) {
+    let spec = Spec::from_toml(Path::new("spec.toml"), spec).expect("a spec");
+    let made = make(&spec, None).expect("logs");
+    made.files().for_each(|(name, text)| fs::write(folder.join(name), text).expect("written"));
 }
 
 /// Fits a drop and answers with its fit.json.

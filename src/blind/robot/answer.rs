@@ -1,8 +1,9 @@
 //! What a diagnosis of a robot answered, as plain data to be scored.
 
 use crate::blind::answer::StatedNumber;
-use crate::gap::Verdict;
+use crate::gap::clamped::ClampedDiagnosis;
 use crate::gap::robot::{Cause, Found, RobotDiagnosis};
+use crate::gap::{Diagnosis, Verdict};
 use serde::Serialize;
 
 /// A cause that is named, with its joints and numbers.
@@ -46,6 +47,8 @@ pub struct RobotAnswered {
     pub first: Option<StatedCause>,
     /// A further cause.
     pub second: Option<StatedCause>,
+    /// Of an arm: all further ones.
+    pub more: Vec<StatedCause>,
     /// Causes that cannot be told apart from the first, it included.
     pub equivalent: Vec<Cause>,
     /// Places on which the first stands as well, its own included.
@@ -86,6 +89,7 @@ impl RobotAnswered {
             verdict: answer.verdict,
             first: answer.first.as_ref().map(StatedCause::of),
             second: answer.second.as_ref().map(StatedCause::of),
+            more: Vec::new(),
             equivalent: answer.equivalent.clone(),
             places: answer.places.clone(),
             probability: answer.probability,
@@ -100,8 +104,63 @@ impl RobotAnswered {
         }
     }
 
+    /// The same from the diagnosis of an arm. A body that is not as described is the exam's payload, whichever of its
+    /// numbers is said to be another.
+    pub fn of_arm(diagnosis: &ClampedDiagnosis) -> Self {
+        let found = || diagnosis.joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
+        let bodies = diagnosis.bodies.iter().map(|body| StatedCause {
+            cause: Cause::Payload,
+            joints: Vec::new(),
+            parameters: body.parameters.iter().map(StatedNumber::of).collect(),
+        });
+        let causes = diagnosis.causes.iter().map(|cause| StatedCause {
+            cause: Cause::Effect(cause.effect),
+            joints: cause.joints.clone(),
+            parameters: cause.size.iter().map(StatedNumber::of).collect(),
+        });
+        let verdict = diagnosis.answer.verdict;
+        let frictions = [Cause::Coulomb, Cause::Viscous].into_iter().filter(|_| verdict == Verdict::Calibration);
+        let frictions = frictions.map(|cause| {
+            let is_off = |d: &&Diagnosis| {
+                d.answer.verdict == Verdict::Calibration && d.answer.effect.as_deref() == Some(cause.id())
+            };
+            let joints = found().filter(is_off).map(|d| d.joint.clone()).collect();
+            StatedCause { cause, joints, parameters: Vec::new() }
+        });
+        let frictions = frictions.filter(|stated| !stated.joints.is_empty());
+        let mut named = bodies.chain(causes).chain(frictions);
+        let (first, second) = (named.next(), named.next());
+        let more: Vec<StatedCause> = named.collect();
+        let leads = |d: &&Diagnosis| first.as_ref().is_some_and(|first| first.joints.contains(&d.joint));
+        let others = found().filter(leads).flat_map(|d| &d.answer.equivalent).map(|effect| Cause::Effect(*effect));
+        let mut equivalent: Vec<Cause> = first.iter().map(|first| first.cause).chain(others).collect();
+        equivalent.dedup();
+        let count = match (&first, &second) {
+            (None, _) => "plain",
+            (Some(_), None) => "one cause",
+            (Some(_), Some(_)) => "several causes",
+        };
+        Self {
+            verdict,
+            equivalent,
+            places: first.iter().map(|first| first.joints.clone()).collect(),
+            probability: diagnosis.answer.probability,
+            standing: format!("{}, arm, {count}", verdict.name()),
+            partial: None,
+            joints: first.iter().flat_map(|first| first.joints.clone()).collect(),
+            before: diagnosis.gap.before,
+            after: diagnosis.gap.after,
+            floor: diagnosis.gap.floor,
+            ranking: Vec::new(),
+            sentence: diagnosis.answer.sentence.clone(),
+            first,
+            second,
+            more,
+        }
+    }
+
     /// The causes named, in their order.
     pub fn named(&self) -> impl Iterator<Item = &StatedCause> {
-        self.first.iter().chain(&self.second)
+        self.first.iter().chain(&self.second).chain(&self.more)
     }
 }

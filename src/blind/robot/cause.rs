@@ -1,7 +1,7 @@
 //! What may be the matter with a made robot.
 
+use super::setting::Setting;
 use crate::gap::robot::Cause;
-use crate::log::RobotScenario;
 use serde::{Serialize, Serializer};
 use std::fmt;
 use std::str::FromStr;
@@ -50,11 +50,13 @@ impl RobotOutside {
         }
     }
 
-    fn shows_in(self, scenario: RobotScenario) -> bool {
-        match scenario {
-            RobotScenario::Air => true,
-            RobotScenario::Floor => self != Self::TiltedTrunk,
-            RobotScenario::Drop => matches!(self, Self::Boot | Self::TiltedTrunk | Self::Cogging),
+    fn shows_in(self, setting: Setting) -> bool {
+        match setting {
+            Setting::Air => true,
+            Setting::Floor => self != Self::TiltedTrunk,
+            Setting::Drop => matches!(self, Self::Boot | Self::TiltedTrunk | Self::Cogging),
+            // Of an arm a spec says all that is made.
+            Setting::Arm => false,
         }
     }
 }
@@ -85,19 +87,20 @@ pub enum RobotTrueCause {
 }
 
 impl RobotTrueCause {
-    /// Whether logs of a scenario can show it.
-    pub fn shows_in(self, scenario: RobotScenario) -> bool {
-        let shows = |cause: Cause| match (cause, scenario) {
-            (cause, RobotScenario::Air) => !cause.is_of_robot(),
-            (_, RobotScenario::Floor) => true,
-            (Cause::Effect(effect), RobotScenario::Drop) => !effect.is_driven_only(),
-            (cause, RobotScenario::Drop) => cause.is_calibration(),
+    /// Whether logs of a setting can show it.
+    pub fn shows_in(self, setting: Setting) -> bool {
+        let shows = |cause: Cause| match (cause, setting) {
+            (cause, Setting::Air) => !cause.is_of_robot(),
+            (_, Setting::Floor) => true,
+            (Cause::Effect(effect), Setting::Drop) => !effect.is_driven_only(),
+            (cause, Setting::Drop) => cause.is_calibration(),
+            (cause, Setting::Arm) => cause == Cause::Payload || !cause.is_of_robot(),
         };
         match self {
             Self::Nothing => true,
             Self::One(cause) => shows(cause),
             Self::Two(first, second) => shows(first) && shows(second),
-            Self::Outside(outside) => outside.shows_in(scenario),
+            Self::Outside(outside) => outside.shows_in(setting),
         }
     }
 }
@@ -122,10 +125,10 @@ pub enum RobotFilter {
 }
 
 impl RobotFilter {
-    /// Whether logs of a scenario can show some cause of it.
-    pub fn shows_in(self, scenario: RobotScenario) -> bool {
+    /// Whether logs of a setting can show some cause of it.
+    pub fn shows_in(self, setting: Setting) -> bool {
         match self {
-            RobotFilter::Only(cause) => cause.shows_in(scenario),
+            RobotFilter::Only(cause) => cause.shows_in(setting),
             _ => true,
         }
     }
@@ -190,12 +193,18 @@ mod tests {
     fn a_clamped_robot_shows_no_floor_and_a_free_joint_no_motor() {
         use crate::joint::EffectId;
         let shows = |word: &str, scenario| word.parse::<RobotFilter>().unwrap().shows_in(scenario);
-        for (word, in_air, in_drop) in [("floor_slope", false, false), ("delay", true, false), ("boot", true, true)] {
-            assert_eq!(shows(word, RobotScenario::Air), in_air, "{word}");
-            assert_eq!(shows(word, RobotScenario::Drop), in_drop, "{word}");
-            assert!(shows(word, RobotScenario::Floor), "{word}");
+        for (word, in_air, in_drop, in_arm) in [
+            ("floor_slope", false, false, false),
+            ("delay", true, false, true),
+            ("boot", true, true, false),
+            ("payload", false, false, true),
+        ] {
+            assert_eq!(shows(word, Setting::Air), in_air, "{word}");
+            assert_eq!(shows(word, Setting::Drop), in_drop, "{word}");
+            assert_eq!(shows(word, Setting::Arm), in_arm, "{word}");
+            assert!(shows(word, Setting::Floor), "{word}");
         }
         let pair = RobotTrueCause::Two(Cause::Effect(EffectId::Delay), Cause::Payload);
-        assert!(!pair.shows_in(RobotScenario::Air) && pair.shows_in(RobotScenario::Floor));
+        assert!(!pair.shows_in(Setting::Air) && pair.shows_in(Setting::Floor));
     }
 }

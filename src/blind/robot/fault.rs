@@ -3,13 +3,14 @@
 use super::cause::RobotOutside;
 use super::outside::Altered;
 use super::scene::Scene;
+use super::setting::Setting;
 use super::size::Readings;
 use crate::blind::dice::{Dice, significant};
 use crate::blind::truth::TrueNumber;
 use crate::gap::robot::Cause;
 use crate::joint::EffectId;
 use crate::robot::FloorParameters;
-use crate::synth::{EffectSpec, JointChoice, PayloadSpec, Spec};
+use crate::synth::{EffectSpec, JointChoice, PayloadSpec, TruthSpec};
 use std::f64::consts::PI;
 
 /// Digits of a fault's numbers.
@@ -37,7 +38,7 @@ pub(super) struct Fault {
 impl Fault {
     /// Draws place and side numbers.
     pub fn draw(kind: Kind, scene: &Scene, plain: &Readings, dice: &mut Dice) -> Self {
-        let moving = plain.moving();
+        let moving = scene.moving(plain);
         let joints = match kind {
             Kind::Catalogue(cause) if cause.is_of_robot() => Vec::new(),
             Kind::Outside(RobotOutside::TiltedTrunk) => Vec::new(),
@@ -45,8 +46,8 @@ impl Fault {
         };
         let first = joints.first().map_or("", String::as_str);
         let numbers = match kind {
-            Kind::Catalogue(cause) => of_cause(cause, first, plain, dice),
-            Kind::Outside(outside) => of_outside(outside, plain, dice),
+            Kind::Catalogue(cause) => of_cause(cause, first, scene, plain, dice),
+            Kind::Outside(outside) => of_outside(outside, scene, plain, dice),
         };
         Self { kind, joints, numbers, seed: dice.seed() }
     }
@@ -97,11 +98,10 @@ impl Fault {
     }
 
     /// Puts what a spec can say into a spec.
-    pub fn install(&self, strength: f64, spec: &mut Spec) {
+    pub fn install(&self, strength: f64, (truth, effects): (&mut TruthSpec, &mut Vec<EffectSpec>)) {
         let values = self.values(strength);
-        let truth = &mut spec.truth;
         match self.kind {
-            Kind::Catalogue(Cause::Effect(effect)) => spec.effects.push(EffectSpec {
+            Kind::Catalogue(Cause::Effect(effect)) => effects.push(EffectSpec {
                 id: effect.id().to_owned(),
                 joints: JointChoice::Many(self.joints.clone()),
                 parameters: self.named(strength).into_iter().map(|n| (n.name.to_owned(), n.value)).collect(),
@@ -142,6 +142,9 @@ impl Fault {
     }
 }
 
+/// How often all joints of an arm have it.
+const ON_ALL: f64 = 0.2;
+
 /// One joint, a left-right or front-rear pair, all joints of a number, or all.
 fn place(kind: Kind, scene: &Scene, moving: &[String], dice: &mut Dice) -> Vec<String> {
     use EffectId::{EndStop, JointSpring};
@@ -152,6 +155,9 @@ fn place(kind: Kind, scene: &Scene, moving: &[String], dice: &mut Dice) -> Vec<S
         return Vec::new();
     }
     let joint = moving[dice.whole(0, moving.len() - 1)].clone();
+    if scene.setting == Setting::Arm {
+        return if dice.chance(ON_ALL) { moving.to_vec() } else { vec![joint] };
+    }
     // These have an angle in them, which not all joints share; a boot is on one leg.
     let few = match kind {
         Kind::Catalogue(Cause::Effect(EndStop | JointSpring)) => 0.75,
@@ -182,28 +188,29 @@ fn one(weak: f64, strong: f64, others: &[f64]) -> Numbers {
     Box::new(move |strength| std::iter::once(grows(strength)).chain(others.iter().copied()).collect())
 }
 
-fn of_cause(cause: Cause, joint: &str, plain: &Readings, dice: &mut Dice) -> Numbers {
+fn of_cause(cause: Cause, joint: &str, scene: &Scene, plain: &Readings, dice: &mut Dice) -> Numbers {
     use EffectId::*;
     let [low, high] = plain.range(joint);
     let span = (high - low).max(0.02);
     let sign = dice.sign();
+    let ([coulomb, viscous], nm) = (scene.friction(joint), scene.torque);
     let floor = FloorParameters::default();
     match cause {
         Cause::Effect(effect) => match effect {
             Stribeck => {
-                let (grows, v_st) = (grow(0.002, 0.4), dice.log_uniform(0.03, 0.5));
-                Box::new(move |strength| vec![0.010 + grows(strength), v_st])
+                let (grows, v_st) = (grow(0.002 * nm, 0.4 * nm), dice.log_uniform(0.03, 0.5));
+                Box::new(move |strength| vec![coulomb + grows(strength), v_st])
             }
             LoadFriction => one(0.02, 1.0, &[]),
             GearFriction => one(0.01, 0.9, &[]),
-            QuadraticDrag => one(1e-4, 0.2, &[]),
-            AsymmetricFriction => one(sign * 5e-4, sign * 0.1, &[]),
+            QuadraticDrag => one(1e-4 * nm, 0.2 * nm, &[]),
+            AsymmetricFriction => one(sign * 5e-4 * nm, sign * 0.1 * nm, &[]),
             PositionFriction => one(0.2, 2.0, &[dice.uniform(-PI, PI)]),
             FrictionDrift => one(0.02, 0.6, &[]),
             Backlash => one(0.003, 0.12, &[dice.uniform(0.15, 0.5)]),
-            JointSpring => one(0.005, 4.0, &[low - 0.3 + dice.uniform(0.0, 1.0) * (span + 0.6)]),
+            JointSpring => one(0.005 * nm, 4.0 * nm, &[low - 0.3 + dice.uniform(0.0, 1.0) * (span + 0.6)]),
             EndStop => {
-                let (depth, stiffness) = (grow(0.01, 0.5), dice.log_uniform(10.0, 60.0));
+                let (depth, stiffness) = (grow(0.01, 0.5), nm * dice.log_uniform(10.0, 60.0));
                 let damping = 0.002 * stiffness;
                 let from = if sign > 0.0 { high } else { low };
                 Box::new(move |strength| vec![from - sign * depth(strength) * span, sign, stiffness, damping])
@@ -212,26 +219,28 @@ fn of_cause(cause: Cause, joint: &str, plain: &Readings, dice: &mut Dice) -> Num
             SensorGain => one(sign * 0.004, sign * 0.3, &[]),
             Delay => one(0.001, 0.12, &[]),
             SetpointHold => one(0.010, 0.25, &[]),
-            DeadBand => one(0.003, 0.6, &[]),
+            DeadBand => one(0.003 * nm, 0.6 * nm, &[]),
             SetpointProfile => one(8.0, 0.2, &[dice.log_uniform(5.0, 60.0)]),
             // Whole robots do not have them, so they are never drawn.
             Compliance | SensorDelay => Box::new(|_| Vec::new()),
-            TorqueLimit => one(1.5, 0.01, &[]),
-            SpeedLimit => one(15.0, 0.4, &[dice.log_uniform(0.3, 1.2)]),
+            TorqueLimit => one(1.5 * nm, 0.01 * nm, &[]),
+            SpeedLimit => one(15.0, 0.4, &[nm * dice.log_uniform(0.3, 1.2)]),
             MotorGain => {
                 let grows = grow(0.01, if sign > 0.0 { 1.0 } else { 0.8 });
                 Box::new(move |strength| vec![1.0 + sign * grows(strength)])
             }
         },
         Cause::Coulomb => {
-            let grows = grow(0.002, 0.3);
-            Box::new(move |strength| vec![0.007 + grows(strength)])
+            let grows = grow(0.002 * nm, 0.3 * nm);
+            Box::new(move |strength| vec![coulomb + grows(strength)])
         }
         Cause::Viscous => {
-            let grows = grow(0.002, 0.5);
-            Box::new(move |strength| vec![0.015 + grows(strength)])
+            let grows = grow(0.002 * nm, 0.5 * nm);
+            Box::new(move |strength| vec![viscous + grows(strength)])
         }
-        Cause::Payload => one(0.02, 0.7, &[dice.uniform(-0.03, 0.03), dice.uniform(-0.08, 0.08)]),
+        Cause::Payload => {
+            one(0.02 * scene.mass, 0.7 * scene.mass, &[dice.uniform(-0.03, 0.03), dice.uniform(-0.08, 0.08)])
+        }
         Cause::FloorFriction => one(0.9 * floor.coulomb, 0.08, &[]),
         Cause::FloorSlope => one(sign * 0.003, sign * 0.12, &[0.0]),
         Cause::FloorStiffness => {
@@ -241,14 +250,15 @@ fn of_cause(cause: Cause, joint: &str, plain: &Readings, dice: &mut Dice) -> Num
     }
 }
 
-fn of_outside(outside: RobotOutside, plain: &Readings, dice: &mut Dice) -> Numbers {
+fn of_outside(outside: RobotOutside, scene: &Scene, plain: &Readings, dice: &mut Dice) -> Numbers {
+    let nm = scene.torque;
     match outside {
-        RobotOutside::Boot => one(0.003, 0.15, &[]),
+        RobotOutside::Boot => one(0.003 * scene.mass, 0.15 * scene.mass, &[]),
         RobotOutside::TiltedTrunk => one(0.02, 0.5, &[dice.uniform(-PI, PI)]),
         RobotOutside::CoarseSetpoints => one(0.005, 0.25, &[]),
         RobotOutside::LostSetpoints => one(0.002, 0.15, &[]),
         RobotOutside::SlowSetpoints => one(0.002, 0.2, &[]),
-        RobotOutside::Cogging => one(0.002, 0.3, &[dice.uniform(12.0, 40.0)]),
+        RobotOutside::Cogging => one(0.002 * nm, 0.3 * nm, &[dice.uniform(12.0, 40.0)]),
         RobotOutside::HotGear => {
             let samples = plain.angle_rad.values().next().map_or(1, Vec::len);
             one(0.002, 0.9, &[0.008 * samples as f64])

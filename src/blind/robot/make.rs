@@ -2,22 +2,22 @@
 
 use super::cause::{RobotFilter, RobotOutside, RobotTrueCause};
 use super::fault::{Fault, Kind};
-use super::scene::{Scene, draw_scenario};
+use super::scene::Scene;
+use super::setting::Setting;
 use super::size::{ONE, PLAIN, Readings, make_with, readings, searched, strength};
 use super::truth::{RobotTruth, TrueFault};
 use crate::blind::dice::Dice;
 use crate::gap::Verdict;
 use crate::gap::robot::Cause;
 use crate::joint::EffectId;
-use crate::log::RobotScenario;
 
 /// What is to be made.
 #[derive(Clone, Copy, Debug)]
 pub struct RobotOrder {
     /// Seed of the run.
     pub seed: u64,
-    /// The scenario; drawn where it is not stated.
-    pub scenario: Option<RobotScenario>,
+    /// What the logs are of; drawn where it is not stated.
+    pub setting: Option<Setting>,
     /// What may be the matter.
     pub filter: RobotFilter,
 }
@@ -39,19 +39,20 @@ const STIFF_S: f64 = 1e-4;
 const FINE_S: f64 = 2e-5;
 const TOLERANCE: f64 = 1e-6;
 
-/// Makes study `trial` of a run; `None` where no cause shows in logs of the scenario asked for.
+/// Makes study `trial` of a run; `None` where no cause shows in logs of the setting asked for.
 pub fn make_robot(order: &RobotOrder, trial: u64) -> Option<RobotMade> {
-    if order.scenario.is_some_and(|scenario| !order.filter.shows_in(scenario)) {
+    if order.setting.is_some_and(|setting| !order.filter.shows_in(setting)) {
         return None;
     }
     let mut dice = Dice::new(order.seed, trial);
+    let folder = tempfile::tempdir().ok()?;
     (0..SCENES).find_map(|_| {
-        let scenario = order.scenario.unwrap_or_else(|| draw_scenario(&mut dice));
-        if !order.filter.shows_in(scenario) {
+        let setting = order.setting.unwrap_or_else(|| Setting::draw(&mut dice));
+        if !order.filter.shows_in(setting) {
             return None;
         }
         let kind = kind_of(order.filter, &mut dice);
-        let scene = Scene::draw(scenario, &mut dice);
+        let scene = Scene::draw(setting, folder.path(), &mut dice)?;
         let plain = readings(&searched(&scene, false), &[])?;
         let faults = (0..FAULTS).find_map(|_| faults(kind, &scene, &plain, &mut dice))?;
         finish(order.seed, trial, scene, &plain, &faults, &mut dice)
@@ -72,36 +73,45 @@ fn kind_of(filter: RobotFilter, dice: &mut Dice) -> RobotFilter {
 
 /// Share of the causes in studies on a floor that are of the trunk or the floor.
 const OF_ROBOT: f64 = 0.4;
+/// Share of the causes of arms that are a payload.
+const PAYLOADS: f64 = 0.15;
 
-fn draw_cause(scenario: RobotScenario, calibration_too: bool, dice: &mut Dice) -> Cause {
+fn draw_cause(setting: Setting, calibration_too: bool, dice: &mut Dice) -> Cause {
     let pick = |of_robot: bool, dice: &mut Dice| {
         let list: Vec<Cause> = Cause::all()
-            .filter(|cause| RobotTrueCause::One(*cause).shows_in(scenario))
+            .filter(|cause| RobotTrueCause::One(*cause).shows_in(setting))
             .filter(|cause| cause.is_of_robot() == of_robot && (calibration_too || !cause.is_calibration()))
             .collect();
         dice.pick(&list)
     };
-    let of_robot = scenario == RobotScenario::Floor && dice.chance(OF_ROBOT);
+    let of_robot = match setting {
+        Setting::Floor => dice.chance(OF_ROBOT),
+        Setting::Arm => dice.chance(PAYLOADS),
+        Setting::Air | Setting::Drop => false,
+    };
     pick(of_robot, dice)
 }
 
 /// Draws what is the matter, with strengths that show.
 fn faults(kind: RobotFilter, scene: &Scene, plain: &Readings, dice: &mut Dice) -> Option<Vec<(Fault, f64)>> {
-    let scenario = scene.scenario;
+    let setting = scene.setting;
     let kinds: Vec<Kind> = match kind {
         RobotFilter::Any | RobotFilter::Nothing => Vec::new(),
         RobotFilter::Calibration => vec![Kind::Catalogue(dice.pick(&[Cause::Coulomb, Cause::Viscous]))],
-        RobotFilter::AnyEffect => vec![Kind::Catalogue(draw_cause(scenario, false, dice))],
+        RobotFilter::AnyEffect => vec![Kind::Catalogue(draw_cause(setting, false, dice))],
         RobotFilter::AnyPair => {
-            let first = draw_cause(scenario, false, dice);
-            let second = (0..FAULTS).map(|_| draw_cause(scenario, true, dice)).find(|cause| can_pair(first, *cause))?;
+            let first = draw_cause(setting, false, dice);
+            let second = (0..FAULTS).map(|_| draw_cause(setting, true, dice)).find(|cause| can_pair(first, *cause))?;
             vec![Kind::Catalogue(first), Kind::Catalogue(second)]
         }
         RobotFilter::AnyOutside => {
             let list: Vec<RobotOutside> = RobotOutside::ALL
                 .into_iter()
-                .filter(|outside| RobotTrueCause::Outside(*outside).shows_in(scenario))
+                .filter(|outside| RobotTrueCause::Outside(*outside).shows_in(setting))
                 .collect();
+            if list.is_empty() {
+                return None;
+            }
             vec![Kind::Outside(dice.pick(&list))]
         }
         RobotFilter::Only(RobotTrueCause::Nothing) => Vec::new(),
@@ -146,7 +156,7 @@ fn can_pair(first: Cause, second: Cause) -> bool {
 
 /// Joints that show what is the matter with the whole robot.
 fn seen(scene: &Scene, plain: &Readings) -> Vec<String> {
-    scene.released.as_ref().map_or_else(|| plain.moving(), |joint| vec![joint.clone()])
+    scene.released.as_ref().map_or_else(|| scene.moving(plain), |joint| vec![joint.clone()])
 }
 
 fn finish(
@@ -159,14 +169,16 @@ fn finish(
 ) -> Option<RobotMade> {
     let mut spec = scene.spec.clone();
     let must_stick = faults.iter().any(|(fault, _)| fault.sticks());
-    let (method, step, tolerance) = match scene.scenario {
+    let (method, step, tolerance) = match scene.setting {
         _ if faults.iter().any(|(fault, _)| fault.is_stiff()) => ("stiff", Some(FINE_S), None),
         // A joint that comes to rest by itself must stick truly.
-        RobotScenario::Drop => ("stiff", Some(STIFF_S), None),
+        Setting::Drop => ("stiff", Some(STIFF_S), None),
         _ if must_stick || dice.chance(0.4) => ("stiff", Some(STIFF_S), None),
         _ => ("bdf", None, Some(TOLERANCE)),
     };
-    (spec.truth.method, spec.truth.step, spec.truth.tolerance) = (Some(method.to_owned()), step, tolerance);
+    let (stated, _) = Scene::truth_of(&mut spec);
+    (stated.method, stated.step, stated.tolerance) = (Some(method.to_owned()), step, tolerance);
+    let (scatter, friction_scatter) = (stated.scatter, stated.friction_scatter.unwrap_or(stated.scatter));
     let all: Vec<(&Fault, f64)> = faults.iter().map(|(fault, at)| (fault, *at)).collect();
     let made = make_with(&spec, &all, scene.states_noise)?;
 
@@ -207,18 +219,18 @@ fn finish(
     let truth = RobotTruth {
         seed,
         trial,
-        scenario: scene.scenario.word(),
+        scenario: scene.setting.word(),
+        robot: scene.robot.clone(),
         verdict,
         causes,
         outside,
         faults: true_faults,
         ratio: total,
         noise_rad: scene.noise_rad(),
-        scatter: spec.truth.scatter,
-        friction_scatter: spec.truth.friction_scatter.unwrap_or(spec.truth.scatter),
-        method: made.truth.method,
+        scatter,
+        friction_scatter,
+        method: made.truth.method.clone(),
         motions: scene.motions,
     };
-    let study = std::iter::once(("study.toml".to_owned(), made.study_toml)).chain(made.logs).collect();
-    Some(RobotMade { study, truth })
+    Some(RobotMade { study: made.files().collect(), truth })
 }

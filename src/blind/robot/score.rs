@@ -2,6 +2,7 @@
 
 use super::answer::RobotAnswered;
 use super::judge::{RobotJudgement, RobotTrial};
+use super::setting::Setting;
 use super::truth::RobotTruth;
 use crate::blind::score::{ByCause, Rate, Stated, Table, WallTime, taken_for};
 use crate::gap::robot::Cause;
@@ -159,7 +160,7 @@ fn scenarios(judged: &[(&RobotTrial, RobotJudgement)]) -> Vec<RobotGroup> {
             wall: WallTime::of(here().map(|(trial, _)| trial.wall_s)),
         })
     };
-    ["air", "floor", "drop"].into_iter().filter_map(group).collect()
+    Setting::ALL.map(Setting::word).into_iter().filter_map(group).collect()
 }
 
 fn by_cause(judged: &[(&RobotTrial, RobotJudgement)]) -> Vec<ByCause> {

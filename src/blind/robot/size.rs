@@ -2,9 +2,10 @@
 
 use super::fault::Fault;
 use super::scene::Scene;
+use super::setting::Setting;
 use crate::blind::dice::Dice;
-use crate::log::{RobotScenario, RobotStudy};
-use crate::synth::{Believed, Spec, make_altered};
+use crate::log::RobotStudy;
+use crate::synth::{Alteration, AnySpec, Made, make_altered, make_described};
 use std::collections::BTreeMap;
 
 /// Readings without noise by joint, logs one after the other \[rad\].
@@ -20,15 +21,13 @@ impl Readings {
         range(self.angle_rad.get(joint))
     }
 
-    /// Joints of the legs that are asked to move, by name.
+    /// Joints that are asked to move, by name.
     pub fn moving(&self) -> Vec<String> {
         let moves = |column: &Vec<f64>| {
             let [low, high] = range(Some(column));
             high - low > 0.02
         };
-        let of_leg = |name: &str| ["lf", "rf", "lr", "rr"].iter().any(|leg| name.starts_with(leg));
-        let names = self.setpoint_rad.iter().filter(|(name, column)| of_leg(name) && moves(column));
-        names.map(|(name, _)| name.clone()).collect()
+        self.setpoint_rad.iter().filter(|(_, column)| moves(column)).map(|(name, _)| name.clone()).collect()
     }
 
     /// RMS difference to other readings over some joints \[rad\].
@@ -49,11 +48,8 @@ fn range(column: Option<&Vec<f64>>) -> [f64; 2] {
 }
 
 /// What the logs would read without noise; `None` where the robot runs away.
-pub(super) fn readings(spec: &Spec, faults: &[(&Fault, f64)]) -> Option<Readings> {
-    let mut spec = spec.clone();
-    if let Believed::Robot(study) = &mut spec.believed {
-        (study.sensor.resolution_rad, study.sensor.noise_rad) = (None, None);
-    }
+pub(super) fn readings(spec: &AnySpec, faults: &[(&Fault, f64)]) -> Option<Readings> {
+    let spec = Scene::without_noise(spec);
     let mut found = Readings { angle_rad: BTreeMap::new(), setpoint_rad: BTreeMap::new() };
     let made = make_with(&spec, faults, false)?;
     for (_, text) in made.logs {
@@ -78,18 +74,20 @@ pub(super) fn readings(spec: &Spec, faults: &[(&Fault, f64)]) -> Option<Readings
 const WIDEST_RAD: f64 = 20.0;
 
 /// Makes a study with faults of some strengths, which says how large the noise is or does not.
-pub(super) fn make_with(spec: &Spec, faults: &[(&Fault, f64)], states_noise: bool) -> Option<crate::synth::Made> {
+pub(super) fn make_with(spec: &AnySpec, faults: &[(&Fault, f64)], states_noise: bool) -> Option<Made> {
     let mut spec = spec.clone();
     for (fault, strength) in faults {
-        fault.install(*strength, &mut spec);
+        fault.install(*strength, Scene::truth_of(&mut spec));
     }
     let alterations: Vec<_> = faults.iter().filter_map(|(fault, strength)| fault.alteration(*strength)).collect();
     let robot = |robot: &mut _| alterations.iter().for_each(|alteration| alteration.robot(robot));
     let setpoints = |setpoints: &mut _| alterations.iter().for_each(|alteration| alteration.setpoints(setpoints));
     let study = |study: &mut RobotStudy| study.sensor.noise_rad = study.sensor.noise_rad.filter(|_| states_noise);
-    let alteration = crate::synth::Alteration { robot: &robot, setpoints: &setpoints, study: &study };
-    let made = make_altered(&spec, None, alteration);
-    made.ok()
+    let alteration = Alteration { robot: &robot, setpoints: &setpoints, study: &study };
+    match &spec {
+        AnySpec::Robot(spec) => make_altered(spec, None, alteration).ok(),
+        AnySpec::Described(spec) => make_described(spec, None).ok(),
+    }
 }
 
 /// Steps while a strength is sought \[s\]: where free play or a stop must be followed, elsewhere in the air, on the floor.
@@ -103,15 +101,16 @@ const OFF: f64 = 1.3;
 const TRIES: usize = 9;
 
 /// The spec with the integrator by which strengths are sought.
-pub(super) fn searched(scene: &Scene, is_stiff: bool) -> Spec {
+pub(super) fn searched(scene: &Scene, is_stiff: bool) -> AnySpec {
     let mut spec = scene.spec.clone();
     let [stiff, clamped, floor] = SEARCH_S;
-    let step = match scene.scenario {
+    let step = match scene.setting {
         _ if is_stiff => stiff,
-        RobotScenario::Floor => floor,
+        Setting::Floor => floor,
         _ => clamped,
     };
-    (spec.truth.method, spec.truth.step) = (Some("stiff".to_owned()), Some(step));
+    let (truth, _) = Scene::truth_of(&mut spec);
+    (truth.method, truth.step) = (Some("stiff".to_owned()), Some(step));
     spec
 }
 

@@ -26,8 +26,10 @@ pub struct RobotTruth {
     pub seed: u64,
     /// Which study of the run.
     pub trial: u64,
-    /// `air`, `floor` or `drop`.
+    /// `air`, `floor`, `drop` or `arm`.
     pub scenario: &'static str,
+    /// Which robot: `ers7`, or one that was drawn, in words.
+    pub robot: String,
     /// The kind of answer that is right.
     pub verdict: Verdict,
     /// Causes of the catalogue that are there, at most two.

@@ -9,6 +9,7 @@ use super::place::Place;
 use super::recalibrate::{price, scattered};
 use super::refine::Hypothesis;
 use super::scatter::Number;
+use super::unseen::Unseen;
 
 /// Simulations for one hypothesis.
 const STEPS: usize = 4;
@@ -82,7 +83,7 @@ pub(super) fn attained(bench: &Bench<'_>, hypothesis: &Hypothesis) -> Attained {
     let noise = &bench.noise;
     let mut wanted = noise.sizes(&hypothesis.residual);
     let first_order =
-        || Attained { price: hypothesis.loss, residual: noise.adapted(&hypothesis.residual), sizes: Vec::new() };
+        || Attained { price: hypothesis.loss, residual: Unseen::of(bench).adapted(hypothesis), sizes: Vec::new() };
     if !bench.case.is_clamped() {
         return first_order();
     }

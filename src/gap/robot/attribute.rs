@@ -2,8 +2,8 @@
 
 use super::bench::Bench;
 use super::cause::Cause;
-use super::decide::is_explained;
-use super::refine::{Hypothesis, Part, refine};
+use super::decide::{is_explained, leaves_enough};
+use super::refine::{Hypothesis, Part, refine, refine_roughly};
 use super::screen::{Candidate, Column, around, columns, rank};
 use rayon::prelude::*;
 
@@ -27,6 +27,8 @@ const PLAY_PROMISES: f64 = 0.3;
 const TRIED_THERE: [usize; 2] = [5, 2];
 /// Sets of joints on which the best is refitted besides.
 const TRIED_ELSEWHERE: usize = 2;
+/// Of those that were fitted roughly so many are fitted in full.
+const IN_FULL: usize = 3;
 /// Seconds that are refitted; fewer where every trial is a walk.
 const TRIED_SECOND: [usize; 2] = [5, 3];
 const TRIED_BESIDE_PLAY: usize = 1;
@@ -46,17 +48,19 @@ pub(super) fn attribute(
     let mut columns = columns(bench, &|cause| !cause.is_play() && considered(cause), &given.residual);
     progress("fitting the likeliest causes");
     let firsts = one_each(bench, &rank(bench, &columns, &given.residual));
-    let mut firsts = elsewhere(bench, firsts, &given.residual);
-    let least = firsts.first().map_or(given.loss, |first| first.loss.min(given.loss));
-    if !is_explained(bench, least) {
+    let firsts = elsewhere(bench, firsts, &given.residual);
+    let mut firsts = in_full(bench, firsts);
+    let lead = firsts.first().filter(|first| first.loss < given.loss).unwrap_or(&given);
+    if !is_explained(bench, lead) {
         progress("trying free play");
         let play = self::columns(bench, &|cause| cause.is_play() && considered(cause), &given.residual);
         let best_play = rank(bench, &play, &given.residual).into_iter().next();
-        let promising = best_play.filter(|play| play.gain > PLAY_PROMISES * (given.loss - least));
+        let promising = best_play.filter(|play| play.gain > PLAY_PROMISES * (given.loss - lead.loss));
         firsts = best(firsts.into_iter().chain(refitted(bench, promising.as_slice())).collect());
         columns.extend(play);
     }
-    let Some(first) = firsts.first().filter(|first| given.loss - first.loss > CLEAR_GAIN) else {
+    let is_clear = |first: &&Hypothesis| given.loss - first.loss > CLEAR_GAIN && leaves_enough(bench, first);
+    let Some(first) = firsts.first().filter(is_clear) else {
         return Attribution { columns, given, firsts, seconds: Vec::new() };
     };
     progress("looking for a second cause");
@@ -96,6 +100,20 @@ fn elsewhere(bench: &Bench<'_>, firsts: Vec<Hypothesis>, residual: &[f64]) -> Ve
     best(refitted(bench, &others).into_iter().chain(firsts).collect())
 }
 
+/// On the floor all were fitted roughly: the best, and those that may still pass them, are fitted in full.
+fn in_full(bench: &Bench<'_>, mut firsts: Vec<Hypothesis>) -> Vec<Hypothesis> {
+    if bench.case.is_clamped() {
+        return firsts;
+    }
+    let rest = firsts.split_off(firsts.len().min(IN_FULL));
+    let again = |rough: Hypothesis| match refine(bench, rough.parts.clone()) {
+        Some(fine) if fine.loss < rough.loss => fine,
+        _ => rough,
+    };
+    let fine: Vec<Hypothesis> = firsts.into_par_iter().map(again).collect();
+    best(fine.into_iter().chain(rest).collect())
+}
+
 /// The best cause with another each, best first.
 fn two_each(bench: &Bench<'_>, first: &Hypothesis, candidates: &[Candidate]) -> Vec<Hypothesis> {
     let named = &first.parts[0];
@@ -127,7 +145,7 @@ fn reconsidered(bench: &Bench<'_>, firsts: Vec<Hypothesis>, pair: &Hypothesis) -
 }
 
 fn refitted<C: std::borrow::Borrow<Candidate> + Sync>(bench: &Bench<'_>, candidates: &[C]) -> Vec<Hypothesis> {
-    candidates.par_iter().filter_map(|candidate| refine(bench, vec![part(candidate.borrow())])).collect()
+    candidates.par_iter().filter_map(|candidate| refine_roughly(bench, vec![part(candidate.borrow())])).collect()
 }
 
 fn part(candidate: &Candidate) -> Part {

@@ -6,6 +6,7 @@ use super::bench::Bench;
 use super::cause::Cause;
 use super::place::Place;
 use super::refine::Hypothesis;
+use super::unseen::Unseen;
 use crate::gap::Verdict;
 
 /// What the thresholds are where the trunk is clamped, and where the robot walks: there, where and when feet happen to
@@ -95,9 +96,26 @@ impl Decision<'_> {
     }
 }
 
-/// Whether a weighed sum of squares is the noise's.
-pub(super) fn is_explained(bench: &Bench<'_>, loss: f64) -> bool {
-    loss / bench.noise.count().max(1) as f64 - 1.0 < limits(bench).explained
+/// Whether what a hypothesis leaves is the noise's.
+pub(super) fn is_explained(bench: &Bench<'_>, hypothesis: &Hypothesis) -> bool {
+    excess(bench, &Unseen::of(bench), hypothesis) < limits(bench).explained
+}
+
+/// Whether a first cause leaves so much that a second is looked for.
+pub(super) fn leaves_enough(bench: &Bench<'_>, first: &Hypothesis) -> bool {
+    excess(bench, &Unseen::of(bench), first) > limits(bench).second_excess
+}
+
+/// What a hypothesis leaves per sample, above a noise variance. A robot that walks lands once, and how it stands then decays
+/// for seconds and differs between any two honest simulations: on the floor only what comes back in cycles that no fit saw
+/// is there.
+fn excess(bench: &Bench<'_>, unseen: &Unseen<'_>, hypothesis: &Hypothesis) -> f64 {
+    let unseen = if bench.case.is_clamped() { None } else { unseen.excess(hypothesis) };
+    unseen.unwrap_or_else(|| fitted_excess(bench, hypothesis))
+}
+
+fn fitted_excess(bench: &Bench<'_>, hypothesis: &Hypothesis) -> f64 {
+    hypothesis.loss / bench.noise.count().max(1) as f64 - 1.0
 }
 
 fn limits(bench: &Bench<'_>) -> &'static Limits {
@@ -126,13 +144,13 @@ fn taken_out(bench: &Bench<'_>, given: &Hypothesis) -> f64 {
 pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> {
     let limits = limits(bench);
     let samples = bench.noise.count().max(1) as f64;
-    let excess_of = |hypothesis: &Hypothesis| hypothesis.loss / samples - 1.0;
-    let held = HeldOut::new(bench);
+    let unseen = Unseen::of(bench);
+    let excess_of = |hypothesis: &Hypothesis| excess(bench, &unseen, hypothesis);
     let given = attained(bench, &a.given);
     let is_seen = |first: &&Hypothesis| {
         let gained = a.given.loss - first.loss;
         gained > needed(bench, &a.given).max(material(bench, &first.parts[0].place))
-            && held.shows(first, &a.given)
+            && unseen.shows(first, &a.given)
             && (!bench.case.is_clamped() || given.price - attained(bench, first).price > limits.first)
     };
     // It is one of those that stand equally well that has to be seen: which of them is best is chance.
@@ -171,8 +189,9 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
     let equal: Vec<&Hypothesis> = a.firsts.iter().filter(is_equal).collect();
     let first = *equal.iter().min_by_key(|h| (h.free(), h.parts[0].place.joints.len())).unwrap_or(&best);
     let needed = limits.second.max(limits.second_share * gain);
-    let leaves_enough = excess_of(best) > limits.second_excess;
-    let is_needed = |pair: &&Hypothesis| leaves_enough && best.loss - pair.loss > needed && held.shows(pair, best);
+    let is_needed = |pair: &&Hypothesis| {
+        excess_of(best) > limits.second_excess && best.loss - pair.loss > needed && unseen.shows(pair, best)
+    };
     let second = a.seconds.first().filter(is_needed);
     let answer = second.unwrap_or(first);
     let leading = match answer.parts.as_slice() {
@@ -210,9 +229,9 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
     let hunts = answer.parts.iter().any(|part| part.cause.is_play());
     let share = if hunts { HUNTING_CLOSES } else { limits.closes };
     let closes = |given: f64, left: f64| given > 0.0 && left < (1.0 - share) * given;
-    let held_excess = |hypothesis: &Hypothesis| held.left(hypothesis) / held.samples.len().max(1) as f64 - 1.0;
     let explained = excess < limits.explained
-        || closes(excess_of(&a.given), excess) && closes(held_excess(&a.given), held_excess(answer));
+        || closes(fitted_excess(bench, &a.given), fitted_excess(bench, answer))
+            && unseen.excess(&a.given).zip(unseen.excess(answer)).is_none_or(|(given, left)| closes(given, left));
     let calibration = answer.parts.iter().all(|part| part.cause.is_calibration());
     // On the floor, where numbers are not recalibrated one by one, this is where they are.
     let within = !bench.case.is_clamped() && answer.parts.iter().all(|part| part.is_believed(bench));
@@ -232,35 +251,5 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
         excess,
         gain,
         margin,
-    }
-}
-
-/// Samples that no fit saw.
-struct HeldOut<'a> {
-    bench: &'a Bench<'a>,
-    samples: Vec<usize>,
-}
-
-/// On samples that no fit saw a cause gains at least so much, and this share of what the fitted ones promise of them.
-const GAINED: f64 = 8.0;
-const OF_PROMISED: f64 = 0.3;
-
-impl<'a> HeldOut<'a> {
-    fn new(bench: &'a Bench<'a>) -> Self {
-        let weight = &bench.noise_of_all.weight;
-        Self { bench, samples: (0..weight.len()).filter(|k| bench.layout.held[*k] && weight[*k] > 0.0).collect() }
-    }
-
-    /// Weighed sum of squares that a hypothesis leaves, uncertain numbers adapted.
-    fn left(&self, hypothesis: &Hypothesis) -> f64 {
-        let left = self.bench.noise.adapted(&hypothesis.residual);
-        self.samples.iter().map(|k| self.bench.noise_of_all.weight[*k] * left[*k].powi(2)).sum()
-    }
-
-    /// Whether these samples, too, are for the richer hypothesis.
-    fn shows(&self, rich: &Hypothesis, simple: &Hypothesis) -> bool {
-        let share = self.samples.len() as f64 / self.bench.noise.count().max(1) as f64;
-        let promised = share * (simple.loss - rich.loss);
-        self.left(simple) - self.left(rich) > GAINED.max(OF_PROMISED * promised)
     }
 }

@@ -33,12 +33,16 @@ pub(super) struct Layout {
     pub held: Vec<bool>,
 }
 
-/// Where the trunk is clamped, the first moments tell how the log began and not how the robot is \[s\].
+/// The first moments tell how the log, or its motion, began and not how the robot is \[s\].
 const SETTLING_S: f64 = 0.4;
+/// A gait whose cycle is a longer share of the motion has no period.
+const LONGEST_CYCLE: f64 = 0.34;
 /// The time of motion is cut into so many parts where it has no period ...
 const PARTS: usize = 8;
-/// ... and of three in a row the middle one is held out.
+/// ... and of three in a row the middle one is held out; of a walk, whose first is not compared, the last.
 const OF_THREE: usize = 3;
+const HELD: usize = 1;
+const HELD_ON_THE_FLOOR: usize = 2;
 /// A displacement is measured to so much \[m\].
 pub(super) const FORWARD_SD_M: f64 = 5e-3;
 
@@ -47,8 +51,9 @@ impl Layout {
         let mut layout = Self { rows: Vec::new(), len: 0, compared: Vec::new(), held: Vec::new() };
         let has_validate = case.logs.iter().any(|log| log.is_validate);
         for (index, log) in case.logs.iter().enumerate() {
-            let blocks = if has_validate { Vec::new() } else { held_out_blocks(log) };
-            let (begin_s, clamped) = (log.log.t_s[0], case.is_clamped());
+            let (compared_from_s, clamped) = (compared_from_s(case, log), case.is_clamped());
+            let held = if clamped { HELD } else { HELD_ON_THE_FLOOR };
+            let blocks = if has_validate { Vec::new() } else { held_out_blocks(log, held) };
             let is_held = |t_s: f64| log.is_validate || blocks.iter().any(|block| block.contains(&t_s));
             let joints = (0..case.names.len()).filter(|j| log.columns[*j].is_some() && log.moves(*j));
             let mut channels: Vec<Channel> = joints.map(Channel::Joint).collect();
@@ -58,7 +63,7 @@ impl Layout {
             for channel in channels {
                 let from = layout.len;
                 for t_s in &log.log.t_s {
-                    layout.compared.push(!clamped || *t_s - begin_s >= SETTLING_S);
+                    layout.compared.push(*t_s >= compared_from_s);
                     layout.held.push(is_held(*t_s));
                 }
                 layout.len += log.log.len();
@@ -129,6 +134,17 @@ impl Layout {
     }
 }
 
+/// From when on a log is compared \[s\]. On a floor feet stand where the landing happened to put them, which no two honest
+/// simulations agree on, until all have stepped once: the first cycle of the gait is walked and not compared.
+pub(super) fn compared_from_s(case: &RobotCase, log: &CaseLog) -> f64 {
+    if case.is_clamped() {
+        return log.log.t_s[0] + SETTLING_S;
+    }
+    let begin_s = log.motion_begins_s();
+    let cycle_s = period_s(log, begin_s).filter(|period| *period < LONGEST_CYCLE * (log.end_s() - begin_s));
+    begin_s + cycle_s.unwrap_or(SETTLING_S)
+}
+
 /// How far a simulated trunk goes forward over the measured times \[m\].
 pub(super) fn displacement_m(log: &CaseLog, predicted: &Predicted) -> Option<f64> {
     let forward = log.forward?;
@@ -152,14 +168,15 @@ fn base_column(log: &CaseLog, k: usize) -> Option<&[f64]> {
     column.as_deref()
 }
 
-/// Times that no fit sees: of three cycles of the gait the middle one; where nothing repeats, of three parts.
-fn held_out_blocks(log: &CaseLog) -> Vec<Range<f64>> {
+/// Times that no fit sees: one of three cycles of the gait; where nothing repeats, of three parts.
+fn held_out_blocks(log: &CaseLog, held: usize) -> Vec<Range<f64>> {
     let (begin_s, end_s) = (log.motion_begins_s(), log.end_s());
     let time_s = end_s - begin_s;
-    let period_s = period_s(log, begin_s).filter(|period| *period < 0.34 * time_s).unwrap_or(time_s / PARTS as f64);
+    let period_s =
+        period_s(log, begin_s).filter(|period| *period < LONGEST_CYCLE * time_s).unwrap_or(time_s / PARTS as f64);
     let blocks = (time_s / period_s).ceil() as usize;
     let block = |k: usize| begin_s + k as f64 * period_s..begin_s + (k + 1) as f64 * period_s;
-    (0..blocks).filter(|k| k % OF_THREE == 1).map(block).collect()
+    (0..blocks).filter(|k| k % OF_THREE == held).map(block).collect()
 }
 
 /// The shortest time after which the setpoints repeat \[s\], from autocorrelation.

@@ -7,6 +7,7 @@ use super::diagnosis::{Displacement, JointGap, RobotGap};
 use super::forward::predict;
 use super::layout::{Channel, displacement_m};
 use super::refine::Hypothesis;
+use super::unseen::Unseen;
 use crate::gap::held_out::closed;
 use crate::gap::{LogGap, Verdict};
 use rand::{Rng, SeedableRng};
@@ -39,7 +40,7 @@ fn rms(bench: &Bench<'_>, left: &[f64], counts: impl Fn(usize, usize) -> bool) -
 
 /// RMS of a hypothesis over all held-out samples, with what is uncertain adapted \[rad\].
 pub(super) fn held_out_rms_rad(bench: &Bench<'_>, hypothesis: &Hypothesis) -> f64 {
-    rms(bench, &bench.noise.adapted(&hypothesis.residual), |_, _| true)
+    rms(bench, &Unseen::of(bench).adapted(hypothesis), |_, _| true)
 }
 
 /// The numbers of a decision.
@@ -90,8 +91,10 @@ pub(super) fn gap(bench: &Bench<'_>, given: &Hypothesis, decision: &Decision<'_>
         held_out: if has_validate {
             "predicted by a fit to the other logs, as the study says".to_owned()
         } else {
-            "of three gait cycles (or parts of the motion) the middle one: simulated through, not seen by any fit"
-                .to_owned()
+            let which = if bench.case.is_clamped() { "middle" } else { "last" };
+            format!(
+                "of three gait cycles (or parts of the motion) the {which} one: simulated through, not seen by any fit"
+            )
         },
         per_log: per_log.collect(),
         per_joint: per_joint.collect(),

@@ -38,6 +38,7 @@ mod suspects;
 #[cfg(test)]
 mod tests;
 mod torque;
+mod unseen;
 
 pub use case::RobotCase;
 pub use cause::{Cause, Change, RobotStage, UnknownCause};

@@ -35,9 +35,10 @@ pub(super) struct Hypothesis {
     covariance: Option<DMatrix<f64>>,
 }
 
-/// Trial points for one hypothesis.
+/// Trial points for one hypothesis. On the floor, where each is a walk, few are spent on most, and more on the best.
 const CLAMPED: usize = 26;
-const ON_THE_FLOOR: usize = 16;
+const ROUGHLY: usize = 6;
+const ON_THE_FLOOR: usize = 24;
 /// The same with free play, of which every trial takes as long as dozens of others.
 const HUNTING: usize = 12;
 /// A step gains less than this: done.
@@ -116,6 +117,15 @@ pub(super) fn moved(parameter: &EffectParameter, value: f64, by: f64) -> f64 {
 
 /// The hypothesis with the best values near those given; `None` where the robot runs away there.
 pub(super) fn refine(bench: &Bench<'_>, parts: Vec<Part>) -> Option<Hypothesis> {
+    refine_within(bench, parts, if bench.case.is_clamped() { CLAMPED } else { ON_THE_FLOOR })
+}
+
+/// The same, on the floor with a few trials only.
+pub(super) fn refine_roughly(bench: &Bench<'_>, parts: Vec<Part>) -> Option<Hypothesis> {
+    refine_within(bench, parts, if bench.case.is_clamped() { CLAMPED } else { ROUGHLY })
+}
+
+fn refine_within(bench: &Bench<'_>, parts: Vec<Part>, most: usize) -> Option<Hypothesis> {
     let parameters: Vec<Vec<EffectParameter>> = parts.iter().map(|part| part.parameters(bench)).collect();
     let free: Vec<(usize, usize)> = parameters
         .iter()
@@ -137,11 +147,7 @@ pub(super) fn refine(bench: &Bench<'_>, parts: Vec<Part>) -> Option<Hypothesis> 
     };
     let hunts = parts.iter().any(|part| part.cause.is_play());
     let nudge = if bench.case.is_clamped() && !hunts { NUDGE_SMOOTH } else { NUDGE_ROUGH };
-    let most = match (hunts, bench.case.is_clamped()) {
-        (true, _) => HUNTING,
-        (false, true) => CLAMPED,
-        (false, false) => ON_THE_FLOOR,
-    };
+    let most = if hunts { most.min(HUNTING) } else { most };
     let stepped = |parts: &[Part], (part, value): (usize, usize), by: f64| {
         let mut there = parts.to_vec();
         there[part].values[value] = moved(&parameters[part][value], there[part].values[value], by);

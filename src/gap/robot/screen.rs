@@ -3,6 +3,7 @@
 
 use super::bench::Bench;
 use super::cause::{Cause, Change};
+use super::layout::compared_from_s;
 use super::place::{Place, places};
 use super::refine::Part;
 use super::start::{Grid, Start};
@@ -31,8 +32,8 @@ pub(super) struct Candidate {
     pub gain: f64,
 }
 
-/// How long a walk is simulated to screen a cause: from the begin of the motion on \[s\].
-const WINDOW_S: f64 = 4.6;
+/// How long a walk is simulated to screen a cause: from where it is compared on \[s\].
+const WINDOW_S: f64 = 1.3;
 /// Where every try costs a walk: joints that are tried alone, joints of which pairs are tried as such (other pairs are
 /// sums of their joints), and joints of which three in four must be in a larger set.
 const ALONE: usize = 4;
@@ -178,7 +179,7 @@ fn grows(cause: Cause) -> bool {
 
 /// Until when the screening simulates \[s\].
 pub(super) fn window_s(bench: &Bench<'_>) -> f64 {
-    bench.case.logs.iter().map(|log| log.motion_begins_s() + WINDOW_S).fold(0.0, f64::max)
+    bench.case.logs.iter().map(|log| compared_from_s(bench.case, log) + WINDOW_S).fold(0.0, f64::max)
 }
 
 /// Candidates by gain, best first. A set of joints that was not tried as such is the sum of its joints.

@@ -9,62 +9,34 @@ use super::diagnosis::GaitPhase;
 use super::layout::period_s;
 use super::phases::phases;
 use super::place::Place;
-use super::refine::{Part, refine};
+use super::refine::{Hypothesis, Part, refine};
 use super::scatter::{Number, Scatter};
+use super::unseen::Unseen;
 use crate::joint::EffectId;
 use crate::synth::{Spec, make};
 use std::path::Path;
 
-/// A walk in the air whose left front knee hears its setpoints 18 ms late.
-const LATE: &str = r#"
-schema = 1
-seed = 3
-[robot]
-model = "ers7"
-scenario = "air"
-[sensor]
-resolution = 0.006
-period = 0.008
-noise = 0.002
-[truth]
-step = 5e-4
-[[effect]]
-id = "delay"
-joints = ["lf3"]
-T = 0.018
-[[log]]
-file = "trot.csv"
-duration = 5.0
-"#;
+/// A spec of the ERS-7: scenario, noise of its sensors \[rad\], step of the truth \[s\], and what more there is.
+fn spec(scenario: &str, noise_rad: f64, step_s: f64, more: &str) -> String {
+    format!(
+        "schema = 1\nseed = 3\n[robot]\nmodel = \"ers7\"\nscenario = \"{scenario}\"\n[sensor]\nresolution = 0.006\n\
+         period = 0.008\nnoise = {noise_rad}\n[truth]\nstep = {step_s}\n{more}"
+    )
+}
 
-/// A leg that is let go.
-const DROPPED: &str = r#"
-schema = 1
-[robot]
-model = "ers7"
-scenario = "drop"
-[sensor]
-period = 0.008
-noise = 0.001
-[truth]
-step = 1e-3
-[[log]]
-file = "drop.csv"
-duration = 2.0
-released = "lf1"
-release_time = 0.4
-angles = { lf1 = 1.2 }
-"#;
+/// A walk in the air whose left front knee hears its setpoints 18 ms late.
+fn late() -> String {
+    let effect = "[[effect]]\nid = \"delay\"\njoints = [\"lf3\"]\nT = 0.018\n";
+    spec("air", 0.002, 5e-4, &format!("{effect}[[log]]\nfile = \"trot.csv\"\nduration = 5.0\n"))
+}
 
 fn case(folder: &Path) -> RobotCase {
-    case_of(folder, LATE)
+    case_of(folder, &late())
 }
 
 fn case_of(folder: &Path, spec: &str) -> RobotCase {
     let made = make(&Spec::from_toml(Path::new("spec.toml"), spec).unwrap(), None).unwrap();
-    for (name, text) in made.logs.into_iter().chain([("study.toml".to_owned(), made.study_toml)]) {
-        std::fs::write(folder.join(name), text).unwrap();
-    }
+    made.files().for_each(|(name, text)| std::fs::write(folder.join(name), text).unwrap());
     RobotCase::of_study(&folder.join("study.toml")).unwrap()
 }
 
@@ -129,12 +101,40 @@ fn numbers_that_move_far_and_close_nothing_are_as_believed() {
 #[test]
 fn a_joint_that_is_let_go_feels_as_much_torque_as_gravity_has() {
     let folder = tempfile::tempdir().unwrap();
-    let case = case_of(folder.path(), DROPPED);
+    let log = "[[log]]\nfile = \"drop.csv\"\nduration = 2.0\nreleased = \"lf1\"\nrelease_time = 0.4\nangles = { lf1 = 1.2 }\n";
+    let dropped = spec("drop", 0.001, 1e-3, log);
+    let case = case_of(folder.path(), &dropped);
     let bench = Bench::new(&case).unwrap();
     let hip = case.names.iter().position(|name| name == "lf1").unwrap();
     // 128 g of leg, some 7 cm below its axis, at up to a right angle.
     let torque_nm = bench.reach[hip].torque_nm;
     assert!((0.03..0.15).contains(&torque_nm), "{torque_nm} N m");
+}
+
+#[test]
+fn a_landing_is_not_compared_and_numbers_that_only_imitate_what_was_fitted_stand_as_stated() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = case_of(folder.path(), &spec("floor", 0.002, 5e-4, "[[log]]\nfile = \"trot.csv\"\nduration = 6.0\n"));
+    let bench = Bench::new(&case).unwrap();
+    let t_s = &case.logs[0].log.t_s;
+    for (_, row) in bench.layout.joints() {
+        let first = row.range.clone().find(|k| bench.layout.compared[*k]).expect("some are") - row.range.start;
+        let held = row.range.clone().find(|k| bench.layout.held[*k]).expect("some are") - row.range.start;
+        assert!((t_s[first] - 3.0).abs() < 0.05 && (t_s[held] - 4.0).abs() < 0.05, "{} {}", t_s[first], t_s[held]);
+    }
+    let drawn = bench.difference(&Scatter::drawn(case.model(), &[[0.0; 2]; 64], 1), &[]).expect("it walks");
+    let adapted_of = |sign_of_held: f64| {
+        let mut hypothesis = Hypothesis::given(&bench);
+        let sign = |k: usize| if bench.layout.held[k] { sign_of_held } else { 1.0 };
+        hypothesis.residual = drawn.iter().enumerate().map(|(k, change)| sign(k) * change).collect();
+        let unseen = Unseen::of(&bench);
+        (unseen.adapted(&hypothesis), hypothesis.residual, unseen.squares(&drawn))
+    };
+    let (adapted, residual, squares) = adapted_of(1.0);
+    assert!(Unseen::of(&bench).squares(&adapted) < 0.5 * squares, "a robot like one that was drawn is recognised");
+    assert_ne!(adapted, residual);
+    let (adapted, residual, _) = adapted_of(-1.0);
+    assert_eq!(adapted, residual, "what the held-out cycle contradicts is not");
 }
 
 #[test]

@@ -256,6 +256,7 @@ mod tests {
             seed: 7,
             trial: 0,
             scenario: "floor",
+            robot: "ers7".to_owned(),
             verdict,
             faults: causes
                 .iter()
@@ -281,6 +282,7 @@ mod tests {
             places: vec![vec!["lf1".to_owned()], vec!["rf1".to_owned()]],
             first,
             second: None,
+            more: vec![],
             probability: 0.7,
             standing: String::new(),
             partial: None,

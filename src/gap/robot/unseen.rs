@@ -1,0 +1,54 @@
+//! Samples that no fit saw, and what hypotheses leave of them.
+
+use super::bench::Bench;
+use super::refine::Hypothesis;
+
+/// Samples that no fit saw.
+pub(super) struct Unseen<'a> {
+    bench: &'a Bench<'a>,
+    samples: Vec<usize>,
+}
+
+/// On samples that no fit saw a cause gains at least so much, and this share of what the fitted ones promise of them.
+const GAINED: f64 = 8.0;
+const OF_PROMISED: f64 = 0.3;
+
+impl<'a> Unseen<'a> {
+    pub fn of(bench: &'a Bench<'a>) -> Self {
+        let weight = &bench.noise_of_all.weight;
+        Self { bench, samples: (0..weight.len()).filter(|k| bench.layout.held[*k] && weight[*k] > 0.0).collect() }
+    }
+
+    /// What a hypothesis leaves with the uncertain numbers adapted, to first order.
+    ///
+    /// On the floor the numbers are those of robots drawn at random, and together they imitate much of what a walk does
+    /// once and never again, as it lands. Where they predict the samples that no fit saw worse than the numbers as stated,
+    /// these stand.
+    pub fn adapted(&self, hypothesis: &Hypothesis) -> Vec<f64> {
+        let adapted = self.bench.noise.adapted(&hypothesis.residual);
+        let stand = !self.bench.case.is_clamped() && self.squares(&hypothesis.residual) < self.squares(&adapted);
+        if stand { hypothesis.residual.clone() } else { adapted }
+    }
+
+    /// Weighed sum of squares that a hypothesis leaves, uncertain numbers adapted.
+    pub fn left(&self, hypothesis: &Hypothesis) -> f64 {
+        self.squares(&self.adapted(hypothesis))
+    }
+
+    /// The same per sample, above a noise variance; `None` where every sample was fitted.
+    pub fn excess(&self, hypothesis: &Hypothesis) -> Option<f64> {
+        (!self.samples.is_empty()).then(|| self.left(hypothesis) / self.samples.len() as f64 - 1.0)
+    }
+
+    /// Whether these samples, too, are for the richer hypothesis.
+    pub fn shows(&self, rich: &Hypothesis, simple: &Hypothesis) -> bool {
+        let share = self.samples.len() as f64 / self.bench.noise.count().max(1) as f64;
+        let promised = share * (simple.loss - rich.loss);
+        self.left(simple) - self.left(rich) > GAINED.max(OF_PROMISED * promised)
+    }
+
+    /// Weighed sum of squares of a residual over them.
+    pub fn squares(&self, residual: &[f64]) -> f64 {
+        self.samples.iter().map(|k| self.bench.noise_of_all.weight[*k] * residual[*k].powi(2)).sum()
+    }
+}
