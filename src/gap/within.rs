@@ -51,7 +51,7 @@ pub(super) fn within_logs(growth: &Growth<'_>, mut best: Trial, chance: f64) -> 
     while best.effects().len() < MOST && best.fit_loss(growth.evidence) > enough {
         match added(growth, &best, &groups, chance) {
             // Brought to rest, so that what it has not yet reached is taken for no cause.
-            Some(more) => best = growth.pruned(more.continued(growth.evidence, REST)).best,
+            Some(more) => best = growth.pruned(more.continued(growth.evidence, REST)),
             None => break,
         }
     }
