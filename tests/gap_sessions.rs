@@ -77,6 +77,17 @@ fn without_sessions_a_log_of_its_own_is_found() {
 }
 
 #[test]
+fn a_stop_that_is_hit_often_is_found_with_its_stiffness() {
+    let free = |from: f64| swing(from, 400, FRICTION);
+    let stopped = swing_against(0.3, -0.8, 400, FRICTION);
+    let dir = in_sessions(&[("", free(0.9)), ("", free(-0.6)), ("", stopped), ("", free(0.75))]);
+    let (found, text) = diagnosed(dir.path());
+    assert_eq!((&found["verdict"], ids(&found)), (&json!("effect"), vec!["end_stop"]), "{text}");
+    let stiffness = found["effects"][0]["parameters"]["stiffness"]["value"].as_f64().unwrap();
+    assert!((1.0..4.0).contains(&stiffness), "{stiffness} N m/rad for 2");
+}
+
+#[test]
 fn what_holds_everywhere_is_not_restricted_and_nothing_is_made_up() {
     let stopped = |from: f64| swing_against(STOP_RAD, from, 400, FRICTION);
     let dir = in_sessions(&[("a", stopped(-0.9)), ("a", stopped(-0.6)), ("b", stopped(-0.8)), ("b", stopped(-0.75))]);

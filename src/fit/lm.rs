@@ -26,6 +26,8 @@ pub(super) fn levenberg_marquardt(problem: &dyn Residuals, start: &[f64], budget
     let mut trace = vec![normal.criterion];
     let (mut damping, mut growth) = (1e-3, 2.0);
     let mut idle = 0;
+    // Where steps succeed the next trial point is linearised at once, without a look at its criterion first.
+    let mut confident = true;
     let stop = loop {
         let free = normal.unblocked(&x, coordinates);
         if normal.distance_in_variances(&free, coordinates) < close {
@@ -47,23 +49,37 @@ pub(super) fn levenberg_marquardt(problem: &dyn Residuals, start: &[f64], budget
         evaluations += 1;
         let moved = nalgebra::DVector::from_fn(x.len(), |i, _| trial[i] - x[i]);
         let predicted = -(2.0 * normal.jtr.dot(&moved) + moved.dot(&(&normal.jtj * &moved)));
-        let gain = match problem.criterion(&trial) {
-            Ok(criterion) if predicted > 0.0 => (normal.criterion - criterion) / predicted,
-            Ok(criterion) if criterion < normal.criterion => 0.1,
-            _ => -1.0,
+        let gain_of = |criterion: f64| {
+            if predicted > 0.0 {
+                (normal.criterion - criterion) / predicted
+            } else if criterion < normal.criterion {
+                0.1
+            } else {
+                -1.0
+            }
         };
-        if gain <= 1e-4 {
-            damping *= growth;
-            growth *= 2.0;
-            continue;
+        let is_last = evaluations + 1 >= budget.evaluations;
+        let linearised = || problem.linearise(&trial).map(|blocks| Normal::of(&blocks, x.len()));
+        let seen = if confident && !is_last {
+            linearised().map(|next| (next.criterion, Some(next)))
+        } else {
+            problem.criterion(&trial).map(|criterion| (criterion, None))
+        };
+        let (criterion, next) = seen.unwrap_or((f64::NAN, None));
+        let gain = gain_of(criterion);
+        confident = gain > 1e-4;
+        if confident && is_last {
+            trace.push(criterion);
+            return Solution { x: trial, criterion, trace, stop: Stop::BudgetSpent, evaluations };
         }
-        let Ok(blocks) = problem.linearise(&trial) else {
+        let next = if confident { next.or_else(|| linearised().ok()) } else { None };
+        let Some(next) = next else {
+            confident = false;
             damping *= growth;
             growth *= 2.0;
             continue;
         };
         evaluations += 1;
-        let next = Normal::of(&blocks, x.len());
         let gained_variances = (normal.criterion - next.criterion) / next.criterion * next.residuals as f64;
         idle = if gained_variances < CREEPING_VARIANCES { idle + 1 } else { 0 };
         (x, normal) = (trial, next);

@@ -6,7 +6,7 @@ use super::compare::difference;
 use super::evidence::{Evidence, counts};
 use super::explore::{explore, one_of_each};
 use super::floor::noise_rad;
-use super::grow::{Growth, Looked};
+use super::grow::{Growth, Looked, Pruned};
 use super::judged::{Judged, judged};
 use super::laws::lawful;
 use super::refuted::refutes;
@@ -122,17 +122,17 @@ impl Attribution {
         }
         stage("exchanging causes")?;
         let grown = best.effects().to_vec();
-        let best = growth.pruned(best);
+        let pruned = growth.pruned(best);
         let Looked { singles: mut firsts, mut sights } = looked;
         if sights.is_empty() {
             sights = growth.sights(&calibrated, effects);
         }
-        let chance = chance::threshold(&coarse, &sights, &best);
+        let chance = chance::threshold(&coarse, &sights, &pruned.best);
         if firsts.is_empty() {
             firsts = explore(&coarse, &calibrated, &sights);
         }
-        let judge = |best: Trial| judged(&growth, evidence, best, chance, &firsts);
-        let mut judged = judge(best);
+        let judge = |pruned: Pruned| judged(&growth, evidence, pruned, chance, &firsts);
+        let mut judged = judge(pruned);
         // What others had stood in for shows once they are gone.
         let went = grown.iter().any(|e| !judged.best.effects().contains(e));
         if went && !judged.best.effects().is_empty() && beyond(&judged.best, FAR, noise) {

@@ -24,6 +24,11 @@ const FULL: Budget = Budget { evaluations: 24 };
 /// A brief fit is carried on where its criterion is below the best brief one times this, or it is among the best few.
 const SERIOUS: f64 = 1.15;
 const AT_LEAST: usize = 2;
+/// The time of a held setpoint is settled where a brief fit at the time that was proposed is below the best brief one times
+/// this.
+const WORTH_SETTLING: f64 = 4.0;
+/// What is compared with a hypothesis is carried on where a brief fit is below its criterion times this.
+const COMPARABLE: f64 = 5.0;
 
 /// Effects that are easily taken for one another, whatever a look from afar says.
 const KIN: [&[EffectId]; 2] = [
@@ -38,15 +43,35 @@ pub(super) fn is_kin(a: EffectId, b: EffectId) -> bool {
 
 /// The best fits of `base` with one of the effects added, one for each effect that promises something; best first.
 pub(super) fn explore(evidence: &Evidence, base: &Trial, sights: &[Sight]) -> Vec<Trial> {
-    explore_with_kin(evidence, base, sights, None)
+    explored(evidence, base, sights, |_| false, f64::INFINITY)
 }
 
-/// The same, with what is easily taken for an effect among them.
-pub(super) fn explore_with_kin(
+/// The best fits of `base` with another effect in the place of `member`, which is one of those of `best`: what is easily
+/// taken for it is among them, whatever it promises.
+pub(super) fn explore_rivals(
     evidence: &Evidence,
     base: &Trial,
     sights: &[Sight],
-    of: Option<EffectId>,
+    (member, best): (EffectId, &Trial),
+) -> Vec<Trial> {
+    let kin = |effect| is_kin(member, effect);
+    let found = explored(evidence, base, sights, kin, COMPARABLE * best.criterion());
+    // Kin are compared, so none of them may stop half way.
+    let to_the_end = |t: Trial| match t.effects().last() {
+        Some(effect) if kin(*effect) => t.continued(evidence, FULL),
+        _ => t,
+    };
+    one_of_each(found.into_par_iter().map(to_the_end).collect())
+}
+
+/// The best fits of `base` with one effect more, of those that promise most and those that are `wanted` anyway; what stays
+/// above the criterion `hope` is not carried on.
+fn explored(
+    evidence: &Evidence,
+    base: &Trial,
+    sights: &[Sight],
+    wanted: impl Fn(EffectId) -> bool,
+    hope: f64,
 ) -> Vec<Trial> {
     let single = base.effects().is_empty();
     let (each, promising) = if single { (BRIEF_POINTS, PROMISING) } else { (1, PROMISING_SECONDS) };
@@ -62,50 +87,40 @@ pub(super) fn explore_with_kin(
             kept.push(*effect);
         }
     }
-    let kin = |effect: &EffectId| of.is_some_and(|of| is_kin(of, *effect));
-    points.retain(|(_, effect, _)| kept.contains(effect) || kin(effect));
+    points.retain(|(_, effect, _)| kept.contains(effect) || wanted(*effect));
     let candidates = points.into_iter().map(|(_, effect, values)| (vec![effect.into()], values)).collect();
-    let found = refitted(evidence, base, candidates);
-    if of.is_none() {
-        return found;
-    }
-    // Kin are compared, so none of them may stop half way.
-    let to_the_end = |t: Trial| match t.effects().last() {
-        Some(effect) if kin(effect) => t.continued(evidence, FULL),
-        _ => t,
-    };
-    one_of_each(found.into_par_iter().map(to_the_end).collect())
+    refitted(evidence, base, candidates, hope)
 }
 
 /// Effects in their forms, with values of all parameters from which to fit.
 pub(super) type Added = (Vec<EffectForm>, Vec<f64>);
 
 /// `base` with effects added, fitted from the values given: all of them briefly, the serious ones to the end. The best
-/// for each set of effects; best first.
-pub(super) fn refitted(evidence: &Evidence, base: &Trial, candidates: Vec<Added>) -> Vec<Trial> {
-    let brief: Vec<Trial> = candidates
+/// for each set of effects; best first. What stays above the criterion `hope` is not carried on.
+pub(super) fn refitted(evidence: &Evidence, base: &Trial, candidates: Vec<Added>, hope: f64) -> Vec<Trial> {
+    let brief: Vec<(Trial, Option<usize>)> = candidates
         .into_par_iter()
         .map(|(effects, values)| {
             let model = effects.iter().fold(base.model.clone(), |model, &e| model.with(e, &evidence.reach));
-            let starts = base.found.starts.clone();
-            match held_setpoint(&model) {
-                Some(at) => settled(evidence, model, at, &values, starts, BRIEF),
-                None => Trial::solved(evidence, model, &values, starts, BRIEF),
-            }
+            let at = held_setpoint(&model);
+            let held = at.map_or_else(|| model.clone(), |at| model.clone().holding(&[at], &values));
+            let fitted = Trial::solved(evidence, held, &values, base.found.starts.clone(), BRIEF);
+            (Trial { model, ..fitted }, at)
         })
         .collect();
-    let best = one_of_each(brief);
+    let least = brief.iter().map(|(t, _)| t.criterion()).fold(f64::INFINITY, f64::min);
+    let brief = brief.into_par_iter().map(|(t, at)| match at {
+        Some(at) if t.criterion() < hope.min(WORTH_SETTLING * least) => settled(evidence, t, at, BRIEF),
+        _ => t,
+    });
+    let best = one_of_each(brief.collect());
     let line = best.first().map_or(f64::INFINITY, |t| SERIOUS * t.criterion());
-    let done: Vec<Trial> = best
+    let is_serious = |rank: usize, t: &Trial| t.criterion() < hope && (rank < AT_LEAST || t.criterion() < line);
+    let done = best
         .into_par_iter()
         .enumerate()
-        .map(
-            |(rank, trial)| {
-                if rank < AT_LEAST || trial.criterion() < line { trial.continued(evidence, FULL) } else { trial }
-            },
-        )
-        .collect();
-    one_of_each(done)
+        .map(|(rank, trial)| if is_serious(rank, &trial) { trial.continued(evidence, FULL) } else { trial });
+    one_of_each(done.collect())
 }
 
 /// The best trial for each set of effects; best first.

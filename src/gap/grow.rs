@@ -5,7 +5,7 @@
 //! numbers.
 
 use super::evidence::{Evidence, counts};
-use super::explore::{explore, explore_with_kin, is_kin, one_of_each, refitted};
+use super::explore::{explore, explore_rivals, is_kin, refitted};
 use super::folds::Folds;
 use super::held_out::Elsewhere;
 use super::model::COULOMB;
@@ -59,6 +59,13 @@ pub(super) struct Looked {
     pub sights: Vec<Sight>,
 }
 
+/// A set without needless members.
+pub(super) struct Pruned {
+    pub best: Trial,
+    /// The same without each of its members, fitted again.
+    pub without: Vec<Trial>,
+}
+
 impl Growth<'_> {
     /// The set that explains most, grown from a hypothesis; and what was seen on the way, where the hypothesis had no effects
     /// and a step was made.
@@ -92,10 +99,13 @@ impl Growth<'_> {
         let again = |factor: &f64| {
             let mut values = fitted.found.values.clone();
             values[COULOMB] = values[COULOMB].max(1e-3 * self.evidence.reach.torque_nm) * factor;
-            Trial::solved(self.evidence, fitted.model.clone(), &values, fitted.found.starts.clone(), AGAIN)
+            Trial::solved(self.evidence, fitted.model.clone(), &values, fitted.found.starts.clone(), LOOK)
         };
         let others: Vec<Trial> = FACTORS.par_iter().map(again).collect();
-        others.into_iter().fold(fitted, |best, t| if t.criterion() < best.criterion() { t } else { best })
+        let best = others.into_iter().min_by(|a, b| a.criterion().total_cmp(&b.criterion()));
+        let best =
+            best.filter(|t| t.criterion() < NEARLY * fitted.criterion()).map(|t| t.continued(self.evidence, AGAIN));
+        best.filter(|t| t.criterion() < fitted.criterion()).unwrap_or(fitted)
     }
 
     /// The best hypothesis with one effect more, or two, and what was seen of all with one more.
@@ -142,19 +152,20 @@ impl Growth<'_> {
         after < STEP * before && samples / STEP_SAMPLES * (before / after.max(1e-300)).ln() > STEP_DEVIANCE
     }
 
-    /// Without the members that others have made needless.
-    pub fn pruned(&self, mut best: Trial) -> Trial {
+    /// Without the members that others have made needless; and the same without each of those that stay.
+    pub fn pruned(&self, mut best: Trial) -> Pruned {
+        let mut without = self.without_each(&best);
         while best.effects().len() > 1 {
             let measure = Measure::by(self.evidence, &best);
             let score = measure.score(self.evidence, &best);
-            let without = self.without_each(&best);
-            let better = without.into_iter().map(|t| (measure.score(self.evidence, &t), t));
-            match better.min_by(|a, b| a.0.total_cmp(&b.0)) {
-                Some((less, t)) if less <= score => best = t,
+            let scores: Vec<f64> = without.iter().map(|t| measure.score(self.evidence, t)).collect();
+            match (0..scores.len()).min_by(|a, b| scores[*a].total_cmp(&scores[*b])) {
+                Some(k) if scores[k] <= score => best = without.swap_remove(k),
                 _ => break,
             }
+            without = self.without_each(&best);
         }
-        best
+        Pruned { best, without }
     }
 
     /// A hypothesis without each of its effects in turn, fitted again.
@@ -176,7 +187,7 @@ impl Growth<'_> {
                 }
             }
             let sights = self.sights(without, &others);
-            let mut found = explore_with_kin(self.evidence, without, &sights, Some(member));
+            let mut found = explore_rivals(self.evidence, without, &sights, (member, best));
             found.retain(|t| !t.effects().contains(&member));
             found.truncate(RIVALS);
             found
@@ -185,8 +196,8 @@ impl Growth<'_> {
     }
 
     /// The same with members exchanged where something simpler explains the logs as well, or anything better.
-    pub fn exchanged(&self, mut best: Trial) -> (Trial, Vec<Trial>, Vec<Vec<Trial>>) {
-        let mut without = self.without_each(&best);
+    pub fn exchanged(&self, pruned: Pruned) -> (Pruned, Vec<Vec<Trial>>) {
+        let Pruned { mut best, mut without } = pruned;
         let mut rivals = self.rivals(&best, &without);
         for only_simpler in [true, false] {
             let measure = Measure::by(self.evidence, &best);
@@ -197,12 +208,11 @@ impl Growth<'_> {
             };
             let others = rivals.iter().flatten().filter(allowed);
             if let Some(other) = others.min_by(|a, b| score(a).total_cmp(&score(b))) {
-                best = self.pruned(other.clone().settled(self.evidence, SETTLE));
-                without = self.without_each(&best);
+                Pruned { best, without } = self.pruned(other.clone().settled(self.evidence, SETTLE));
                 rivals = self.rivals(&best, &without);
             }
         }
-        (best, without, rivals)
+        (Pruned { best, without }, rivals)
     }
 
     /// The same causes in the forms that explain the logs best: the formula is a detail that the evidence picks.
@@ -262,13 +272,16 @@ impl Growth<'_> {
     /// Sets carried over from other samples or parts of the same logs, fitted again here.
     pub fn carried(&self, base: &Trial, found: &[Trial]) -> Vec<Trial> {
         let candidates = found.iter().map(|t| (t.model.forms().to_vec(), t.found.values.clone())).collect();
-        one_of_each(refitted(self.evidence, base, candidates))
+        refitted(self.evidence, base, candidates, f64::INFINITY)
     }
 }
 
 /// Factors on the Coulomb friction that are tried, where a fit leaves more than this many times what is enough.
 const FACTORS: [f64; 4] = [0.4, 0.75, 1.35, 2.5];
 const SHAKE: f64 = 3.0;
+/// Evaluations with which each of them is looked at, and how near the fit the best has to come to be carried on.
+const LOOK: Budget = Budget { evaluations: 7 };
+const NEARLY: f64 = 1.05;
 /// Evaluations with which another form is fitted.
 const FORMING: Budget = Budget { evaluations: 30 };
 /// Score by which another form has to be better to be stated.

@@ -22,26 +22,18 @@ pub(super) fn held_setpoint(model: &GapModel) -> Option<usize> {
     Some(model.place(k).start).filter(|at| !model.is_held_by_demand(*at))
 }
 
-/// A model fitted from values and starts, the time at place `at` settled first; the budget is that of each of the fits.
-pub(super) fn settled(
-    evidence: &Evidence,
-    model: GapModel,
-    at: usize,
-    values: &[f64],
-    starts: Vec<[f64; 2]>,
-    budget: Budget,
-) -> Trial {
-    let fitted_at = |values: &[f64], starts: Vec<[f64; 2]>| {
-        Trial::solved(evidence, model.clone().holding(&[at], values), values, starts, budget)
-    };
-    let first = fitted_at(values, starts);
+/// A hypothesis that was fitted with the time at place `at` held, the time settled and then free; the budget is that of each
+/// of the fits.
+pub(super) fn settled(evidence: &Evidence, first: Trial, at: usize, budget: Budget) -> Trial {
+    let model = first.model.clone();
     let best = scanned(evidence, &model, at, &first.found);
     let second = if best == first.found.values[at] {
         first
     } else {
         let mut values = first.found.values.clone();
         values[at] = best;
-        let second = fitted_at(&values, first.found.starts.clone());
+        let held = model.clone().holding(&[at], &values);
+        let second = Trial::solved(evidence, held, &values, first.found.starts.clone(), budget);
         if second.criterion() < first.criterion() { second } else { first }
     };
     let free = Trial::solved(evidence, model.clone(), &second.found.values, second.found.starts.clone(), budget);

@@ -2,7 +2,7 @@
 
 use super::evidence::Evidence;
 use super::folds::Folds;
-use super::grow::Growth;
+use super::grow::{Growth, Pruned};
 use super::held_out::{Elsewhere, FEW_LOGS};
 use super::refuted::unrefuted;
 use super::score::Measure;
@@ -33,9 +33,9 @@ pub(super) struct Judged {
 
 /// A set of causes exchanged, proven, in its best forms, in the logs in which it holds, and without what held-out logs
 /// refute; `chance` is the deviance that chance alone may gain, `known` are hypotheses with fewer causes.
-pub(super) fn judged(growth: &Growth<'_>, whole: &Evidence, grown: Trial, chance: f64, known: &[Trial]) -> Judged {
+pub(super) fn judged(growth: &Growth<'_>, whole: &Evidence, grown: Pruned, chance: f64, known: &[Trial]) -> Judged {
     let evidence = growth.evidence;
-    let (exchanged, without, rivals) = growth.exchanged(grown);
+    let (Pruned { best: exchanged, without }, rivals) = growth.exchanged(grown);
     let members = exchanged.effects().to_vec();
     let best = growth.formed(proven(evidence, exchanged, without, chance));
     let (best, refuted) = unrefuted(evidence, whole, within_logs(growth, best, chance), known);

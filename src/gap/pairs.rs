@@ -15,7 +15,7 @@ const PROMISING: usize = 6;
 /// The best fits of `base` with two effects added; best first.
 pub(super) fn pairs(evidence: &Evidence, base: &Trial, sights: &[Sight]) -> Vec<Trial> {
     let candidates = sights.iter().flat_map(promising).collect();
-    refitted(evidence, base, candidates)
+    refitted(evidence, base, candidates, f64::INFINITY)
 }
 
 /// The pairs that promise most, with the values from which to refit.

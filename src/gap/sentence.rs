@@ -67,6 +67,13 @@ fn unnamed(law: &LawFound) -> String {
     format!("there is {what} that depends on the {} ({}){closed}.", of.join(" and the "), table.looks_like)
 }
 
+/// Whether the interval of what measures an effect's size reaches to where the effect is absent.
+fn includes_none(effect: EffectId, numbers: &[Number]) -> bool {
+    let none = effect.named_parameters().first().map(|named| named.zero);
+    let interval = numbers.first().and_then(|size| size.interval);
+    none.zip(interval).is_some_and(|(none, [low, high])| low <= none && none <= high)
+}
+
 /// Where refitted numbers leave less than this share of the error, that is said first.
 const MOST_BY_NUMBERS: f64 = 0.7;
 
@@ -83,11 +90,12 @@ pub(super) fn sentence(
         let number = effects.iter().find(|(e, _)| *e == effect).and_then(|(_, numbers)| numbers.first());
         number.map_or(String::new(), |n| format!(" ({} = {})", n.name, quantity(n.value, n.interval, &n.unit)))
     };
-    let all = || {
+    let together = |causes: &[EffectId]| {
         let each: Vec<String> =
-            decision.effects.iter().map(|&e| format!("{}{}{}", words(e), size(e), only(decision, e))).collect();
+            causes.iter().map(|&e| format!("{}{}{}", words(e), size(e), only(decision, e))).collect();
         each.join(", together with ")
     };
+    let all = || together(&decision.effects);
     match (decision.verdict, decision.effect()) {
         (Verdict::None, _) => format!(
             "{joint}: nothing is missing. The model as given explains the held-out logs to the sensor's noise ({} against {}).",
@@ -111,8 +119,19 @@ pub(super) fn sentence(
             text
         }
         (_, partial) => {
-            let nearest =
-                partial.map_or(String::new(), |_| format!(" What is known so far is {}; {}.", all(), closing(gap)));
+            let may_be_none =
+                |effect: &EffectId| effects.iter().any(|(e, numbers)| e == effect && includes_none(*e, numbers));
+            let (open, sure): (Vec<EffectId>, Vec<EffectId>) = decision.effects.iter().partition(|e| may_be_none(e));
+            let known = match (&sure[..], &open[..]) {
+                (sure, []) => format!("What is known so far is {}", together(sure)),
+                ([], open) => format!("Perhaps there is {}, whose interval includes none", together(open)),
+                (sure, open) => format!(
+                    "What is known so far is {}; perhaps there is also {}, whose interval includes none",
+                    together(sure),
+                    together(open)
+                ),
+            };
+            let nearest = partial.map_or(String::new(), |_| format!(" {known}; {}.", closing(gap)));
             let unnamed = law.map_or(String::new(), |law| format!(" Without a name {}", unnamed(law)));
             let stays = format!("{} are left, and the sensor itself makes {}", mrad(gap.after), mrad(gap.floor));
             if gap.calibrated < MOST_BY_NUMBERS * gap.before {

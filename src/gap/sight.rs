@@ -37,7 +37,9 @@ pub(super) struct Point {
 
 /// What is left is folded to at most about so many rows.
 const ROWS: usize = 2000;
-/// Starting points of each effect that are looked at where motor side and link move apart.
+/// Starting points of each effect that are looked at from a hypothesis with effects; where these part motor side and link
+/// each costs many times as much.
+const SOME_STARTS: usize = 6;
 const FEW_STARTS: usize = 2;
 /// Blocks of fewer rows are not folded.
 const FEW_ROWS: usize = 32;
@@ -77,11 +79,8 @@ impl Sight {
                     EffectId::SetpointHold => hold_scan(evidence, &base.model, from, &absent, projector),
                     _ => effect.starts(&evidence.reach),
                 });
-                if base.model.has_two_bodies() {
-                    // Each costs many times as much: a few, spread over all.
-                    let every = starts.len().div_ceil(FEW_STARTS).max(1);
-                    starts = starts.into_iter().step_by(every).collect();
-                }
+                let every = starts.len().div_ceil(starts_at_most(&base.model)).max(1);
+                starts = starts.into_iter().step_by(every).collect();
                 let point = |start: Vec<f64>| {
                     let values: Vec<f64> = from.iter().chain(&start).copied().collect();
                     let model = model.clone().at(&values);
@@ -136,6 +135,15 @@ impl Sight {
     /// Values of the hypothesis with effects added at their points.
     pub fn with(&self, points: &[&Point]) -> Vec<f64> {
         self.from.iter().chain(points.iter().flat_map(|p| &p.start)).copied().collect()
+    }
+}
+
+/// Starting points of an effect that are looked at, spread over all.
+fn starts_at_most(base: &GapModel) -> usize {
+    match (base.effects(), base.has_two_bodies()) {
+        ([], _) => usize::MAX,
+        (_, false) => SOME_STARTS,
+        (_, true) => FEW_STARTS,
     }
 }
 

@@ -10,6 +10,8 @@ use super::folds::Folds;
 use super::grow::{Growth, MOST};
 use super::held_out::HeldOut;
 use super::logs::{By, Group, Groups, LogSet};
+use super::model::BASELINE;
+use super::reach::reach_of;
 use super::score::Measure;
 use super::sight::Sight;
 use super::trial::{Trial, loss, predicted};
@@ -45,13 +47,16 @@ pub(super) fn within_logs(growth: &Growth<'_>, mut best: Trial, chance: f64) -> 
     for k in 0..best.effects().len() {
         best = restricted(growth.evidence, best, k, &groups);
     }
+    for group in &groups.groups {
+        best = placed_anew(growth.evidence, best, group);
+    }
     // What is less than one step of the encoder may be noise of any colour.
     let samples: f64 = growth.evidence.fit.iter().map(|e| counts(e).sum::<f64>()).sum();
     let enough = (WORTH_A_LOOK * growth.enough).max(samples * growth.evidence.reach.resolution_rad.powi(2));
     while best.effects().len() < MOST && best.fit_loss(growth.evidence) > enough {
         match added(growth, &best, &groups, chance) {
             // Brought to rest, so that what it has not yet reached is taken for no cause.
-            Some(more) => best = growth.pruned(more.continued(growth.evidence, REST)),
+            Some(more) => best = growth.pruned(more.continued(growth.evidence, REST)).best,
             None => break,
         }
     }
@@ -88,6 +93,17 @@ fn restricted(evidence: &Evidence, best: Trial, k: usize, groups: &Groups) -> Tr
     if is_better && predicts(evidence, &other, &best) > 0.0 { other } else { best }
 }
 
+/// The same with a cause that holds in one group looked for again there: while it had to hold everywhere its search may
+/// have ended in the wrong place.
+fn placed_anew(evidence: &Evidence, best: Trial, group: &Group) -> Trial {
+    let is_here = |only: &Option<Arc<LogSet>>| only.as_ref().is_some_and(|set| **set == group.inside);
+    let Some(k) = best.model.only().iter().position(is_here) else { return best };
+    let effect = best.effects()[k];
+    let without = best.without(evidence, k, AGAIN);
+    let found = of_group(evidence, &without, group, &[effect]);
+    found.into_iter().fold(best, |best, t| if t.criterion() < best.criterion() { t } else { best })
+}
+
 /// Whether logs are explained clearly worse without cause number `k`, everything else as it is.
 fn is_missed(evidence: &Evidence, best: &Trial, k: usize, group: &Group) -> bool {
     let bare = best.model.clone().only_in(k, Arc::new(group.outside.clone()));
@@ -115,15 +131,26 @@ fn added(growth: &Growth<'_>, best: &Trial, groups: &Groups, chance: f64) -> Opt
     (stands_out && elsewhere(evidence, &more, best) > 0.0).then_some(more)
 }
 
-/// The best with each of the causes that stand out in what it leaves of one group, fitted to all logs.
+/// The best with each of the causes that stand out in one group beside numbers that the others give, fitted to all logs.
 fn of_group(evidence: &Evidence, best: &Trial, group: &Group, effects: &[EffectId]) -> Vec<Trial> {
-    let own: Vec<usize> = (0..evidence.fit.len()).filter(|k| group.inside.holds(&evidence.fit[*k])).collect();
-    let there = evidence.with_logs(own.iter().map(|&k| evidence.fit[k].clone()).collect(), Vec::new());
-    let starts = own.iter().map(|&k| best.found.starts[k]).collect();
-    // The numbers are those of all logs.
+    let (own, others): (Vec<usize>, Vec<usize>) =
+        (0..evidence.fit.len()).partition(|k| group.inside.holds(&evidence.fit[*k]));
+    let only = |logs: &[usize]| evidence.with_logs(logs.iter().map(|&k| evidence.fit[k].clone()).collect(), Vec::new());
+    let starts = |logs: &[usize]| logs.iter().map(|&k| best.found.starts[k]).collect::<Vec<_>>();
+    // Numbers that all logs share have bent to what one group hides; those of its causes only it may know.
+    let causes: Vec<usize> = (BASELINE..best.model.parameters().len()).collect();
+    let model = best.model.clone().holding(&causes, &best.found.values);
+    let elsewhere = Trial::solved(&only(&others), model, &best.found.values, starts(&others), AGAIN);
+    let values = &elsewhere.found.values;
+    // Short parts run from no log, and what bounds a motion bounds that of these logs.
+    let whole = only(&own);
+    let there = Evidence { reach: reach_of(&whole.fit, &evidence.nominal), ..whole.in_parts() };
     let all: Vec<usize> = (0..best.model.parameters().len()).collect();
-    let held = best.model.clone().holding(&all, &best.found.values);
-    let base = Trial::solved(&there, held, &best.found.values, starts, AGAIN);
+    let held = best.model.clone().holding(&all, values);
+    let anew: Vec<[f64; 2]> = there.fit.iter().map(|e| e.start_coordinates(&e.start)).collect();
+    let mut base = Trial::solved(&there, held, values, anew.clone(), AGAIN);
+    // Fitted starts hide what is missing; those that the readings show do not.
+    base.found.starts = anew;
     let sights = Sight::from_each(&there, &base, &[], effects);
     let found = explore(&there, &base, &sights);
     let set = Arc::new(group.inside.clone());
@@ -131,7 +158,7 @@ fn of_group(evidence: &Evidence, best: &Trial, group: &Group, effects: &[EffectI
         let effect = *t.effects().last()?;
         let k = best.effects().len();
         let model = best.model.with(effect, &evidence.reach).only_in(k, Arc::clone(&set));
-        let values = [&best.found.values[..], &t.found.values[best.found.values.len()..]].concat();
+        let values = [&values[..], &t.found.values[values.len()..]].concat();
         let fitted = Trial::solved(evidence, model, &values, best.found.starts.clone(), AGAIN);
         Some(fitted.settled(evidence, AGAIN))
     };
