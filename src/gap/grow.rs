@@ -5,7 +5,7 @@
 //! numbers.
 
 use super::evidence::{Evidence, counts};
-use super::explore::{explore, explore_rivals, is_kin, refitted};
+use super::explore::{explore, explore_rivals, is_kin, one_of_each, refitted};
 use super::folds::Folds;
 use super::held_out::Elsewhere;
 use super::model::COULOMB;
@@ -34,6 +34,8 @@ const FEEBLE: f64 = 0.5;
 const APART: usize = 1;
 /// Causes that part motor side and link have to lower the square sum by so much more than others.
 const IMITATES: f64 = 4.0;
+/// Single effects whose forms contend.
+const CONTENDERS: usize = 3;
 /// Rivals that are kept for each member.
 const RIVALS: usize = 4;
 
@@ -112,7 +114,10 @@ impl Growth<'_> {
     fn step(&self, from: &Trial) -> (Option<Trial>, Looked) {
         let others = self.others(from);
         let sights = self.sights(from, &others);
-        let singles = explore(self.evidence, from, &sights);
+        let mut singles = explore(self.evidence, from, &sights);
+        if from.effects().is_empty() {
+            singles = self.contended(singles);
+        }
         let loss = |t: &Trial| t.fit_loss(self.evidence);
         let before = loss(from);
         let best = singles.first().map_or(f64::INFINITY, loss);
@@ -133,6 +138,18 @@ impl Growth<'_> {
         };
         let best = singles.iter().chain(&together).min_by(|a, b| worth(a).total_cmp(&worth(b))).cloned();
         (best, Looked { singles, sights })
+    }
+
+    /// Where the best single effect leaves much, the best few in the forms that explain the logs best: in its default formula
+    /// the right family may be behind a wrong one.
+    fn contended(&self, mut singles: Vec<Trial>) -> Vec<Trial> {
+        let few = CONTENDERS.min(singles.len());
+        singles[..few].par_iter_mut().for_each(|t| {
+            if !t.model.has_two_bodies() {
+                *t = self.reshaped(t.clone(), t.effects().len() - 1);
+            }
+        });
+        one_of_each(singles)
     }
 
     fn others(&self, from: &Trial) -> Vec<EffectId> {

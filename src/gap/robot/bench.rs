@@ -10,8 +10,8 @@ use super::place::Place;
 use super::reach::reach_of;
 use super::recalibrate::recalibrated;
 use super::scatter::{Number, Scatter, Spreads};
+use super::start::Body;
 use crate::joint::Reach;
-use crate::robot::FloorParameters;
 use rayon::prelude::*;
 
 /// Steps of the simulations \[s\].
@@ -61,7 +61,7 @@ pub(super) struct Bench<'a> {
     pub groups: Vec<Vec<usize>>,
     /// By joint of the robot.
     pub reach: Vec<Reach>,
-    pub floor: FloorParameters,
+    pub body: Body,
     /// Standard deviation of a joint's reading \[rad\].
     pub sigma_rad: f64,
     /// Clamped: the uncertain numbers, as the first columns of the noise have them, and their standard deviations.
@@ -90,7 +90,7 @@ impl<'a> Bench<'a> {
         let reach: Vec<Reach> = (0..case.names.len()).map(|joint| reach_of(case, &given_logs, joint)).collect();
         let sigma_rad = sigma_rad(case, &layout, &measured, &stated);
         let blank = || Noise::new(Vec::new(), Vec::new()).expect("nothing is finite");
-        let floor = floor_of(case);
+        let body = Body { floor: floor_of(case), mass_kg: case.model().total_mass_kg() };
         let mut bench = Self {
             case,
             layout,
@@ -105,7 +105,7 @@ impl<'a> Bench<'a> {
             groups,
             spreads: Spreads::of(case, &reach),
             reach,
-            floor,
+            body,
             sigma_rad,
             numbers: Vec::new(),
             noise: blank(),

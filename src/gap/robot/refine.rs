@@ -97,7 +97,7 @@ impl Part {
 
     pub fn parameters(&self, bench: &Bench<'_>) -> Vec<EffectParameter> {
         let joint = self.place.joints.first().copied().unwrap_or(0);
-        self.cause.parameters(&bench.reach[joint], &bench.floor)
+        self.cause.parameters(&bench.reach[joint], &bench.body)
     }
 }
 

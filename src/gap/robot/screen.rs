@@ -56,7 +56,7 @@ fn starts(bench: &Bench<'_>, cause: Cause, joint: usize, grid: Grid) -> Vec<Star
         let law = &bench.case.nominal.joints.drive(id).chain.friction;
         [law.coulomb_nm, law.viscous_nm_s_rad]
     });
-    cause.starts(&bench.reach[joint], friction, &bench.floor, grid)
+    cause.starts(&bench.reach[joint], friction, &bench.body, grid)
 }
 
 pub(super) fn change(bench: &Bench<'_>, cause: Cause, place: &Place, values: &[f64]) -> Change {

@@ -57,23 +57,47 @@ fn beyond(reach: &Reach) -> Reach {
     Reach { angle_rad: [low - BEYOND_RAD, high + BEYOND_RAD], torque_nm: BEYOND_TORQUE * reach.torque_nm, ..*reach }
 }
 
+/// Torque of a joint [N m] and mass of a robot [kg] up to which the sizes below hold; those of larger ones grow in proportion,
+/// lengths with the cube root of the mass.
+const STRONG_NM: f64 = 1.0;
+const HEAVY_KG: f64 = 1.7;
+/// Share of its motor's torque by which a search moves a joint's friction in a step; and how many times as much it may be.
+const FRICTION_STEP: f64 = 0.05;
+const FRICTION_MOST: f64 = 3.0;
+
+/// What a robot's causes are measured by, beside the reach of their joint.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Body {
+    pub floor: FloorParameters,
+    pub mass_kg: f64,
+}
+
+impl Body {
+    fn larger(&self) -> f64 {
+        (self.mass_kg / HEAVY_KG).max(1.0)
+    }
+
+    fn longer(&self) -> f64 {
+        self.larger().cbrt()
+    }
+}
+
+fn stronger(reach: &Reach) -> f64 {
+    (reach.torque_nm / STRONG_NM).max(1.0)
+}
+
 const EITHER_WAY: [f64; 2] = [-20.0, 20.0];
 const GROWN: [f64; 2] = [0.0, 20.0];
 
 impl Cause {
-    /// Values at which it is tried first, on a joint of a reach and a friction (Coulomb, viscous), on a floor.
-    pub(super) fn starts(
-        self,
-        reach: &Reach,
-        [coulomb, viscous]: [f64; 2],
-        floor: &FloorParameters,
-        grid: Grid,
-    ) -> Vec<Start> {
+    /// Values at which it is tried first, on a joint of a reach and a friction (Coulomb, viscous), on a robot.
+    pub(super) fn starts(self, reach: &Reach, [coulomb, viscous]: [f64; 2], body: &Body, grid: Grid) -> Vec<Start> {
         use EffectId as E;
         let is_coarse = grid == Grid::Coarse;
         let size = |values: &[f64], amplitude| Start::at_size(values, 0.0, amplitude);
         // On the floor what is tried has to rise above where feet happen to land.
-        let of = |in_the_air: f64, on_the_floor: f64| if is_coarse { on_the_floor } else { in_the_air };
+        let strong = stronger(reach);
+        let of = |in_the_air: f64, on_the_floor: f64| strong * if is_coarse { on_the_floor } else { in_the_air };
         let [low, high] = reach.angle_rad;
         let span = (high - low).max(1e-3);
         let (speed, most) = (reach.speed_rad_s, reach.driven.map_or(reach.torque_nm, |driven| driven.command_nm));
@@ -83,13 +107,15 @@ impl Cause {
             Cause::Effect(E::LoadFriction) => vec![size(&[0.2], GROWN)],
             Cause::Effect(E::GearFriction) => vec![size(&[0.1], [0.0, 5.0]), Start::fixed(&[0.7])],
             Cause::Effect(E::QuadraticDrag) => vec![size(&[of(0.003, 0.02)], GROWN)],
-            Cause::Effect(E::AsymmetricFriction) => vec![size(&[of(0.3 * coulomb.max(1e-3), 0.004)], EITHER_WAY)],
+            Cause::Effect(E::AsymmetricFriction) => {
+                vec![size(&[of(0.3 * coulomb.max(1e-3) / strong, 0.004)], EITHER_WAY)]
+            }
             Cause::Effect(E::PositionFriction) => {
                 let quarters: &[f64] = if is_coarse { &[0.0, 2.0] } else { &[0.0, 1.0, 2.0, -1.0] };
                 quarters.iter().map(|quarters| size(&[0.5, quarters * FRAC_PI_2], [0.0, 2.0])).collect()
             }
             Cause::Effect(E::FrictionDrift) => {
-                let rate = of(0.02, 0.15);
+                let rate = if is_coarse { 0.15 } else { 0.02 };
                 vec![size(&[rate], [-0.08 / rate, 1.0 / rate])]
             }
             Cause::Effect(E::Backlash) => {
@@ -99,7 +125,7 @@ impl Cause {
             Cause::Effect(E::JointSpring) => {
                 let away: &[f64] = if is_coarse { &[0.1] } else { &[0.1, 0.35] };
                 let rests = away.iter().flat_map(|away| [low - away, high + away]);
-                rests.chain([0.5 * (low + high)]).map(|rest| size(&[0.05, rest], GROWN)).collect()
+                rests.chain([0.5 * (low + high)]).map(|rest| size(&[0.05 * strong, rest], GROWN)).collect()
             }
             Cause::Effect(E::EndStop) => {
                 let shares: &[f64] = if is_coarse { &[0.04, 0.2] } else { &[0.01, 0.04, 0.1, 0.2, 0.35] };
@@ -108,7 +134,7 @@ impl Cause {
                 let places = shares.iter().flat_map(|share| [(high - share * span, 1.0), (low + share * span, -1.0)]);
                 places.map(|(angle, side)| Start::fixed(&[angle, side, stiffness, damping])).collect()
             }
-            Cause::Effect(E::AngleOffset) => vec![size(&[of(0.02, 0.06)], [-8.0, 8.0])],
+            Cause::Effect(E::AngleOffset) => vec![size(&[if is_coarse { 0.06 } else { 0.02 }], [-8.0, 8.0])],
             Cause::Effect(E::SensorGain) => vec![size(&[0.02], [-8.0, 8.0])],
             Cause::Effect(E::Delay) => [0.006, 0.02, 0.06].map(|late| size(&[late], [0.3, 2.0])).to_vec(),
             Cause::Effect(E::SetpointHold) => {
@@ -162,20 +188,23 @@ impl Cause {
                 vec![Start::at_size(&[viscous + more], viscous, [-viscous / more, 60.0])]
             }
             Cause::Payload => [[0.0, 0.0], [0.0, -0.07], [0.0, 0.07], [0.04, 0.0], [-0.04, 0.0]]
-                .map(|[right, rear]| size(&[0.15, right, rear], [0.1, 5.0]))
+                .map(|at| at.map(|m| m * body.longer()))
+                .map(|[right, rear]| size(&[0.15 * body.larger(), right, rear], [0.1, 5.0]))
                 .to_vec(),
-            Cause::FloorFriction => [0.3, 0.5, 0.7, 1.5].map(|share| Start::fixed(&[share * floor.coulomb])).to_vec(),
+            Cause::FloorFriction => {
+                [0.3, 0.5, 0.7, 1.5].map(|share| Start::fixed(&[share * body.floor.coulomb])).to_vec()
+            }
             Cause::FloorSlope => [[0.02, 0.0], [-0.02, 0.0], [0.0, 0.02], [0.0, -0.02]]
                 .map(|slope| Start { sizes: 2, ..size(&slope, [0.2, 4.0]) })
                 .to_vec(),
             Cause::FloorStiffness => {
-                [0.15, 0.4, 2.5].map(|share| Start::fixed(&[share * floor.stiffness_n_m])).to_vec()
+                [0.15, 0.4, 2.5].map(|share| Start::fixed(&[share * body.floor.stiffness_n_m])).to_vec()
             }
         }
     }
 
     /// How its values are searched.
-    pub(super) fn parameters(self, reach: &Reach, floor: &FloorParameters) -> Vec<EffectParameter> {
+    pub(super) fn parameters(self, reach: &Reach, body: &Body) -> Vec<EffectParameter> {
         let linear = |name, unit, [lower, upper]: [f64; 2], scale| EffectParameter {
             name,
             unit,
@@ -210,19 +239,29 @@ impl Cause {
             // An encoder's zero is off by a tooth of a gear, not by half a turn.
             Cause::Effect(EffectId::AngleOffset) => vec![linear("d", "rad", [-ZERO_RAD, ZERO_RAD], 0.1)],
             Cause::Effect(effect) => effect.parameters(reach),
-            Cause::Coulomb => vec![linear("mu_c", "N m", [0.0, 0.5], 0.005)],
-            Cause::Viscous => vec![linear("mu_v", "N m s/rad", [0.0, 1.0], 0.01)],
-            Cause::Payload => vec![
-                linear("mass", "kg", [0.0, 2.0], 0.1),
-                linear("right", "m", [-0.1, 0.1], 0.03),
-                linear("rear", "m", [-0.15, 0.15], 0.05),
-            ],
+            Cause::Coulomb => {
+                let [step, most] = [FRICTION_STEP, FRICTION_MOST].map(|share| share * reach.torque_nm);
+                vec![linear("mu_c", "N m", [0.0, most.max(0.5)], step.max(0.005))]
+            }
+            Cause::Viscous => {
+                let [step, most] =
+                    [FRICTION_STEP, FRICTION_MOST].map(|share| share * reach.torque_nm / reach.speed_rad_s);
+                vec![linear("mu_v", "N m s/rad", [0.0, most.max(1.0)], step.max(0.01))]
+            }
+            Cause::Payload => {
+                let within = |most: f64| [-most, most].map(|m| m * body.longer());
+                vec![
+                    linear("mass", "kg", [0.0, 2.0 * body.larger()], 0.1 * body.larger()),
+                    linear("right", "m", within(0.1), 0.03 * body.longer()),
+                    linear("rear", "m", within(0.15), 0.05 * body.longer()),
+                ]
+            }
             Cause::FloorFriction => vec![logarithm("mu", "", [0.03, 3.0])],
             Cause::FloorSlope => {
                 vec![linear("forward", "rad", [-0.4, 0.4], 0.03), linear("right", "rad", [-0.4, 0.4], 0.03)]
             }
             Cause::FloorStiffness => {
-                vec![logarithm("stiffness", "N/m", [0.02 * floor.stiffness_n_m, 50.0 * floor.stiffness_n_m])]
+                vec![logarithm("stiffness", "N/m", [0.02, 50.0].map(|share| share * body.floor.stiffness_n_m))]
             }
         }
     }
