@@ -44,6 +44,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+// The same bits on every processor: see `number::math`.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 // What only pages use is idle without them.
 #![cfg_attr(not(feature = "report"), allow(dead_code, unused_imports))]
 

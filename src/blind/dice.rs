@@ -1,5 +1,6 @@
 //! Chance, from one seed.
 
+use crate::number::math;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -21,14 +22,14 @@ impl Dice {
 
     /// Uniform in the logarithm; both values above zero.
     pub(super) fn log_uniform(&mut self, low: f64, high: f64) -> f64 {
-        self.uniform(low.ln(), high.ln()).exp()
+        math::exp(self.uniform(math::ln(low), math::ln(high)))
     }
 
     /// Normal, of mean 0 and standard deviation 1.
     pub(super) fn normal(&mut self) -> f64 {
         // Box and Muller; the logarithm's argument is never zero
         let (radius, angle) = (1.0 - self.0.random::<f64>(), self.uniform(0.0, std::f64::consts::TAU));
-        (-2.0 * radius.ln()).sqrt() * angle.cos()
+        (-2.0 * math::ln(radius)).sqrt() * math::cos(angle)
     }
 
     /// True with a probability.
@@ -73,7 +74,7 @@ pub(super) fn significant(value: f64, digits: i32) -> f64 {
     if value == 0.0 || !value.is_finite() {
         return value;
     }
-    let shift = digits - 1 - value.abs().log10().floor() as i32;
+    let shift = digits - 1 - math::log10(value.abs()).floor() as i32;
     // through the decimal text, so that it is the nearest double to what is written
     if shift >= 0 {
         format!("{value:.*}", shift as usize).parse().unwrap_or(value)

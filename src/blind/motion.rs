@@ -2,6 +2,7 @@
 
 use super::dice::{Dice, significant};
 use super::joint::Joint;
+use crate::number::math;
 use std::f64::consts::TAU;
 
 /// Draws a motion: the instants at which the setpoint changes \[s\], and its values from there on \[rad\].
@@ -90,12 +91,12 @@ impl Curve {
             Curve::Sweep([a, low, high, from, lasts]) => {
                 let t = (t_s - from).max(0.0);
                 // the frequency rises as a geometric series
-                let rate = (high / low).ln() / lasts;
-                a * (TAU * low / rate * ((rate * t).exp() - 1.0)).sin()
+                let rate = math::ln(high / low) / lasts;
+                a * math::sin(TAU * low / rate * (math::exp(rate * t) - 1.0))
             }
             Curve::Sines(from, sines) => {
                 let t = (t_s - from).max(0.0);
-                sines.iter().map(|(a, f)| a * (TAU * f * t).sin()).sum()
+                sines.iter().map(|(a, f)| a * math::sin(TAU * f * t)).sum()
             }
         }
     }

@@ -3,6 +3,7 @@
 use super::dice::{Dice, significant};
 use super::joint::Joint;
 use super::motion::motion;
+use crate::number::math;
 
 /// A mass hung on the link: a thin-walled hollow cylinder.
 #[derive(Clone, Copy, Debug)]
@@ -97,7 +98,7 @@ pub(super) fn plan(joint: &Joint, driven: Driven, dice: &mut Dice) -> Vec<LogPla
             let peak_nm = joint.peak_gravity_nm() + load.map_or(0.0, |extra| extra.load().peak_gravity_nm);
             let changes = is_driven.then(|| motion(joint, &times_s, dice));
             // a joint that is let go must not stay where it is
-            let sticks_rad = (1.3 * joint.coulomb_nm / peak_nm).clamp(0.0, 0.8).asin();
+            let sticks_rad = math::asin((1.3 * joint.coulomb_nm / peak_nm).clamp(0.0, 0.8));
             let start_rad = dice.sign() * dice.uniform((0.25 + sticks_rad).max(0.4), 2.0);
             let release_s = if held_first && !is_driven { dice.uniform(0.2, 0.6) } else { 0.0 };
             LogPlan {

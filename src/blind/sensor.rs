@@ -1,6 +1,7 @@
 //! What encoder and logger make of an angle: noise, rounding, stamps that jitter, samples that are lost.
 
 use super::dice::Dice;
+use crate::number::math;
 use serde::Serialize;
 
 /// Noise of a reading besides its rounding.
@@ -129,7 +130,7 @@ impl Sensor {
     /// The same while the joint moves at a speed: wrong stamps are an error of the angle too \[rad\].
     pub(super) fn noise_at_rad(&self, speed_rad_s: f64) -> f64 {
         let late_s = if self.stamps == Stamps::Lying { self.jitter_s / 3.0_f64.sqrt() } else { 0.0 };
-        self.noise_rad().hypot(late_s * speed_rad_s)
+        math::hypot(self.noise_rad(), late_s * speed_rad_s)
     }
 
     /// When a sample that is due comes \[s\]; the first is on time.
@@ -180,7 +181,7 @@ impl<'a> Reader<'a> {
     }
 
     fn correlated(&mut self, t_s: f64, dice: &mut Dice) -> f64 {
-        let kept = self.last.map_or(0.0, |(_, at_s)| (-(t_s - at_s) / self.sensor.memory_s).exp());
+        let kept = self.last.map_or(0.0, |(_, at_s)| math::exp(-(t_s - at_s) / self.sensor.memory_s));
         let before = self.last.map_or(0.0, |(value, _)| value);
         let value = kept * before + (1.0 - kept * kept).sqrt() * dice.normal();
         self.last = Some((value, t_s));

@@ -4,6 +4,7 @@ use super::dice::Dice;
 use super::mechanism::Mechanism;
 use super::plan::LogPlan;
 use super::sim::{Machine, Trace, simulate};
+use crate::number::math;
 use nalgebra::{DMatrix, DVector};
 
 /// Step while sizes are sought \[s\].
@@ -160,7 +161,7 @@ impl<'a> Yardstick<'a> {
         [0.35, 0.7].map(|share| {
             let [low, high] = mechanism.range;
             let mut other = machine.clone();
-            mechanism.install(low * (high / low).powf(share), &mut other);
+            mechanism.install(low * math::powf(high / low, share), &mut other);
             coarse(&other, self.plans)
         })
     }
@@ -208,7 +209,7 @@ impl<'a> Yardstick<'a> {
                     low = size;
                 }
             }
-            let off = (ratio / target).ln().abs();
+            let off = math::ln(ratio / target).abs();
             if is_allowed(ratio) && best.is_none_or(|(_, least)| off < least) {
                 best = Some((size, off));
             }

@@ -6,6 +6,7 @@ use super::mechanism::servo::Part;
 use super::sim::{Machine, Trace};
 use super::size::{Yardstick, within};
 use super::truth::{TrueMechanism, TrueNumber};
+use crate::number::math;
 
 /// How much each mechanism is to show, as multiples of the noise.
 #[derive(Clone, Copy, Debug)]
@@ -86,7 +87,7 @@ impl Together {
                     }
                     // somewhere inside, so that the next part's change does not push it out again
                     let target = (limits.wanted[0] * limits.wanted[1]).sqrt();
-                    let factor = (target / ratio.max(1e-3)).powf(0.7).clamp(0.3, 3.0);
+                    let factor = math::powf(target / ratio.max(1e-3), 0.7).clamp(0.3, 3.0);
                     let size = (sizes[i] * factor).clamp(part.mechanism.range[0], part.mechanism.range[1]);
                     moved |= size != sizes[i];
                     sizes[i] = size;

@@ -4,6 +4,7 @@
 //! which would run away to minus infinity.
 
 use super::Coordinate;
+use crate::number::math;
 
 /// Share of a coordinate's scale over which a one-sided bound is rounded off.
 ///
@@ -25,7 +26,7 @@ pub(super) fn inside(c: &Coordinate, u: f64) -> (f64, f64) {
         }
         (true, true) => {
             let half = 0.5 * (c.upper - c.lower);
-            (c.lower + half * ((u / half).sin() + 1.0), (u / half).cos())
+            (c.lower + half * (math::sin(u / half) + 1.0), math::cos(u / half))
         }
     }
 }
@@ -40,7 +41,7 @@ pub(super) fn outside(c: &Coordinate, x: f64) -> f64 {
         (false, true) => s * ((1.0 + (c.upper - x).max(1e-3 * s) / s).powi(2) - 1.0).sqrt(),
         (true, true) => {
             let half = 0.5 * (c.upper - c.lower);
-            half * ((x - c.lower) / half - 1.0).clamp(-0.999, 0.999).asin()
+            half * math::asin(((x - c.lower) / half - 1.0).clamp(-0.999, 0.999))
         }
     }
 }

@@ -7,9 +7,9 @@ use argmin::core::{
     CostFunction, Error, Gradient, IterState, KV, Problem, Solver, State, TerminationReason, TerminationStatus,
 };
 use argmin::solver::linesearch::LineSearch;
-use nalgebra::DVector;
+use argmin_math::{ArgminDot, ArgminScaledAdd};
 
-type Vector = DVector<f64>;
+type Vector = Vec<f64>;
 type LineState = IterState<Vector, Vector, (), (), (), f64>;
 
 /// Strong-Wolfe search along a direction.
@@ -36,7 +36,7 @@ struct Point {
 
 impl StrongWolfe {
     pub(super) fn new(curvature: f64, longest: Vector) -> Self {
-        Self { direction: Vector::zeros(0), curvature, longest }
+        Self { direction: Vector::new(), curvature, longest }
     }
 }
 
@@ -66,7 +66,7 @@ where
             return Err(Error::msg("not a descent direction"));
         }
         let at = |step: f64, problem: &mut Problem<O>| -> Result<Point, Error> {
-            let x = &x0 + &self.direction * step;
+            let x = x0.scaled_add(&step, &self.direction);
             let cost = problem.cost(&x)?;
             if !cost.is_finite() || cost > start.cost + DECREASE * step * start.slope {
                 return Ok(Point { step, cost, slope: f64::NAN });
@@ -81,7 +81,7 @@ where
         if best.step == 0.0 {
             return Err(Error::msg("line search stalled"));
         }
-        let x = &x0 + &self.direction * best.step;
+        let x = x0.scaled_add(&best.step, &self.direction);
         Ok((state.param(x).cost(best.cost), None))
     }
 

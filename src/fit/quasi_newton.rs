@@ -13,24 +13,25 @@ use argmin::core::{
 };
 use argmin::solver::quasinewton::{BFGS, DFP};
 use argmin_math::{ArgminAdd, ArgminDot, ArgminEye, ArgminMul, ArgminSub, ArgminTranspose};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVectorView};
 use std::cell::RefCell;
 
-type Vector = DVector<f64>;
+type Vector = Vec<f64>;
 type Search = IterState<Vector, Vector, (), InverseHessian, (), f64>;
 
-/// The inverse Hessian as a type of its own: argmin's nalgebra back end has no outer product of two vectors.
+/// The inverse Hessian as a type of its own: argmin's nalgebra back end has no outer product of two vectors, and asks for
+/// matrix products whose bits depend on the processor.
 #[derive(Clone, Debug)]
 struct InverseHessian(DMatrix<f64>);
 
 impl ArgminDot<Vector, InverseHessian> for Vector {
     fn dot(&self, other: &Vector) -> InverseHessian {
-        InverseHessian(self * other.transpose())
+        InverseHessian(DMatrix::from_fn(self.len(), other.len(), |i, k| self[i] * other[k]))
     }
 }
 impl ArgminDot<Vector, Vector> for InverseHessian {
     fn dot(&self, other: &Vector) -> Vector {
-        &self.0 * other
+        (&self.0 * DVectorView::from_slice(other, other.len())).data.into()
     }
 }
 impl ArgminDot<InverseHessian, InverseHessian> for InverseHessian {
@@ -161,9 +162,9 @@ impl Gradient for Scaled<'_> {
             return Err(Error::msg("budget spent"));
         }
         let (x, slopes) = self.bounded(u);
-        let Some(normal) = self.normal(&x) else { return Ok(Vector::zeros(u.len())) };
+        let Some(normal) = self.normal(&x) else { return Ok(vec![0.0; u.len()]) };
         self.keep(&x, normal.criterion);
-        Ok(Vector::from_fn(u.len(), |i, _| 2.0 * normal.jtr[i] * slopes[i] / self.unit))
+        Ok((0..u.len()).map(|i| 2.0 * normal.jtr[i] * slopes[i] / self.unit).collect())
     }
 }
 
@@ -238,12 +239,12 @@ pub(super) fn quasi_newton(problem: &dyn Residuals, start: &[f64], method: Metho
         }
         last_best = normal.criterion;
         let unit = normal.criterion.max(f64::MIN_POSITIVE);
-        let u = Vector::from_iterator(x.len(), coordinates.iter().zip(&x).map(|(c, &x)| outside(c, x)));
+        let u: Vector = coordinates.iter().zip(&x).map(|(c, &x)| outside(c, x)).collect();
         let slopes = scaled(unit).bounded(&u).1;
         let inverse = inverse_hessian(&normal, &slopes, unit);
         let problem = scaled(unit);
         // Each coordinate has its own limit: one that is short, like a release, must not hold the others back.
-        let longest = Vector::from_iterator(x.len(), coordinates.iter().map(|c| c.scale));
+        let longest: Vector = coordinates.iter().map(|c| c.scale).collect();
         let configure = |state: Search| state.param(u.clone()).inv_hessian(inverse.clone()).max_iters(ITERATIONS);
         // An error here is the end of a round, not of the fit: the record holds the best point.
         let _ended = match method {

@@ -10,8 +10,8 @@
 //! can know: of a friction that the model spreads over the wrong terms even the robust one contains next to nothing.
 
 use super::{Block, Normal, Residuals};
+use crate::number::chance::student_quantile;
 use nalgebra::{DMatrix, DVector};
-use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Covariances of the coordinates at a solution.
 #[derive(Clone, Debug)]
@@ -53,7 +53,7 @@ impl Uncertainty {
 }
 
 fn quantile_95(freedom: f64) -> f64 {
-    StudentsT::new(0.0, 1.0, freedom.max(1.0)).map_or(f64::NAN, |t| t.inverse_cdf(0.975))
+    student_quantile(0.975, freedom.max(1.0))
 }
 
 /// The residuals leave a direction undetermined: along it nothing answers.

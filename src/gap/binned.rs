@@ -4,6 +4,7 @@
 //! other way round. Blocks are longer than the torque's own correlation, so that noise explains nothing.
 
 use super::diagnosis::ProfileBin;
+use crate::number::math;
 
 /// Bins of equal numbers of samples.
 const BINS: usize = 10;
@@ -157,7 +158,7 @@ impl Spread {
             at: sums.value / sums.weight,
             mean_nm: sums.mean_nm(),
             // What the smoother may have bent is the same in all blocks.
-            sd_nm: variance.sqrt().hypot(sums.sigma) / sums.weight,
+            sd_nm: math::hypot(variance.sqrt(), sums.sigma) / sums.weight,
             energy: self.energy,
             explained: self.explained,
         }

@@ -2,6 +2,7 @@
 
 use super::diagnosis::Phase;
 use super::log_part::LogPart;
+use crate::number::math;
 
 /// A block is this many correlation times long.
 const TIMES: f64 = 3.0;
@@ -26,7 +27,7 @@ impl Blocks {
         let variance: f64 = z.iter().map(|z| z * z).sum();
         let below = |lag: &usize| {
             let product: f64 = z.iter().zip(&z[*lag..]).map(|(a, b)| a * b).sum();
-            !(product > variance * (-1.0f64).exp())
+            !(product > variance * math::exp(-1.0f64))
         };
         let lag = (1..n / 3).find(below).unwrap_or(n / 3).max(1);
         let correlation_s = lag as f64 * period_s;

@@ -8,6 +8,7 @@ use super::evidence::Evidence;
 use super::score::Measure;
 use super::sight::{LARGEST, Sight};
 use super::trial::Trial;
+use crate::number::math;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -50,7 +51,7 @@ pub(super) fn threshold(evidence: &Evidence, sights: &[Sight], noise: &Trial) ->
                 2.0 * size * slope - size * size * norm
             };
             let most = columns.iter().map(gain).fold(0.0, f64::max);
-            -measure.effective * (1.0 - (most / energy).min(0.999)).ln()
+            -measure.effective * math::ln(1.0 - (most / energy).min(0.999))
         })
         .collect();
     gains.sort_by(f64::total_cmp);

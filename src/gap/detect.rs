@@ -9,6 +9,7 @@ use super::trial::Trial;
 use crate::fit::Residuals;
 use crate::identify::{Found, Problem};
 use crate::joint::EffectId;
+use crate::number::math;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
@@ -63,7 +64,8 @@ pub(super) fn detectable(
             shown.sort_by(|a, b| strength(a.0).total_cmp(&strength(b.0)));
             let value = if named.zero.is_finite() && effect != EffectId::SetpointHold {
                 // Near its zero an effect acts in proportion to its size.
-                let nearest = shown.iter().min_by(|a, b| (a.1 / SHOWN).ln().abs().total_cmp(&(b.1 / SHOWN).ln().abs()));
+                let nearest =
+                    shown.iter().min_by(|a, b| math::ln(a.1 / SHOWN).abs().total_cmp(&math::ln(b.1 / SHOWN).abs()));
                 nearest.and_then(|(size, deviance)| {
                     let factor = (SHOWN / deviance).sqrt();
                     (factor < REACH).then(|| (size - named.zero).abs() * factor)

@@ -24,6 +24,7 @@ use super::waterfall::{beliefs, causes};
 use crate::identify::{Case, DirectiveError, Estimate, Experiment, JointModel, Signal};
 use crate::joint::EffectId;
 use crate::log::Role;
+use crate::number::math;
 use crate::progress::{Cancelled, Progress, Step};
 use std::sync::Arc;
 
@@ -344,7 +345,7 @@ fn notes(
         ));
     }
     if let Some(seen) = evidence.gain_seen {
-        let (ratio, sd) = (seen.at.exp(), seen.at.exp() * seen.sd);
+        let (ratio, sd) = (math::exp(seen.at), math::exp(seen.at) * seen.sd);
         notes.push(format!(
             "Along the measured motion the logged torques are {ratio:.2} \u{b1} {sd:.2} times what the stated gains ask for: \
              the drive's gain was weighed with that."

@@ -15,6 +15,7 @@ use super::sight::Sight;
 use super::trial::Trial;
 use crate::fit::Budget;
 use crate::joint::{EffectForm, EffectId};
+use crate::number::math;
 use crate::progress::{Progress, Step};
 use rayon::prelude::*;
 
@@ -134,7 +135,7 @@ impl Growth<'_> {
         let worth = |t: &Trial| {
             let added = (t.effects().len() - from.effects().len()).max(1) as f64;
             let apart = if t.model.has_two_bodies() { IMITATES } else { 1.0 };
-            (apart * loss(t) / before).max(1e-12).ln() / added.sqrt()
+            math::ln((apart * loss(t) / before).max(1e-12)) / added.sqrt()
         };
         let best = singles.iter().chain(&together).min_by(|a, b| worth(a).total_cmp(&worth(b))).cloned();
         (best, Looked { singles, sights })
@@ -166,7 +167,7 @@ impl Growth<'_> {
     fn lowers(&self, before: &Trial, after: &Trial) -> bool {
         let (before, after) = (before.fit_loss(self.evidence), after.fit_loss(self.evidence));
         let samples: f64 = self.evidence.fit.iter().map(|e| counts(e).sum::<f64>()).sum();
-        after < STEP * before && samples / STEP_SAMPLES * (before / after.max(1e-300)).ln() > STEP_DEVIANCE
+        after < STEP * before && samples / STEP_SAMPLES * math::ln(before / after.max(1e-300)) > STEP_DEVIANCE
     }
 
     /// Without the members that others have made needless; and the same without each of those that stay.

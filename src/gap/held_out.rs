@@ -6,6 +6,7 @@ use super::folds::Folds;
 use super::trial::{Trial, loss, predicted};
 use crate::fit::Budget;
 use crate::identify::Experiment;
+use crate::number::math;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -135,7 +136,7 @@ impl Elsewhere {
         let share = (logs - 1) as f64 / logs as f64;
         let of_log = |k: usize| {
             let [(poor_left, poor), (rich_left, rich)] = [poor, rich].map(|t| without_log(evidence, t, k));
-            let shown = effective * share * (poor_left / rich_left.max(1e-300)).ln() > SHOWN;
+            let shown = effective * share * math::ln(poor_left / rich_left.max(1e-300)) > SHOWN;
             shown.then(|| {
                 let e = &evidence.fit[k];
                 let lost: Vec<f64> = blocks(one(e), one(&poor), one(&rich)).collect();

@@ -4,6 +4,7 @@ use super::evidence::Evidence;
 use super::law_shape::LawShape;
 use crate::identify::{Experiment, Signal};
 use crate::joint::{LawActs, LawVariable};
+use crate::number::math;
 
 /// Waves of a law of the angle, where teeth and magnets make ripples, and of any other.
 const WAVES_OF_ANGLE: usize = 32;
@@ -71,8 +72,9 @@ fn values_of(evidence: &Evidence, e: &Experiment, variable: LawVariable) -> Vec<
         (LawVariable::Load, _) => {
             let nominal = evidence.nominal.moment_kg_m;
             let load = e.load.map_or((0.0, 0.0), |l| (l.moment_kg_m, l.angle_rad));
-            let pull =
-                |q: &f64| nominal * (q - evidence.rest_rad).sin() + load.0 * (q - evidence.rest_rad - load.1).sin();
+            let pull = |q: &f64| {
+                nominal * math::sin(q - evidence.rest_rad) + load.0 * math::sin(q - evidence.rest_rad - load.1)
+            };
             q.iter().map(|q| e.gravity_m_s2 * pull(q)).collect()
         }
         (LawVariable::Time, _) => t.iter().map(|t| t - e.t_s[0]).collect(),

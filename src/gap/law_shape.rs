@@ -2,6 +2,7 @@
 
 use crate::identify::{Belief, Parameter, Search};
 use crate::joint::{Chain, Law, LawActs, LawVariable, Real, Stage};
+use crate::number::math;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -31,7 +32,7 @@ impl LawShape {
         let knots = KNOTS * count;
         let place = |k: usize| k as f64 / knots as f64;
         // Constants have names: Coulomb friction, one that differs with the direction, a wrong zero.
-        let wave = |j: usize| (0..=knots).map(|k| (PI * j as f64 * place(k)).cos()).collect::<Vec<f64>>();
+        let wave = |j: usize| (0..=knots).map(|k| math::cos(PI * j as f64 * place(k))).collect::<Vec<f64>>();
         Self {
             variable,
             acts,

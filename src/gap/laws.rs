@@ -17,6 +17,7 @@ use super::sight::weighted;
 use super::trial::{Trial, loss};
 use crate::fit::{Budget, Residuals};
 use crate::identify::{Found, JointModel, Problem};
+use crate::number::math;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -147,9 +148,9 @@ fn promise(
             let numbers = sizes.component_mul(&sd);
             let explained = before - 2.0 * slopes.dot(&numbers) + numbers.dot(&(&gram * &numbers));
             let whole = explained.max(0.0) + unit * sizes.norm_squared();
-            let charge = 2.0 * factor.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>();
+            let charge = 2.0 * factor.l_dirty().diagonal().iter().map(|d| math::ln(*d)).sum::<f64>();
             unit = whole / effective;
-            found = Some((numbers, charge, effective * (whole / before).max(1e-12).ln()));
+            found = Some((numbers, charge, effective * math::ln((whole / before).max(1e-12))));
         }
         let (numbers, charge, gained) = found?;
         let score = gained + charge + FOR_THE_CHOICE;

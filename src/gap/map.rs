@@ -3,9 +3,9 @@
 use super::blocks::Blocks;
 use super::diagnosis::{MapCell, Phase};
 use super::log_part::LogPart;
+use crate::number::chance::chi_squared_tail;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Resamplings of the blocks behind a band.
 const RESAMPLINGS: usize = 200;
@@ -88,7 +88,7 @@ impl Torque {
         let quantile = |p: f64| squares[(p * (RESAMPLINGS - 1) as f64).round() as usize].sqrt();
         // As many independent values as there are correlation times.
         let freedom = (time_s / (2.0 * blocks.correlation_s)).max(1.0);
-        let by_chance = ChiSquared::new(freedom).map_or(1.0, |c| c.sf(freedom * in_sigmas));
+        let by_chance = chi_squared_tail(freedom * in_sigmas, freedom);
         let band_nm = [quantile(0.025), quantile(0.975)];
         let p_value = if band_nm[0] > noise.sqrt() { by_chance } else { 1.0 };
         Self { rms_nm: (energy[n] / time_s).sqrt(), band_nm, p_value }

@@ -11,8 +11,9 @@ use super::evidence::Evidence;
 use super::trial::Trial;
 use crate::fit::{Normal, Residuals};
 use crate::identify::{Experiment, Load, Problem, Signal};
+use crate::number::chance::normal_below;
+use crate::number::math;
 use crate::pendulum::Start;
-use statrs::distribution::{ContinuousCDF, Normal as Gauss};
 use std::f64::consts::TAU;
 
 /// Deviance by which two hypotheses must differ to be told apart.
@@ -61,7 +62,7 @@ fn power(evidence: &Evidence, a: &Attribution, e: &Experiment, truth: &Trial, ri
         // A difference of deviances has twice its root as standard deviation.
         let deviance = left / unit;
         let z = (deviance - TOLD_APART) / (2.0 * deviance.max(1.0).sqrt());
-        Gauss::new(0.0, 1.0).map_or(0.0, |gauss| gauss.cdf(z))
+        normal_below(z)
     })
 }
 
@@ -145,7 +146,7 @@ fn proposals(evidence: &Evidence) -> Vec<Proposal> {
             let amplitude = amplitude * widest;
             let sweep = |t: f64| {
                 let phase = TAU * (from_hz * t + 0.5 * (to_hz - from_hz) * t * t / DURATION_S);
-                amplitude * phase.sin()
+                amplitude * math::sin(phase)
             };
             let setpoint_rad: Vec<f64> = t_s.iter().map(|t| sweep(*t)).collect();
             let motion = Some((t_s.clone(), setpoint_rad.clone()));

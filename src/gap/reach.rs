@@ -3,13 +3,14 @@
 use crate::identify::{Experiment, Signal};
 use crate::joint::{DrivenReach, Reach};
 use crate::log::{MotorModel, Nominal};
+use crate::number::math;
 
 /// The reach of all experiments together.
 pub(crate) fn reach_of(experiments: &[Experiment], nominal: &Nominal) -> Reach {
     let most = |f: &dyn Fn(&Experiment) -> f64| experiments.iter().map(f).fold(0.0, f64::max);
     let gravity_nm = most(&|e| {
         let load = e.load.map_or(0.0, |l| l.moment_kg_m);
-        let widest = e.measured_rad.iter().map(|q| q.sin().abs()).fold(0.0, f64::max);
+        let widest = e.measured_rad.iter().map(|q| math::sin(*q).abs()).fold(0.0, f64::max);
         (nominal.moment_kg_m + load) * e.gravity_m_s2 * widest.max(0.3)
     });
     let speed = |e: &Experiment| largest_speed(&e.t_s, &e.measured_rad);

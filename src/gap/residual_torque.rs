@@ -17,6 +17,7 @@ use super::smoother::{Begin, Change, Prior, Reading, Smoothed, State, Step, like
 use super::strength::roughest_that_readings_allow;
 use crate::identify::Experiment;
 use crate::joint::{Chain, Driven};
+use crate::number::math;
 use crate::pendulum::Start;
 
 /// What the encoder shows of the joint at an instant, which a late one shows later \[rad\].
@@ -246,7 +247,7 @@ impl<'a> Record<'a> {
         let mut speed: Vec<f64> = path.iter().map(|p| p.mean[1].abs()).collect();
         let top = speed.iter().fold(f64::MIN_POSITIVE, |top, v| v.max(top));
         let t_s = &self.e.t_s[self.first..];
-        let fading = |from: usize, to: usize| (-(t_s[from] - t_s[to]).abs() / self.span_s).exp();
+        let fading = |from: usize, to: usize| math::exp(-(t_s[from] - t_s[to]).abs() / self.span_s);
         for k in 1..speed.len() {
             speed[k] = speed[k].max(speed[k - 1] * fading(k - 1, k));
         }
@@ -324,7 +325,7 @@ impl<'a> Record<'a> {
 
     /// What it matters that the friction may point the other way, where the speed may be zero \[N m\].
     fn friction_doubt_nm(&self, k: usize, s: &Smoothed) -> f64 {
-        let reversed = 0.5 * (-0.5 * s.mean[1].powi(2) / s.variance[1].max(AT_REST)).exp();
+        let reversed = 0.5 * math::exp(-0.5 * s.mean[1].powi(2) / s.variance[1].max(AT_REST));
         let direction = if s.mean[1] < 0.0 { -1.0 } else { 1.0 };
         2.0 * self.chain.breakaway_nm(self.e.t_s[k], s.mean[0], direction, 0.0) * reversed.sqrt()
     }

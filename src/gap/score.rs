@@ -3,6 +3,7 @@
 use super::compare::correlation_length;
 use super::evidence::{Evidence, counts};
 use super::trial::Trial;
+use crate::number::math;
 
 /// Charge for having been chosen among the catalogue, in deviance.
 pub(super) const FOR_THE_CHOICE: f64 = 6.0;
@@ -25,7 +26,7 @@ impl Measure {
     /// differences of it compare hypotheses.
     pub fn deviance(self, evidence: &Evidence, trial: &Trial) -> f64 {
         let loss = trial.fit_loss(evidence);
-        if loss.is_finite() { self.effective * loss.max(1e-300).ln() + trial.strain() } else { f64::INFINITY }
+        if loss.is_finite() { self.effective * math::ln(loss.max(1e-300)) + trial.strain() } else { f64::INFINITY }
     }
 
     /// What a hypothesis is charged for its effects and their parameters (Schwarz 1978, and the choice).
@@ -34,7 +35,7 @@ impl Measure {
         let law = trial.model.law().map_or(0.0, |law| law.charge + FOR_THE_CHOICE);
         let (choices, values) = trial.model.choices_of_logs();
         let (searched, chosen) = (searched + values, trial.effects().len() + choices);
-        searched as f64 * self.effective.ln() + chosen as f64 * FOR_THE_CHOICE + law
+        searched as f64 * math::ln(self.effective) + chosen as f64 * FOR_THE_CHOICE + law
     }
 
     /// Deviance and charge: less is better.

@@ -4,6 +4,8 @@
 //! random walk (a cubic smoothing spline in time). Forward a Kalman filter, backward the disturbance smoother of
 //! de Jong (1989), which needs no inverse and so bears a joint whose speed is known to be zero.
 
+use crate::number::math;
+
 fn dot(a: &[f64; 4], b: &[f64; 4]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
 }
@@ -198,17 +200,17 @@ pub(super) fn likelihood(begin: &Begin, steps: &[Step], readings: &[Reading], pr
         product *= s.variance / reading.variance_rad2;
         squares += s.innovation * s.innovation / s.variance;
         if k % 8 == 7 {
-            logs += product.ln();
+            logs += math::ln(product);
             product = 1.0;
         }
         if let Some(step) = steps.get(k) {
             filter.go(step);
         }
     }
-    logs += product.ln();
+    logs += math::ln(product);
     let n = readings.len().max(1) as f64;
     let scale = (squares / n).max(1.0);
-    Likelihood { log: -0.5 * (logs + n * scale.ln() + squares / scale), scale }
+    Likelihood { log: -0.5 * (logs + n * math::ln(scale) + squares / scale), scale }
 }
 
 /// A smoothed sample.

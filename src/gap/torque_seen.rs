@@ -6,6 +6,7 @@
 use crate::identify::{Belief, Experiment, Signal, counts, smooth_along};
 use crate::joint::{Motor, Setpoint};
 use crate::log::{Derivative, Uncertain};
+use crate::number::math;
 
 /// Samples of a log that are looked at, at the most.
 const SAMPLES: usize = 2000;
@@ -23,11 +24,11 @@ pub(super) fn gain_seen(experiments: &[Experiment], uncertain: &Uncertain) -> Op
         return None;
     }
     let part = pairs.len().div_ceil(PARTS);
-    let parts: Vec<f64> = pairs.chunks_mut(part).filter_map(ratio).map(f64::ln).collect();
+    let parts: Vec<f64> = pairs.chunks_mut(part).filter_map(ratio).map(math::ln).collect();
     let mean = parts.iter().sum::<f64>() / parts.len() as f64;
     let spread = parts.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (parts.len() - 1).max(1) as f64;
-    let at = ratio(&mut pairs)?.ln();
-    let sd = uncertain.torque.of("tau").hypot((spread / parts.len() as f64).sqrt());
+    let at = math::ln(ratio(&mut pairs)?);
+    let sd = math::hypot(uncertain.torque.of("tau"), (spread / parts.len() as f64).sqrt());
     (at.is_finite() && sd > 0.0).then(|| Belief::new(at, sd))
 }
 

@@ -13,10 +13,11 @@ use super::trial::Trial;
 use crate::identify::{Experiment, Problem};
 use crate::joint::EffectId;
 use crate::log::Nominal;
+use crate::number::chance::normal_quantile;
+use crate::number::math;
 use crate::progress::{Cancelled, Progress, Quiet, Step};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use statrs::distribution::{ContinuousCDF, Normal};
 
 /// Candidates that are tried as causes, at the most.
 const CANDIDATES: usize = 5;
@@ -122,7 +123,7 @@ fn make(
     let nominal = |i: usize, random: &mut ChaCha8Rng| {
         let share = match cause {
             Cause::Nothing => 1.0,
-            Cause::Numbers => (0.3 * (2.0 * random.random::<f64>() - 1.0)).exp(),
+            Cause::Numbers => math::exp(0.3 * (2.0 * random.random::<f64>() - 1.0)),
             _ => share(i),
         };
         if share.is_finite() { values[i] * share.clamp(0.3, 3.0) } else { values[i] }
@@ -142,10 +143,9 @@ fn make(
         }
         let step = e.resolution_rad;
         let rough = (a.noise_rad.powi(2) - step * step / 12.0).max(0.0).sqrt();
-        let gauss = Normal::new(0.0, 1.0).ok();
         for q in &mut measured_rad {
             let u: f64 = random.random_range(1e-9..1.0);
-            let noisy = *q + gauss.as_ref().map_or(0.0, |g| rough * g.inverse_cdf(u));
+            let noisy = *q + rough * normal_quantile(u);
             *q = if step > 0.0 { (noisy / step).round() * step } else { noisy };
         }
         Experiment { measured_rad, ..e.clone() }
@@ -158,7 +158,7 @@ fn make(
 /// Makes an effect stronger or milder: the distance from its zero for most, the reach of a limit for limits.
 fn resize(effect: EffectId, values: &mut [f64], size: f64) {
     match effect {
-        EffectId::MotorGain => values[0] = values[0].powf(size),
+        EffectId::MotorGain => values[0] = math::powf(values[0], size),
         EffectId::TorqueLimit => values[0] /= size.sqrt(),
         EffectId::SpeedLimit => values[1] /= size.sqrt(),
         EffectId::Compliance => values[0] /= size,

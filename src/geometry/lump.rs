@@ -25,6 +25,7 @@ use super::inertia::{about_axis, hollow_cylinder_inertia, parallel_axis, rotate_
 use super::leg::{Leg, LegJoint, LegPose, Segment, joint_name, segments};
 use super::tables::Ers7Tables;
 use crate::log::ExtraMass;
+use crate::number::math;
 
 /// Below this share of `|g|` gravity counts as parallel to the axis: the rest angle would be rounding noise.
 const LEAST_ACROSS: f64 = 1e-9;
@@ -124,7 +125,7 @@ pub struct BodyLump {
 impl BodyLump {
     /// Distance of the centre of mass from the joint axis, `D` in (3.9) \[m\].
     pub fn distance_m(&self) -> f64 {
-        self.lever_down_m.hypot(self.lever_normal_m)
+        math::hypot(self.lever_down_m, self.lever_normal_m)
     }
 }
 
@@ -181,9 +182,9 @@ impl LumpedLink {
             normal += b.mass_kg * b.lever_normal_m;
         }
         self.inertia_kg_m2 = inertia;
-        self.moment_kg_m = f64::hypot(down, normal);
+        self.moment_kg_m = math::hypot(down, normal);
         // -alpha0, not atan2(-normal, down): that would give -pi for a link that points straight up.
-        self.rest_rad = if normal == 0.0 && down < 0.0 { std::f64::consts::PI } else { (-normal).atan2(down) };
+        self.rest_rad = if normal == 0.0 && down < 0.0 { std::f64::consts::PI } else { math::atan2(-normal, down) };
     }
 
     /// The same link with one body's mass changed; `I*`, `M*` and the rest angle follow. A body that is not part of
@@ -204,7 +205,7 @@ impl LumpedLink {
 
     /// Torque of gravity about the axis at an encoder angle, `-g M* sin(q - rest)` \[N m\].
     pub fn gravity_torque_nm(&self, q_rad: f64) -> f64 {
-        -self.gravity_m_s2 * self.moment_kg_m * (q_rad - self.rest_rad).sin()
+        -self.gravity_m_s2 * self.moment_kg_m * math::sin(q_rad - self.rest_rad)
     }
 
     /// `g M* / I*` \[1/s^2\], what the simple pendulum calls `g/L` (3.2).

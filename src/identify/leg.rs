@@ -6,6 +6,7 @@ use crate::geometry::{
     BodyLump, Ers7Tables, GeometryError, Leg, LegJoint, LegPose, LinkBody, LumpedLink, Mounted, level_gravity, lump,
 };
 use crate::log::{ExtraMass, Nominal, Pose};
+use crate::number::math;
 use nalgebra::Vector3;
 
 /// Which joint swings, and how the rest of the leg is held.
@@ -130,7 +131,7 @@ impl LegCase {
 const SAME_PLACE_M: f64 = 2e-4;
 
 fn hanging(body: &BodyLump) -> f64 {
-    -body.lever_normal_m.atan2(body.lever_down_m)
+    -math::atan2(body.lever_normal_m, body.lever_down_m)
 }
 
 fn body(lump: &BodyLump) -> Body {

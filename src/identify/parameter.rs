@@ -3,6 +3,7 @@
 use super::Named;
 use crate::fit::Coordinate;
 use crate::joint::Real;
+use crate::number::math;
 
 /// How a parameter is searched.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,7 +81,7 @@ impl Belief {
             return [away, 1.0 / self.sd];
         }
         let share = away * away / self.freedom;
-        let root = (self.freedom * share.ln_1p()).sqrt();
+        let root = (self.freedom * math::ln_1p(share)).sqrt();
         let slope = if root > 1e-6 { away.abs() / (1.0 + share) / root } else { 1.0 };
         [root.copysign(away), slope / self.sd]
     }
@@ -173,8 +174,8 @@ impl Parameter {
         let (lower, upper, scale) = match self.search {
             Search::Logarithm => {
                 let reach =
-                    |bound: f64, default: f64| if bound > 0.0 && bound.is_finite() { bound.ln() } else { default };
-                let middle = self.start.ln();
+                    |bound: f64, default: f64| if bound > 0.0 && bound.is_finite() { math::ln(bound) } else { default };
+                let middle = math::ln(self.start);
                 (reach(self.lower, middle - LOG_REACH), reach(self.upper, middle + LOG_REACH), 1.0)
             }
             Search::Linear { scale } => (self.lower, self.upper, scale),
@@ -185,7 +186,7 @@ impl Parameter {
     /// The coordinate's value at a parameter value.
     pub fn to_coordinate(&self, value: f64) -> f64 {
         match self.search {
-            Search::Logarithm => value.ln(),
+            Search::Logarithm => math::ln(value),
             Search::Linear { .. } => value,
         }
     }

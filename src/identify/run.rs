@@ -4,6 +4,7 @@ use super::equation_error::equation_error_values;
 use super::parameter::{free_of, starts_of};
 use super::{Experiment, JointModel, Named, Parameter, Problem, Search};
 use crate::fit::{Budget, Method, Rejected, Residuals, Solution, solve};
+use crate::number::math;
 use crate::pendulum::Diverged;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -258,7 +259,7 @@ fn spread_around<M: JointModel>(model: &M, middle: &[f64], count: usize) -> Vec<
             for (k, i) in free_of(parameters).into_iter().enumerate() {
                 let u = 2.0 * radical_inverse(n, BASES[k % BASES.len()]) - 1.0;
                 values[i] = match parameters[i].search {
-                    Search::Logarithm => values[i] * (0.3 * u).exp(),
+                    Search::Logarithm => values[i] * math::exp(0.3 * u),
                     Search::Linear { scale } if parameters[i].lower == 0.0 => (values[i] + 0.05 * scale) * (1.0 + u),
                     Search::Linear { scale } => values[i] + 0.5 * scale * u,
                 };

@@ -3,6 +3,7 @@
 use super::smooth::motion;
 use super::{Experiment, Named, Parameter, Signal};
 use crate::log::Nominal;
+use crate::number::math;
 
 /// Typical sizes in the experiments, from which searches start and steps are measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,7 +124,7 @@ fn seen_frequency(experiments: &[Experiment], rest_rad: f64) -> f64 {
     let (mut product, mut square) = (0.0, 0.0);
     for e in experiments.iter().filter(|e| !e.is_driven()) {
         for m in motion(&e.t_s, &e.measured_rad, e.uncompared, (e.t_s.len() / 400).max(1)) {
-            let sine = (m.angle_rad - rest_rad).sin();
+            let sine = math::sin(m.angle_rad - rest_rad);
             product -= m.acceleration_rad_s2 * sine;
             square += sine * sine;
         }

@@ -1,6 +1,7 @@
 //! Dormand and Prince's pair of orders 5 and 4 (1980), first same as last, with a step that follows its error.
 
 use super::solver::{Counts, Ode, Stalled, Tolerance, finite, shortest_s, weighted};
+use crate::number::math;
 
 const STAGES: usize = 7;
 const NODES: [f64; STAGES] = [0.0, 0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
@@ -76,7 +77,7 @@ impl DormandPrince {
             let error = weighted(&self.error, &self.at, self.tolerance);
             if !(error <= 1.0) || !finite(&self.at) {
                 counts.rejected += 1;
-                let shrink = if error.is_finite() { (0.9 * error.powf(-0.2)).clamp(0.1, 0.9) } else { 0.1 };
+                let shrink = if error.is_finite() { (0.9 * math::powf(error, -0.2)).clamp(0.1, 0.9) } else { 0.1 };
                 self.step_s = Some(h * shrink);
                 if h * shrink < shortest_s(*t_s) {
                     return Err(Stalled { at_s: *t_s, why: "the step became too short" });
@@ -86,7 +87,7 @@ impl DormandPrince {
             y.copy_from_slice(&self.at);
             counts.steps += 1;
             *t_s = if is_last { until_s } else { *t_s + h };
-            let grow = if error > 0.0 { (0.9 * error.powf(-0.2)).clamp(0.2, 5.0) } else { 5.0 };
+            let grow = if error > 0.0 { (0.9 * math::powf(error, -0.2)).clamp(0.2, 5.0) } else { 5.0 };
             // A step cut short by the end says little about the next one's length.
             self.step_s = Some((h * grow).max(if is_last { wished_s.min(h * 1e3) } else { 0.0 }));
             self.k.swap(0, STAGES - 1);

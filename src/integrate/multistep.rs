@@ -8,6 +8,7 @@ mod coefficients;
 
 use super::dense::Factors;
 use super::solver::{Counts, Ode, Stalled, Tolerance, finite, shortest_s, weighted};
+use crate::number::math;
 use coefficients::Coefficients;
 
 /// The two families of formulas.
@@ -344,7 +345,7 @@ impl Multistep {
     }
 
     fn factor_same(&self, error: f64) -> f64 {
-        1.0 / (1.2 * error.powf(1.0 / (self.order + 1) as f64) + 1.2e-6)
+        1.0 / (1.2 * math::powf(error, 1.0 / (self.order + 1) as f64) + 1.2e-6)
     }
 
     fn factor_lower(&self) -> f64 {
@@ -353,7 +354,7 @@ impl Multistep {
         }
         let test = self.coefficients.test(self.order, 0);
         let error = weighted(&self.z[self.order], &self.scale, self.tolerance) / test;
-        1.0 / (1.3 * error.powf(1.0 / self.order as f64) + 1.3e-6)
+        1.0 / (1.3 * math::powf(error, 1.0 / self.order as f64) + 1.3e-6)
     }
 
     /// Looks at the order below and above once in a while, and chooses order and step.
@@ -373,7 +374,7 @@ impl Multistep {
                 *work = now - earlier;
             }
             let change = weighted(&self.work, &self.scale, self.tolerance) / self.coefficients.test(order, 2);
-            1.0 / (1.4 * change.powf(1.0 / (order + 2) as f64) + 1.4e-6)
+            1.0 / (1.4 * math::powf(change, 1.0 / (order + 2) as f64) + 1.4e-6)
         } else {
             0.0
         };

@@ -4,6 +4,7 @@
 //! and every operation is inlined, so that they are worked on several at a time; a constant has zeros there.
 
 use super::Real;
+use crate::number::math;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// A number and its derivatives by `N` variables.
@@ -91,13 +92,13 @@ impl<const N: usize> Real for Dual<N> {
 
     #[inline(always)]
     fn exp(self) -> Self {
-        let value = self.re.exp();
+        let value = math::exp(self.re);
         self.through(value, value)
     }
 
     #[inline(always)]
     fn tanh(self) -> Self {
-        let (sinh, cosh) = (self.re.sinh(), self.re.cosh());
+        let (sinh, cosh) = (math::sinh(self.re), math::cosh(self.re));
         self.through(sinh, cosh) / self.through(cosh, sinh)
     }
 
@@ -110,12 +111,12 @@ impl<const N: usize> Real for Dual<N> {
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {
         let ratio = self / x;
-        ratio.through(self.re.atan2(x.re), (1.0 + ratio.re * ratio.re).recip())
+        ratio.through(math::atan2(self.re, x.re), (1.0 + ratio.re * ratio.re).recip())
     }
 
     #[inline(always)]
     fn powd(self, exponent: Self) -> Self {
-        (self.through(self.re.ln(), self.re.recip()) * exponent).exp()
+        (self.through(math::ln(self.re), self.re.recip()) * exponent).exp()
     }
 }
 

@@ -4,6 +4,7 @@
 //! the joint still while the net torque stays below it.
 
 use super::Real;
+use crate::number::math;
 
 /// Where the joint is when friction is asked for.
 #[derive(Clone, Copy, Debug)]
@@ -102,7 +103,7 @@ impl StribeckCurve {
                     0.0
                 }
             }
-            StribeckCurve::Exponential => (-ratio).exp(),
+            StribeckCurve::Exponential => math::exp(-ratio),
             // 3 sqrt(3)/8 at u = 1/sqrt(3).
             StribeckCurve::Rational => {
                 if ratio < 1.0 {

@@ -1,6 +1,7 @@
 //! The link that a joint carries: inertia and gravity, with whatever is hung on it.
 
 use super::Real;
+use crate::number::math;
 
 /// Inertia and gravity torque of everything that turns with the joint (3.10, 3.12).
 ///
@@ -62,7 +63,7 @@ impl<T: Real> Link<T> {
 
     /// Largest gravity torque `g M*` over a turn \[N m\].
     pub fn peak_gravity_nm(&self) -> f64 {
-        self.sine_nm.re().hypot(self.cosine_nm.re())
+        math::hypot(self.sine_nm.re(), self.cosine_nm.re())
     }
 
     /// The part of the weight that pulls along the link, times its lever \[N m\]: `g M* cos(q - rest)`.
@@ -88,7 +89,7 @@ impl<T: Real> Link<T> {
 
     /// Potential energy above the hanging position \[J\].
     pub fn potential_j(&self, angle_rad: f64) -> f64 {
-        self.peak_gravity_nm() - self.sine_nm.re() * angle_rad.cos() - self.cosine_nm.re() * angle_rad.sin()
+        self.peak_gravity_nm() - self.sine_nm.re() * math::cos(angle_rad) - self.cosine_nm.re() * math::sin(angle_rad)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Torques that an angle alone brings about, beside gravity: a parallel spring, a stop.
 
 use super::Real;
+use crate::number::math;
 
 /// A spring in parallel to the joint: `k (q_s - q)`, or another curve of the same stiffness at `q_s`.
 #[derive(Clone, Copy, Debug)]
@@ -109,7 +110,7 @@ impl<T: Real> EndStop<T> {
     pub(crate) fn longest_step_s(&self, inertia_kg_m2: f64) -> f64 {
         let (stiffer, denser) = match self.push {
             Push::Linear => (1.0, 1.0),
-            Push::Power => (1.5 * DEEP_RAD.sqrt(), DEEP_RAD.powf(1.5)),
+            Push::Power => (1.5 * DEEP_RAD.sqrt(), math::powf(DEEP_RAD, 1.5)),
         };
         let oscillation = (stiffer * self.stiffness_nm_rad.re().abs() / inertia_kg_m2).sqrt();
         let decay_1_s = denser * self.damping_nm_s_rad.re().abs() / inertia_kg_m2;

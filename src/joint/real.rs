@@ -1,5 +1,6 @@
 //! The number type that the joint's equations are written over.
 
+use crate::number::math;
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -94,12 +95,12 @@ impl Real for f64 {
 
     #[inline(always)]
     fn exp(self) -> Self {
-        f64::exp(self)
+        math::exp(self)
     }
 
     #[inline(always)]
     fn tanh(self) -> Self {
-        f64::tanh(self)
+        math::tanh(self)
     }
 
     #[inline(always)]
@@ -109,11 +110,11 @@ impl Real for f64 {
 
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {
-        f64::atan2(self, x)
+        math::atan2(self, x)
     }
 
     #[inline(always)]
     fn powd(self, exponent: Self) -> Self {
-        f64::powf(self, exponent)
+        math::powf(self, exponent)
     }
 }

@@ -10,6 +10,7 @@ use super::health_stamps::{
 use super::plausible::{median, median_step};
 use super::release::{self, Start};
 use super::types::{DriveMode, Log, SensorSpec};
+use crate::number::math;
 
 /// A joint is at rest at the end if it stays still for at least this long \[s\] and [`REST_SAMPLES`].
 const REST_S: f64 = 0.25;
@@ -101,7 +102,7 @@ pub fn health(log: &Log, sensor: &SensorSpec, mode: DriveMode) -> Health {
     let step = sensor.resolution_rad.or(step_rad).unwrap_or(0.0);
     let noise_rad = noise(q).max(step / 12.0_f64.sqrt());
     let read_noise_rad = (reading_floor_rad(q, step).powi(2) - step * step / 12.0).max(0.0).sqrt();
-    let floor_rad = read_noise_rad.hypot(step / 12.0_f64.sqrt());
+    let floor_rad = math::hypot(read_noise_rad, step / 12.0_f64.sqrt());
     let start = release::start(log, mode, period_s, noise_rad, step);
     let held = match start {
         Start::Free => &q[..0],

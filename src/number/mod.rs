@@ -1,6 +1,8 @@
-//! Numbers: for people, with as many digits as the uncertainty allows and never more; and sines and cosines that are the
-//! same bits everywhere.
+//! Numbers: for people, with as many digits as the uncertainty allows and never more; and functions and distributions that
+//! are the same bits everywhere.
 
+pub(crate) mod chance;
+pub(crate) mod math;
 mod said;
 mod sincos;
 

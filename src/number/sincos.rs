@@ -2,8 +2,8 @@
 //!
 //! The angle is brought to within pi/4 of a multiple of pi/2 by a subtraction in three parts (Cody and Waite 1980) with
 //! the rounding error kept, then fdlibm's polynomials (Sun Microsystems 1993) give both functions. Below
-//! [`LARGEST_RAD`] the result is within one unit in the last place; beyond, the standard library's functions are used.
-//! Unlike those, this gives the same bits on every machine.
+//! [`LARGEST_RAD`] the result is within one unit in the last place; beyond, the slower reduction of the crate `libm` is used.
+//! Unlike the standard library's, both give the same bits on every processor.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -47,7 +47,7 @@ impl Lanes for f64 {
 #[inline(always)]
 pub(crate) fn sin_cos(angle_rad: f64) -> (f64, f64) {
     if !(angle_rad.abs() < LARGEST_RAD) {
-        return angle_rad.sin_cos();
+        return libm::sincos(angle_rad);
     }
     let (sine, cosine, quarters) = of_rest(angle_rad);
     in_quadrant(sine, cosine, quarters.to_bits())

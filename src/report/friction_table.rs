@@ -1,5 +1,6 @@
 //! A joint's friction as a table over its speed, for simulators that take one, or none of our formulas.
 
+use crate::number::math;
 use serde::Serialize;
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -59,9 +60,9 @@ impl Static {
     fn share(&self, speed_rad_s: f64) -> f64 {
         let u = speed_rad_s / self.speed_rad_s;
         match self.form.as_str() {
-            "exponential" => (-u).exp(),
+            "exponential" => math::exp(-u),
             "rational" => 1.0 / (1.0 + u * u),
-            _ => (-u * u).exp(),
+            _ => math::exp(-u * u),
         }
     }
 }

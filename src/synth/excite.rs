@@ -3,6 +3,7 @@
 use super::error::SynthError;
 use super::plan::{Of, times};
 use crate::geometry::Joint;
+use crate::number::math;
 use crate::robot::simulate::{Column, Setpoints};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -67,7 +68,7 @@ fn sines(joint: &Joint, t_s: &[f64], hz: Option<f64>, rng: &mut ChaCha8Rng) -> V
         let x = (t / RAMP_S).min(1.0);
         let grown = x * x * (3.0 - 2.0 * x);
         let [a, b] = [slow * TAU * t + phases[0], fast * TAU * t + phases[1]];
-        middle + far * grown * (0.65 * a.sin() + 0.35 * b.sin())
+        middle + far * grown * (0.65 * math::sin(a) + 0.35 * math::sin(b))
     };
     t_s.iter().map(at).collect()
 }

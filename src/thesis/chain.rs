@@ -7,6 +7,7 @@ use super::swings::{JointSwings, Load};
 use super::{Of, Printed, Row, TablesError};
 use crate::geometry::{LegJoint, LinkBody, straight_leg};
 use crate::identify::{Experiment, ExtensiveModel, Fitted, JointModel, Named, Status};
+use crate::number::math;
 use rayon::prelude::*;
 
 /// Tables 3.2 and 3.3 of one joint.
@@ -131,7 +132,7 @@ impl Joined<'_> {
         let row = self.row(row, mass);
         let bench = self.all.model.parameters().iter().find(|p| p.named() == Some(mass)).map_or(0.0, |p| p.known_to);
         let half = row.relative_half_width().unwrap_or(f64::INFINITY);
-        let with_bench = half.hypot(bench);
+        let with_bench = math::hypot(half, bench);
         if row.ours.is_some() && with_bench > WIDEST {
             let remark =
                 format!("only as far as the bench is exact: 1 % in its lengths is {:.0} % here", 100.0 * bench);
@@ -160,7 +161,7 @@ impl Joined<'_> {
         let row = Row { tests, ..with_estimate(row, self.all, named) };
         let (Some(ours), Some([low, high])) = (row.ours, row.interval) else { return row };
         let shift: f64 = self.ends.iter().map(|end| (value(end, named) - ours).powi(2)).sum();
-        let widened = [ours - (ours - low).hypot(shift.sqrt()), ours + (high - ours).hypot(shift.sqrt())];
+        let widened = [ours - math::hypot(ours - low, shift.sqrt()), ours + math::hypot(high - ours, shift.sqrt())];
         Row { interval: Some(widened), ..row }
     }
 }

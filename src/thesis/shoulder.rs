@@ -11,6 +11,7 @@ use super::swings::JointSwings;
 use crate::fit::{Normal, Residuals};
 use crate::geometry::{Ers7Tables, LegJoint, LegPose, LinkBody, joint_name, lump};
 use crate::identify::{Experiment, ExtensiveModel, JointModel, LegCase, Named, Problem, Scale, Signal};
+use crate::number::math;
 use crate::pendulum::Start;
 
 /// What the shoulder's mass does about q1, and what would show it.
@@ -127,7 +128,7 @@ fn proposal(
     let length_s = SAMPLES as f64 * PERIOD_S;
     let sweep = |t: f64| {
         let [from, to] = SWEEP_HZ;
-        TORQUE_NM * (std::f64::consts::TAU * (from * t + 0.5 * (to - from) * t * t / length_s)).sin()
+        TORQUE_NM * math::sin(std::f64::consts::TAU * (from * t + 0.5 * (to - from) * t * t / length_s))
     };
     let signal = match driven {
         true => Signal::Torque { torque_nm: t_s.iter().map(|t| sweep(*t)).collect(), on: None },
@@ -168,5 +169,5 @@ fn proposal(
     let Some(at) = answering.iter().position(|&i| i == place) else { return Ok(none) };
     let Some(covariance) = reduced.try_inverse() else { return Ok(none) };
     let by_noise = 1.96 * NOISE_RAD * (PERIOD_S * covariance[(at, at)]).max(0.0).sqrt();
-    Ok(Proposal { by_noise, with_bench: by_noise.hypot(BENCH / share), ..none })
+    Ok(Proposal { by_noise, with_bench: math::hypot(by_noise, BENCH / share), ..none })
 }

@@ -4,6 +4,7 @@ use super::{Mechanism, Scene};
 use crate::blind::dice::Dice;
 use crate::blind::sim::{Curve, OverAngle, Stribeck};
 use crate::blind::truth::TrueNumber;
+use crate::number::math;
 
 /// Size: `mu_st - mu_c`.
 pub(super) fn stribeck(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
@@ -43,7 +44,7 @@ pub(super) fn drag(scene: &Scene<'_>) -> Mechanism {
     let unit = scene.peak_nm() / speed.powi(2);
     let power = if scene.textbook { 2.0 } else { 1.8 };
     Mechanism::new([0.01 * unit, 0.8 * unit], move |c2, machine| {
-        machine.friction.drag = c2 * speed.powf(2.0 - power);
+        machine.friction.drag = c2 * math::powf(speed, 2.0 - power);
         machine.friction.drag_power = power;
         vec![TrueNumber::new("c2", "N m s^2/rad^2", c2)]
     })

@@ -3,6 +3,7 @@
 use super::{Mechanism, Scene};
 use crate::blind::dice::Dice;
 use crate::blind::truth::TrueNumber;
+use crate::number::math;
 
 /// Size: `T`. The variant's changes come up to a quarter of it earlier or later.
 pub(super) fn delay(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
@@ -34,8 +35,8 @@ pub(super) fn torque_limit(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
     let peak_nm = 1.3 * scene.typical.torque_nm;
     // the link can still be lifted
     let least_nm = (1.1 * (0.7 * scene.peak_nm() + scene.joint.coulomb_nm)).min(0.7 * peak_nm);
-    Mechanism::new([0.02, (peak_nm / least_nm).ln()], move |size, machine| {
-        let limit_nm = peak_nm * (-size).exp();
+    Mechanism::new([0.02, math::ln(peak_nm / least_nm)], move |size, machine| {
+        let limit_nm = peak_nm * math::exp(-size);
         machine.drive.limit_nm = limit_nm;
         machine.drive.limit_power = power;
         vec![TrueNumber::new("tau_max", "N m", limit_nm)]
@@ -49,7 +50,7 @@ pub(super) fn speed_limit(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
     let stall_nm = scene.typical.torque_nm * dice.uniform(0.7, 2.0);
     let fast = 2.5 * scene.typical.driven_speed_rad_s;
     Mechanism::new([0.01, 1.7], move |size, machine| {
-        let no_load = fast * (-size).exp();
+        let no_load = fast * math::exp(-size);
         machine.drive.speed = Some([no_load, stall_nm]);
         vec![TrueNumber::new("w_max", "rad/s", no_load), TrueNumber::new("tau_stall", "N m", stall_nm)]
     })
@@ -59,7 +60,7 @@ pub(super) fn speed_limit(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
 pub(super) fn gain(dice: &mut Dice) -> Mechanism {
     let sign = if dice.chance(0.65) { -1.0 } else { 1.0 };
     Mechanism::new([0.01, 0.6], move |size, machine| {
-        let c = (sign * size).exp();
+        let c = math::exp(sign * size);
         machine.drive.gain = c;
         vec![TrueNumber::new("c", "", c)]
     })
@@ -71,7 +72,7 @@ pub(super) fn profile(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
     let fast = 6.0 * scene.typical.driven_speed_rad_s;
     let (speeds_up_s, textbook) = (dice.log_uniform(0.02, 0.2), scene.textbook);
     Mechanism::new([0.05, 3.0], move |size, machine| {
-        let v_max = fast * (-size).exp();
+        let v_max = fast * math::exp(-size);
         machine.drive.slew_rad_s = v_max;
         let mut numbers = vec![TrueNumber::new("v_max", "rad/s", v_max)];
         if textbook {

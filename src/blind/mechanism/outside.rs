@@ -4,6 +4,7 @@ use super::{Mechanism, Scene};
 use crate::blind::dice::Dice;
 use crate::blind::sim::{Curve, Knock, Stribeck};
 use crate::blind::truth::TrueNumber;
+use crate::number::math;
 use std::f64::consts::TAU;
 
 /// Size: its torque.
@@ -53,9 +54,9 @@ pub(super) fn memory(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
 pub(super) fn jump(scene: &Scene<'_>, dice: &mut Dice) -> Mechanism {
     let at_s: Vec<f64> = scene.plans.iter().map(|plan| moment(plan, dice, 0.15, 0.6)).collect();
     Mechanism::new([0.05, 2.0], move |size, machine| {
-        machine.friction.jump = size.exp();
+        machine.friction.jump = math::exp(size);
         machine.friction.jump_at_s.clone_from(&at_s);
-        vec![TrueNumber::new("factor", "", size.exp())]
+        vec![TrueNumber::new("factor", "", math::exp(size))]
     })
 }
 

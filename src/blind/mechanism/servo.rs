@@ -4,6 +4,7 @@ use super::{Mechanism, Scene, effect};
 use crate::blind::dice::Dice;
 use crate::blind::truth::TrueNumber;
 use crate::joint::{EffectId, Stage};
+use crate::number::math;
 
 /// One part of a servo.
 pub(in crate::blind) struct Part {
@@ -44,8 +45,8 @@ fn duty_limit(scene: &Scene<'_>, back_emf_nm_s_rad: f64) -> Mechanism {
     let peak_nm = 1.3 * scene.typical.torque_nm;
     // the link can still be lifted
     let least_nm = (1.1 * (0.7 * scene.peak_nm() + scene.joint.coulomb_nm)).min(0.7 * peak_nm);
-    Mechanism::new([0.02, (peak_nm / least_nm).ln()], move |size, machine| {
-        let stall_nm = peak_nm * (-size).exp();
+    Mechanism::new([0.02, math::ln(peak_nm / least_nm)], move |size, machine| {
+        let stall_nm = peak_nm * math::exp(-size);
         machine.drive.limit_nm = stall_nm;
         let no_load = stall_nm / back_emf_nm_s_rad;
         vec![TrueNumber::new("w_max", "rad/s", no_load), TrueNumber::new("tau_stall", "N m", stall_nm)]

@@ -9,6 +9,7 @@ use crate::blind::dice::{Dice, significant};
 use crate::blind::truth::TrueNumber;
 use crate::gap::robot::Cause;
 use crate::joint::EffectId;
+use crate::number::math;
 use crate::robot::FloorParameters;
 use crate::synth::{EffectSpec, JointChoice, PayloadSpec, TruthSpec};
 use std::f64::consts::PI;
@@ -179,7 +180,7 @@ fn place(kind: Kind, scene: &Scene, moving: &[String], dice: &mut Dice) -> Vec<S
 
 /// From weak to as strong as a robot may plausibly have it, by equal ratios.
 fn grow(weak: f64, strong: f64) -> impl Fn(f64) -> f64 + Sync {
-    move |strength| weak * (strong / weak).powf(strength)
+    move |strength| weak * math::powf(strong / weak, strength)
 }
 
 /// One number that grows, and others that stay.

@@ -3,6 +3,7 @@
 use super::cause::RobotOutside;
 use crate::blind::dice::Dice;
 use crate::joint::{Contact, FrictionTerm};
+use crate::number::math;
 use crate::robot::simulate::{Column, Setpoints};
 use crate::robot::{JointId, Nominal};
 use nalgebra::{Unit, UnitQuaternion, Vector3};
@@ -45,7 +46,7 @@ impl Altered {
         match self.outside {
             RobotOutside::TiltedTrunk => {
                 let (tilt, towards) = (self.values[0], self.values[1]);
-                let axis = Unit::new_normalize(Vector3::new(towards.cos(), 0.0, towards.sin()));
+                let axis = Unit::new_normalize(Vector3::new(math::cos(towards), 0.0, math::sin(towards)));
                 let turned = UnitQuaternion::from_axis_angle(&axis, tilt) * robot.model.gravity_m_s2();
                 robot.model = robot.model.with_gravity(turned);
             }
@@ -83,7 +84,7 @@ impl Altered {
                 angles.iter_mut().for_each(|q| *q = (*q / step).round() * step);
             }
             RobotOutside::SlowSetpoints => {
-                let share = 1.0 - (-period_s / self.values[0]).exp();
+                let share = 1.0 - math::exp(-period_s / self.values[0]);
                 for k in 1..angles.len() {
                     angles[k] = angles[k - 1] + share * (angles[k] - angles[k - 1]);
                 }
@@ -128,7 +129,7 @@ struct Cogs {
 
 impl FrictionTerm<f64> for Cogs {
     fn resistance_nm(&self, at: &Contact<f64>) -> f64 {
-        0.5 * self.most_nm * (1.0 + (self.cogs_1_rad * at.angle_rad).cos())
+        0.5 * self.most_nm * (1.0 + math::cos(self.cogs_1_rad * at.angle_rad))
     }
 
     fn slope_nm_s_rad(&self, _speed_rad_s: f64) -> f64 {

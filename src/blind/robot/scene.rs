@@ -6,6 +6,7 @@ use super::setting::Setting;
 use super::size::Readings;
 use crate::blind::dice::{Dice, significant};
 use crate::log::{ControlSpec, FloorSpec, LegFrictionSpec, RobotScenario, RobotSensorSpec, RobotStudy, Uncertain};
+use crate::number::math;
 use crate::synth::{AnySpec, Believed, EffectSpec, LogSpec, Spec, TruthSpec};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -173,7 +174,7 @@ impl Scene {
             }
             AnySpec::Described(spec) => (spec.study.sensor.resolution_rad, spec.truth.noise),
         };
-        noise_rad.unwrap_or(0.0).hypot(step_rad.unwrap_or(0.0) / 12f64.sqrt())
+        math::hypot(noise_rad.unwrap_or(0.0), step_rad.unwrap_or(0.0) / 12f64.sqrt())
     }
 
     /// Joints that are asked to move and may have a fault: a quadruped's legs, all of an arm.

@@ -5,6 +5,7 @@ use super::scene::Scene;
 use super::setting::Setting;
 use crate::blind::dice::Dice;
 use crate::log::RobotStudy;
+use crate::number::math;
 use crate::synth::{Alteration, AnySpec, Made, make_altered, make_described};
 use std::collections::BTreeMap;
 
@@ -137,7 +138,7 @@ pub(super) fn strength(
     for attempt in 0..TRIES {
         let at = if attempt == 0 { 1.0 } else { 0.5 * (low + high) };
         let ratio = ratio(at);
-        let off = (ratio / wanted).ln().abs();
+        let off = math::ln(ratio / wanted).abs();
         if is_taken(ratio) && best.is_none_or(|(_, least)| off < least) {
             best = Some((at, off));
         }

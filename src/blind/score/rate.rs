@@ -1,7 +1,7 @@
 //! Rates with intervals.
 
+use crate::number::chance::beta_quantile;
 use serde::Serialize;
-use statrs::distribution::{Beta, ContinuousCDF};
 
 /// So many of so many.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -45,8 +45,7 @@ fn lower(hits: u32, of: u32, tail: f64) -> f64 {
     if hits == 0 {
         return 0.0;
     }
-    let (a, b) = (f64::from(hits), f64::from(of - hits) + 1.0);
-    Beta::new(a, b).map_or(0.0, |beta| beta.inverse_cdf(tail))
+    beta_quantile(tail, f64::from(hits), f64::from(of - hits) + 1.0)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Stated probabilities against what came true.
 
 use super::rate::Rate;
+use crate::number::math;
 use serde::Serialize;
 
 /// Answers whose stated probability lies in a range.
@@ -52,7 +53,7 @@ impl Stated {
         Self {
             log_score: mean(&|p, right| {
                 let p = p.clamp(1.0 - SUREST, SUREST);
-                if right { p.ln() } else { (1.0 - p).ln() }
+                if right { math::ln(p) } else { math::ln(1.0 - p) }
             }),
             brier: mean(&|p, right| (p - f64::from(u8::from(right))).powi(2)),
             excess: mean(&|p, right| p - f64::from(u8::from(right))),

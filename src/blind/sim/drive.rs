@@ -1,6 +1,7 @@
 //! From the logged setpoint to the torque on the made joints.
 
 use crate::blind::dice::Dice;
+use crate::number::math;
 
 /// Everything between setpoint and torque; the default is a perfect drive of no stiffness.
 #[derive(Clone, Debug)]
@@ -151,7 +152,7 @@ impl Drive {
         }
         torque *= self.gain * (1.0 - self.sag * share);
         if let Some([a, n, phi]) = self.ripple {
-            torque *= 1.0 + a * (n * q_rad + phi).sin();
+            torque *= 1.0 + a * math::sin(n * q_rad + phi);
         }
         if let Some([no_load, stall]) = self.speed {
             let driving = v_rad_s * torque.signum();
@@ -160,7 +161,11 @@ impl Drive {
         }
         if self.limit_nm.is_finite() {
             torque = if self.limit_power > 0.0 {
-                torque / (1.0 + (torque / self.limit_nm).abs().powf(self.limit_power)).powf(1.0 / self.limit_power)
+                torque
+                    / math::powf(
+                        1.0 + math::powf((torque / self.limit_nm).abs(), self.limit_power),
+                        1.0 / self.limit_power,
+                    )
             } else {
                 torque.clamp(-self.limit_nm, self.limit_nm)
             };

@@ -1,5 +1,7 @@
 //! Friction of the made joints.
 
+use crate::number::math;
+
 /// How friction falls from static to Coulomb's with speed.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::blind) enum Curve {
@@ -96,7 +98,7 @@ impl Friction {
             return 1.0;
         }
         let t_s = if self.drift_settles_s > 0.0 {
-            self.drift_settles_s * (1.0 - (-t_s / self.drift_settles_s).exp())
+            self.drift_settles_s * (1.0 - math::exp(-t_s / self.drift_settles_s))
         } else {
             t_s
         };
@@ -107,8 +109,8 @@ impl Friction {
     pub(in crate::blind) fn dry_nm(&self, at: &Contact) -> (f64, f64) {
         let mut level = self.coulomb_nm;
         if let Some(over) = &self.over_angle {
-            let cos = (at.q_rad - over.phi_rad).cos();
-            let shape = if over.narrow { 2.0 * (1.5 * (cos - 1.0)).exp() - 1.0 } else { cos };
+            let cos = math::cos(at.q_rad - over.phi_rad);
+            let shape = if over.narrow { 2.0 * math::exp(1.5 * (cos - 1.0)) - 1.0 } else { cos };
             level *= (1.0 + over.a * shape).max(0.0);
         }
         if self.jump != 0.0 && self.jump_at_s.get(at.log).is_some_and(|jump| at.t_s >= *jump) {
@@ -119,8 +121,8 @@ impl Friction {
             let x = at.dry_speed_rad_s / s.speed_rad_s;
             level += s.excess_nm
                 * match s.curve {
-                    Curve::Gaussian => (-x * x).exp(),
-                    Curve::Exponential => (-x).exp(),
+                    Curve::Gaussian => math::exp(-x * x),
+                    Curve::Exponential => math::exp(-x),
                     Curve::Rational => 1.0 / (1.0 + x * x),
                 };
         }
@@ -137,7 +139,7 @@ impl Friction {
             return (level.max(0.0), level.max(0.0));
         }
         let fade = if self.asymmetry_fade_rad_s > 0.0 {
-            1.0 - (-at.dry_speed_rad_s / self.asymmetry_fade_rad_s).exp() / 3.0
+            1.0 - math::exp(-at.dry_speed_rad_s / self.asymmetry_fade_rad_s) / 3.0
         } else {
             1.0
         };
@@ -149,11 +151,11 @@ impl Friction {
     pub(in crate::blind) fn wet_nm(&self, at: &Contact) -> f64 {
         let mut viscous = self.viscous_nm_s_rad * self.drift(at.t_s);
         if let Some([a, n, phi]) = self.viscous_over_angle {
-            viscous *= (1.0 + a * (n * (at.q_rad - phi)).cos()).max(0.0);
+            viscous *= (1.0 + a * math::cos(n * (at.q_rad - phi))).max(0.0);
         }
         let mut torque = -viscous * at.v_rad_s;
         if self.drag != 0.0 {
-            torque -= self.drag * at.v_rad_s.abs().powf(self.drag_power).copysign(at.v_rad_s);
+            torque -= self.drag * math::powf(at.v_rad_s.abs(), self.drag_power).copysign(at.v_rad_s);
         }
         torque
     }

@@ -1,5 +1,7 @@
 //! What acts on the link of the made joints besides friction.
 
+use crate::number::math;
+
 /// A stop on one side.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::blind) struct Stop {
@@ -68,9 +70,9 @@ impl Link {
         let mut angle = at.q_rad + self.offset_rad;
         if let Some([a, w]) = self.sway {
             let phase = self.sway_phase_rad.get(at.log).copied().unwrap_or(0.0);
-            angle += a * (w * at.t_s + phase).sin();
+            angle += a * math::sin(w * at.t_s + phase);
         }
-        -peak_nm * angle.sin()
+        -peak_nm * math::sin(angle)
     }
 
     /// Everything else that depends on where the link is \[N m\].
@@ -84,17 +86,17 @@ impl Link {
             torque += stop.torque_nm(at.q_rad, at.v_rad_s);
         }
         if let Some([a, n, phi]) = self.cogging {
-            torque += a * (n * at.q_rad + phi).sin();
+            torque += a * math::sin(n * at.q_rad + phi);
         }
         if let Some([a, place, width]) = self.detent {
             let x = (at.q_rad - place) / width;
-            torque -= a * x * (0.5 * (1.0 - x * x)).exp();
+            torque -= a * x * math::exp(0.5 * (1.0 - x * x));
         }
         if self.knock_nm != 0.0 {
             for knock in self.knocks.iter().filter(|knock| knock.log == at.log) {
                 let phase = (at.t_s - knock.from_s) / knock.lasts_s;
                 if (0.0..1.0).contains(&phase) {
-                    torque += self.knock_nm * knock.share * 0.5 * (1.0 - (std::f64::consts::TAU * phase).cos());
+                    torque += self.knock_nm * knock.share * 0.5 * (1.0 - math::cos(std::f64::consts::TAU * phase));
                 }
             }
         }
@@ -118,7 +120,7 @@ impl Stop {
         }
         let push = if self.hertz_depth_rad > 0.0 {
             let stiff = self.stiffness / self.hertz_depth_rad.sqrt();
-            stiff * depth.powf(1.5) * (1.0 + self.damping / (self.stiffness * self.hertz_depth_rad) * rate)
+            stiff * math::powf(depth, 1.5) * (1.0 + self.damping / (self.stiffness * self.hertz_depth_rad) * rate)
         } else {
             self.stiffness * depth + self.damping * rate
         };

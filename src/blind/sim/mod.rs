@@ -3,6 +3,8 @@
 //! Time stepping after Moreau: half a step of position, a whole step of speed with the forces of the middle, half a
 //! step of position. Dry friction is an impulse: where it can stop the body within the step, the body stands.
 
+use crate::number::math;
+
 mod bodies;
 mod drive;
 mod friction;
@@ -56,14 +58,14 @@ impl Reading {
         if self.a_rad == 0.0 {
             return straight_rad;
         }
-        straight_rad + self.a_rad * (self.n * q_rad + self.phi_rad).sin()
+        straight_rad + self.a_rad * math::sin(self.n * q_rad + self.phi_rad)
     }
 
     fn slope(&self, q_rad: f64) -> f64 {
         if self.a_rad == 0.0 {
             return self.gain;
         }
-        self.gain + self.a_rad * self.n * (self.n * q_rad + self.phi_rad).cos()
+        self.gain + self.a_rad * self.n * math::cos(self.n * q_rad + self.phi_rad)
     }
 }
 

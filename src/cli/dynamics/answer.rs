@@ -2,6 +2,7 @@
 
 use super::read::Asked;
 use crate::cli::common::print;
+use crate::number::math;
 use crate::report::Provenance;
 use crate::robot::{Dynamics, Input, Model};
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -145,7 +146,7 @@ pub(super) fn answer(dynamics: &mut Dynamics<'_>, asked: &Asked) -> Option<State
     let placed = model.bodies().iter().zip(dynamics.motions(state)).filter(|(body, _)| body.mass_kg > 0.0);
     let body_pos = placed.map(|(body, motion)| (body.name.clone(), motion.position_m.into())).collect();
     // The determinant of a mass matrix leaves the range of a double with some hundred joints.
-    let logdet = matrix.clone().cholesky()?.l_dirty().diagonal().map(|pivot: f64| 2.0 * pivot.ln()).sum();
+    let logdet = matrix.clone().cholesky()?.l_dirty().diagonal().map(|pivot: f64| 2.0 * math::ln(pivot)).sum();
     let out = Out {
         qacc,
         bias,

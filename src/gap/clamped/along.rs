@@ -3,6 +3,7 @@
 use crate::identify::smooth_along;
 use crate::joint::{Carriage, Carried};
 use crate::log::{Nominal, RobotLog};
+use crate::number::math;
 use crate::robot::description::{Description, JointKind};
 use crate::robot::tree::{Tree, TreeDynamics, TreeState};
 use nalgebra::DMatrix;
@@ -55,7 +56,7 @@ impl<'t> Along<'t> {
             let share = if most_nm > 0.0 { now.gravity_nm / most_nm } else { 0.0 };
             Carried {
                 inertia: now.inertia_kg_m2 / inertia_kg_m2,
-                gravity: [share * now.hanging_rad.cos(), share * now.hanging_rad.sin()],
+                gravity: [share * math::cos(now.hanging_rad), share * math::sin(now.hanging_rad)],
                 pushed_rad_s2: now.pushed_nm / inertia_kg_m2,
             }
         };
@@ -112,9 +113,9 @@ impl<'t> Along<'t> {
                     dynamics.bias(&state, &mut turned);
                     state.position[j] = angle_rad;
                     // The torque that holds it up is `P sin(q - hanging)`, a quarter turn on `P cos(q - hanging)`.
-                    let hanging_rad = angle_rad - level[j].atan2(turned[j]);
+                    let hanging_rad = angle_rad - math::atan2(level[j], turned[j]);
                     Instant {
-                        gravity_nm: level[j].hypot(turned[j]),
+                        gravity_nm: math::hypot(level[j], turned[j]),
                         hanging_rad: (hanging_rad + PI).rem_euclid(2.0 * PI) - PI,
                         pushed_nm: level[j] - needed[j],
                         ..now

@@ -5,7 +5,7 @@
 
 use super::diagnose::JointAnswer;
 use crate::gap::{Diagnosis, Number};
-use crate::number::quantity;
+use crate::number::{math, quantity};
 use crate::robot::description::{Description, LinkId, MoverId};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -49,7 +49,7 @@ fn agreed(values: &[(f64, f64)]) -> Option<(f64, f64)> {
     let apart: f64 = values.iter().map(|(value, sd)| ((value - mean) / sd).powi(2)).sum();
     let freedoms = values.len() as f64 - 1.0;
     let agrees = values.len() > 1 && mean.is_finite() && apart < freedoms + 2.0 * (2.0 * freedoms).sqrt();
-    agrees.then_some((mean, weight.powf(-0.5)))
+    agrees.then_some((mean, math::powf(weight, -0.5)))
 }
 
 /// Numbers that whole groups of joints have elsewhere alike, the largest groups first.
@@ -71,7 +71,7 @@ pub(super) fn pooled(groups: &BTreeMap<String, Vec<String>>, joints: &[JointAnsw
                 let own = found.iter().find(|d| d.joint == *name)?.parameters.iter().find(|p| p.name == number)?;
                 let (nominal, [low, high]) = (own.nominal.filter(|nominal| *nominal > 0.0)?, own.interval?);
                 let ratio = own.value / nominal;
-                Some((ratio, (0.5 * (high - low) / HALF_95 / nominal).hypot(SCATTER * ratio)))
+                Some((ratio, math::hypot(0.5 * (high - low) / HALF_95 / nominal, SCATTER * ratio)))
             };
             let Some(ratios) = joints.iter().map(ratio).collect::<Option<Vec<_>>>() else { continue };
             let Some((ratio, sd)) = agreed(&ratios) else { continue };
@@ -89,7 +89,7 @@ pub(super) fn pooled(groups: &BTreeMap<String, Vec<String>>, joints: &[JointAnsw
 pub(super) fn one_size(sizes: &[&Number]) -> Option<Number> {
     let own = |number: &&Number| {
         let [low, high] = number.interval?;
-        Some((number.value, (0.5 * (high - low) / HALF_95).hypot(SCATTER * number.value)))
+        Some((number.value, math::hypot(0.5 * (high - low) / HALF_95, SCATTER * number.value)))
     };
     let values = sizes.iter().map(own).collect::<Option<Vec<_>>>()?;
     let (value, sd) = agreed(&values)?;

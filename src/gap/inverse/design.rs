@@ -4,6 +4,7 @@ use super::numbers::{Asked, Believed, Values, Which};
 use super::signals::{Grid, Signals};
 use super::system::{Block, Unknown};
 use crate::joint::{EffectId, LawVariable};
+use crate::number::math;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
 
@@ -83,7 +84,7 @@ impl Curve {
         match self.per_turn {
             Some(times) => {
                 let phase = f64::from(times) * self.knots[knot];
-                x[0] * phase.cos() + x[1] * phase.sin()
+                x[0] * math::cos(phase) + x[1] * math::sin(phase)
             }
             None => x[knot],
         }
@@ -184,8 +185,8 @@ impl Design {
             }
             let columns = vec![terms.len(), terms.len() + 1];
             let free = [f64::NEG_INFINITY, f64::INFINITY];
-            terms.push((Box::new(move |s, _, _, i| (k * s.angle_rad[i]).cos()), None, free));
-            terms.push((Box::new(move |s, _, _, i| (k * s.angle_rad[i]).sin()), None, free));
+            terms.push((Box::new(move |s, _, _, i| math::cos(k * s.angle_rad[i])), None, free));
+            terms.push((Box::new(move |s, _, _, i| math::sin(k * s.angle_rad[i])), None, free));
             let count = ((POINTS_PER_PERIOD * k * (high - low) / (2.0 * PI)).ceil() as usize).clamp(KNOTS, MOST_KNOTS);
             let knots = (0..count).map(|i| low + (high - low) * i as f64 / (count - 1) as f64).collect();
             curves.push(Curve { variable: LawVariable::Angle, knots, per_turn: Some(times), columns });
@@ -310,8 +311,8 @@ fn effects<'a>(reach: &Reach, now: &'a Values) -> Vec<Parts<'a>> {
             EffectId::PositionFriction,
             Vec::new(),
             vec![
-                (Box::new(|s, a, _, k| a.used[k] * s.angle_rad[k].cos()), FREE),
-                (Box::new(|s, a, _, k| a.used[k] * s.angle_rad[k].sin()), FREE),
+                (Box::new(|s, a, _, k| a.used[k] * math::cos(s.angle_rad[k])), FREE),
+                (Box::new(|s, a, _, k| a.used[k] * math::sin(s.angle_rad[k])), FREE),
             ],
         ),
         one(
@@ -345,7 +346,7 @@ fn effects<'a>(reach: &Reach, now: &'a Values) -> Vec<Parts<'a>> {
     ];
     for share in STRIBECK {
         let v_st = share * reach.rate_rad_s;
-        let term: Term<'a> = Box::new(move |s, a, _, k| a.used[k] * (-(s.rate_rad_s[k] / v_st).powi(2)).exp());
+        let term: Term<'a> = Box::new(move |s, a, _, k| a.used[k] * math::exp(-(s.rate_rad_s[k] / v_st).powi(2)));
         all.push((EffectId::Stribeck, vec![v_st], vec![(term, MORE)]));
     }
     let [low, high] = reach.angle_rad;

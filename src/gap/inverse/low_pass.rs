@@ -1,5 +1,6 @@
 //! A low pass without delay: Butterworth's third order, forward and back.
 
+use crate::number::math;
 use std::f64::consts::PI;
 
 /// Seconds times the cutoff frequency over which a start is forgotten.
@@ -19,7 +20,7 @@ pub(super) struct LowPass {
 impl LowPass {
     /// By the bilinear transform, bent so that the cutoff frequency stays where it is.
     pub fn new(cutoff_hz: f64, period_s: f64) -> Self {
-        let k = (PI * cutoff_hz * period_s).tan();
+        let k = math::tan(PI * cutoff_hz * period_s);
         let norm = 1.0 / (1.0 + k + k * k);
         Self {
             first: [k / (1.0 + k), (k - 1.0) / (k + 1.0)],

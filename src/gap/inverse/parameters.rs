@@ -6,6 +6,7 @@ use super::system::Solved;
 use crate::gap::looks_like;
 use crate::gap::{Detectable, LawFound, Number};
 use crate::joint::{EffectId, LawActs, LawTable};
+use crate::number::math;
 
 /// Standard deviations in half a 95 % interval.
 pub(super) const HALF_95: f64 = 1.96;
@@ -30,7 +31,7 @@ impl Estimated {
         let squares: f64 = refits.iter().map(|refit| (refit.x[unknown] - mean).powi(2)).sum();
         // The jackknife's variance.
         let spread = if refits.len() > 1 { (n - 1.0) / n * squares } else { 0.0 };
-        Self { value: solved.x[unknown], sd: naive_sd.hypot(spread.sqrt()), naive_sd }
+        Self { value: solved.x[unknown], sd: math::hypot(naive_sd, spread.sqrt()), naive_sd }
     }
 
     fn number(self, name: &str, unit: &str, offset: f64, scale: f64) -> Number {
@@ -80,10 +81,13 @@ pub(super) fn named(family: &Family, found: &[Estimated], now: &Values) -> Vec<N
             vec![of(0, *k, 0.0, 1.0), of(1, rest, 0.0, 1.0)]
         }
         (EffectId::PositionFriction, [cos, sin]) => {
-            let size = cos.value.hypot(sin.value);
+            let size = math::hypot(cos.value, sin.value);
             let one = Estimated { value: size, sd: cos.sd.max(sin.sd), naive_sd: cos.naive_sd.max(sin.naive_sd) };
-            let angle =
-                Estimated { value: sin.value.atan2(cos.value), sd: one.sd / size, naive_sd: one.naive_sd / size };
+            let angle = Estimated {
+                value: math::atan2(sin.value, cos.value),
+                sd: one.sd / size,
+                naive_sd: one.naive_sd / size,
+            };
             vec![of(0, one, 0.0, 1.0 / coulomb_nm.max(f64::MIN_POSITIVE)), of(1, angle, 0.0, 1.0)]
         }
         (_, [size, ..]) => vec![of(0, *size, 0.0, 1.0)],

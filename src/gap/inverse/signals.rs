@@ -3,6 +3,7 @@
 use super::low_pass::LowPass;
 use crate::identify::smooth_along;
 use crate::log::{JointColumns, RobotLog};
+use crate::number::math;
 use crate::robot::description::Description;
 use crate::robot::tree::{Tree, TreeDynamics, TreeState};
 
@@ -242,9 +243,9 @@ impl Motion {
             let step_rad = step_rad(columns);
             let of_encoder = inertia[j] * step_rad * self.grid.encoder_unit();
             let torque = torque.map(|torque| (self.grid.white(&torque), self.grid.smooth(&torque)));
-            let noise = |(white, torque): &(f64, Vec<f64>)| white.hypot(self.grid.of_stamps(torque));
+            let noise = |(white, torque): &(f64, Vec<f64>)| math::hypot(*white, self.grid.of_stamps(torque));
             Some(Signals {
-                noise_nm: torque.as_ref().map_or(0.0, noise).hypot(of_encoder),
+                noise_nm: math::hypot(torque.as_ref().map_or(0.0, noise), of_encoder),
                 resting_rad_s: resting_rad_s(step_rad, &rate_rad_s, self.grid.period_s),
                 angle_rad,
                 rate_rad_s,

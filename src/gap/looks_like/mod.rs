@@ -8,6 +8,7 @@ mod shape;
 mod words;
 
 use crate::joint::LawTable;
+use crate::number::math;
 use shape::{Samples, Shape, shapes};
 
 /// Places along the curve at which shapes are compared with it.
@@ -55,7 +56,7 @@ pub fn looks_like(law: &LawTable, sd: Option<&[f64]>) -> String {
     }
     let floor = samples.noise.max((UNSEEN * samples.span()).powi(2));
     let knots = x.len() as f64;
-    let score = |left: f64, parameters: usize| knots * (left + floor).ln() + parameters as f64 * knots.ln();
+    let score = |left: f64, parameters: usize| knots * math::ln(left + floor) + parameters as f64 * math::ln(knots);
     let best = shapes(&samples)
         .into_iter()
         .filter(|fit| fit.parameters + 1 < x.len())

@@ -1,5 +1,6 @@
 //! Shapes with few parameters, fitted to a curve.
 
+use crate::number::math;
 use nalgebra::{DMatrix, DVector};
 
 /// A shape with its numbers, in the units of the curve.
@@ -197,7 +198,7 @@ pub(super) fn shapes(s: &Samples) -> Vec<Fit> {
     })));
     let inside = places.iter().filter(|at| (from + 0.15 * s.width()..to - 0.15 * s.width()).contains(*at));
     fits.extend(least(inside.flat_map(|at| WIDTHS.map(|width| (*at, width * s.width()))).filter_map(|(at, width)| {
-        let hump = |x: f64| (-((x - at) / width).powi(2)).exp();
+        let hump = |x: f64| math::exp(-((x - at) / width).powi(2));
         let ([level, height], left) = s.by([&|_| 1.0, &hump])?;
         Some(Fit { shape: Shape::Bump { at, height, width, level }, parameters: 4, left })
     })));
@@ -232,8 +233,9 @@ fn wave(s: &Samples) -> Option<Fit> {
     let fits = periods.filter_map(|periods| {
         let period = s.width() / periods;
         let phase = |x: f64| std::f64::consts::TAU * x / period;
-        let ([_, slope, sin, cos], left) = s.by([&|_| 1.0, &|x| x, &|x| phase(x).sin(), &|x| phase(x).cos()])?;
-        Some(Fit { shape: Shape::Periodic { period, amplitude: sin.hypot(cos), slope }, parameters: 6, left })
+        let ([_, slope, sin, cos], left) =
+            s.by([&|_| 1.0, &|x| x, &|x| math::sin(phase(x)), &|x| math::cos(phase(x))])?;
+        Some(Fit { shape: Shape::Periodic { period, amplitude: math::hypot(sin, cos), slope }, parameters: 6, left })
     });
     least(fits).filter(|fit| fit.left < (1.0 - MOSTLY_WAVE) * of_line)
 }
@@ -242,14 +244,14 @@ fn wave(s: &Samples) -> Option<Fit> {
 fn settling(s: &Samples) -> Option<Fit> {
     let widths = (0..20).map(|k| s.width() * 0.03 * 1.15f64.powi(k));
     least(widths.flat_map(|width| [1, 2].map(|power| (width, power))).filter_map(|(width, power)| {
-        let share = |x: f64| (-(x / width).abs().powi(power)).exp();
+        let share = |x: f64| math::exp(-(x / width).abs().powi(power));
         let ([far, rise], left) = s.by([&|_| 1.0, &share])?;
         Some(Fit { shape: Shape::Settling { at_zero: far + rise, far, width }, parameters: 3, left })
     }))
 }
 
 fn step(s: &Samples, at: f64, width: f64, parameters: usize) -> Option<Fit> {
-    let ([middle, half], left) = s.by([&|_| 1.0, &|x| ((x - at) / width).tanh()])?;
+    let ([middle, half], left) = s.by([&|_| 1.0, &|x| math::tanh((x - at) / width)])?;
     Some(Fit { shape: Shape::Step { at, before: middle - half, behind: middle + half, width }, parameters, left })
 }
 

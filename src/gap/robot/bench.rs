@@ -12,6 +12,7 @@ use super::recalibrate::recalibrated;
 use super::scatter::{Number, Scatter, Spreads};
 use super::start::Body;
 use crate::joint::Reach;
+use crate::number::math;
 use rayon::prelude::*;
 
 /// Steps of the simulations \[s\].
@@ -341,7 +342,7 @@ fn groups(case: &RobotCase, moving: &[usize]) -> Vec<Vec<usize>> {
 fn sigma_rad(case: &RobotCase, layout: &Layout, measured: &[f64], given: &[f64]) -> f64 {
     let rounding = case.study.sensor.resolution_rad.unwrap_or(0.0) / 12f64.sqrt();
     if let Some(noise_rad) = case.study.sensor.noise_rad {
-        return noise_rad.hypot(rounding).max(1e-6);
+        return math::hypot(noise_rad, rounding).max(1e-6);
     }
     let left = |range: std::ops::Range<usize>| -> Vec<f64> { range.map(|k| measured[k] - given[k]).collect() };
     let mut by_row: Vec<f64> = layout.joints().map(|(_, row)| rough(&left(row.range.clone()))).collect();

@@ -5,6 +5,7 @@ use super::diagnosis::{GaitCell, GaitPhase};
 use super::layout::Row;
 use crate::gap::Variable;
 use crate::joint::Setpoint;
+use crate::number::chance::normal_tail;
 
 /// False discoveries among cells that are called significant.
 const FALSE_DISCOVERIES: f64 = 0.05;
@@ -63,9 +64,8 @@ pub(super) fn cells(bench: &Bench<'_>, phases: &[Vec<Vec<GaitPhase>>], left: &[f
 fn significant(deviates: &[f64]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..deviates.len()).collect();
     order.sort_by(|a, b| deviates[*b].total_cmp(&deviates[*a]));
-    let tail = |z: f64| 0.5 * statrs::function::erf::erfc(z / std::f64::consts::SQRT_2);
     let n = deviates.len() as f64;
-    let stand_out = |rank: usize| tail(deviates[order[rank]]) <= FALSE_DISCOVERIES * (rank + 1) as f64 / n;
+    let stand_out = |rank: usize| normal_tail(deviates[order[rank]]) <= FALSE_DISCOVERIES * (rank + 1) as f64 / n;
     let last = (0..order.len()).rev().find(|rank| stand_out(*rank));
     last.map_or_else(Vec::new, |last| order[..=last].to_vec())
 }

@@ -7,7 +7,7 @@ use super::decide::{Decision, told_apart};
 use super::forward::predict;
 use super::refine::Hypothesis;
 use crate::gap::{Next, Verdict};
-use statrs::distribution::{ContinuousCDF, Normal};
+use crate::number::chance::normal_tail;
 
 /// Motions that are proposed: so many times as wide, and in words.
 const WIDER: [(f64, &str); 4] = [
@@ -57,6 +57,6 @@ fn power(bench: &Bench<'_>, answer: &Hypothesis, rival: &Hypothesis, factor: f64
     let between = bench.noise_of_all.weigh(a.iter().zip(&b).map(|(a, b)| a - b).collect());
     let apart = bench.noise_of_all.dot(&between, &between);
     // The statistic has the mean `apart` and four times that as variance.
-    let normal = Normal::new(apart, 2.0 * apart.sqrt().max(1e-9)).ok()?;
-    Some(1.0 - normal.cdf(told_apart(bench)))
+    let deviates = (told_apart(bench) - apart) / (2.0 * apart.sqrt().max(1e-9));
+    deviates.is_finite().then(|| normal_tail(deviates))
 }

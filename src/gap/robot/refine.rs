@@ -9,6 +9,7 @@ use super::place::Place;
 use super::scatter::Number;
 use super::screen::change;
 use crate::joint::{EffectParameter, Scan};
+use crate::number::math;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -108,7 +109,7 @@ fn free_of(parameters: &[EffectParameter]) -> Vec<usize> {
 /// A value after a step in units of its scale.
 pub(super) fn moved(parameter: &EffectParameter, value: f64, by: f64) -> f64 {
     let there = match parameter.scan {
-        Scan::Logarithm => value * by.exp(),
+        Scan::Logarithm => value * math::exp(by),
         Scan::Linear(scale) => value + scale * by,
         Scan::Held => value,
     };

@@ -3,6 +3,7 @@
 use super::case::RobotCase;
 use crate::joint::Reach;
 use crate::log::Uncertain;
+use crate::number::math;
 use crate::robot::Model;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -97,7 +98,7 @@ impl Scatter {
         let mut rng = ChaCha8Rng::seed_from_u64(number);
         let mut off = |sd: f64| {
             let (a, b): (f64, f64) = (rng.random(), rng.random());
-            let normal = (-2.0 * (1.0 - a).ln()).sqrt() * (std::f64::consts::TAU * b).cos();
+            let normal = (-2.0 * math::ln(1.0 - a)).sqrt() * math::cos(std::f64::consts::TAU * b);
             (1.0 + sd * normal).max(LEAST)
         };
         let mut scatter = Self::none(model);

@@ -2,6 +2,7 @@
 
 use crate::gap::Diagnosis;
 use crate::gap::clamped::ClampedSetup;
+use crate::number::math;
 use crate::robot::description::{BodyChange, Description, LinkId};
 use crate::robot::tree::{Tree, TreeBase, TreeDynamics, TreeState};
 use nalgebra::{DMatrix, DVector};
@@ -69,7 +70,7 @@ pub(super) fn masses(
     let (rows, n) = (names.len() * poses.len(), links.len());
     let scale: Vec<f64> = all.iter().map(|own| own.iter().fold(1e-9_f64, |most, g| most.max(g.abs()))).collect();
     // A moment that the logs tell badly asks for little.
-    let weight = |half: Option<f64>| half.map_or(UNTOLD, |half| TOLD / TOLD.hypot(half));
+    let weight = |half: Option<f64>| half.map_or(UNTOLD, |half| TOLD / math::hypot(TOLD, half));
     let weights: Vec<f64> = shares.iter().map(|share| share.map_or(0.0, |(_, half)| weight(half))).collect();
     let at = |row: usize| (row / poses.len(), row % poses.len());
     let columns = DMatrix::from_fn(rows, n, |row, b| {

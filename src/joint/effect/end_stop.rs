@@ -7,6 +7,7 @@
 
 use super::{Bounds, Effect, EffectParameter, Named, Reach};
 use crate::joint::{Chain, EndStop, Push, Real};
+use crate::number::math;
 
 #[derive(Clone, Copy)]
 pub(super) struct Term(Push);
@@ -101,7 +102,7 @@ impl Term {
     fn per_linear(self, depth_rad: f64) -> [f64; 2] {
         match self.0 {
             Push::Linear => [1.0, 1.0],
-            Push::Power => [depth_rad.powf(-0.5), depth_rad.powf(-1.5)],
+            Push::Power => [math::powf(depth_rad, -0.5), math::powf(depth_rad, -1.5)],
         }
     }
 }

@@ -12,6 +12,7 @@
 
 use super::{Bounds, Effect, EffectParameter, Named, Reach};
 use crate::joint::{Chain, Contact, FrictionTerm, Real};
+use crate::number::math;
 
 #[derive(Clone, Copy)]
 pub(super) enum Term {
@@ -177,6 +178,6 @@ impl<T: Real> FrictionTerm<T> for GearTerm<T> {
     fn slope_nm_s_rad(&self, speed_rad_s: f64) -> f64 {
         let Some((rise, slow_rad_s)) = self.slow.map(|(rise, slow)| (rise.re(), slow.re())) else { return 0.0 };
         let mu = self.mu_g.re() + self.of_link.map_or(0.0, |mu_l| mu_l.re());
-        mu * self.holding_nm * rise / slow_rad_s * (-0.5 * speed_rad_s / slow_rad_s).exp()
+        mu * self.holding_nm * rise / slow_rad_s * math::exp(-0.5 * speed_rad_s / slow_rad_s)
     }
 }

@@ -7,6 +7,7 @@
 
 use super::{Bounds, Effect, EffectParameter, Named, Reach, pairs};
 use crate::joint::{Chain, Contact, FrictionTerm, Real};
+use crate::number::math;
 
 #[derive(Clone, Copy)]
 pub(super) enum Term {
@@ -36,7 +37,7 @@ impl Effect for Term {
             Term::Square => vec![EffectParameter::linear("c2", "N m s^2/rad^2", [0.0, 20.0 * unit], 0.1 * unit)],
             Term::Power => {
                 // The same torque at the largest speed, whatever the exponent; bounds for the least of them.
-                let most = 20.0 * unit * reach.speed_rad_s.powf(2.0 - LEAST).max(1.0);
+                let most = 20.0 * unit * math::powf(reach.speed_rad_s, 2.0 - LEAST).max(1.0);
                 vec![
                     EffectParameter::linear("c", "N m s^p/rad^p", [0.0, most], 0.1 * unit),
                     EffectParameter::linear("p", "", [LEAST, 3.0], 0.3),
@@ -76,7 +77,7 @@ impl<T: Real> FrictionTerm<T> for DragTerm<T> {
 
     fn slope_nm_s_rad(&self, speed_rad_s: f64) -> f64 {
         let power = self.power.map_or(2.0, |power| power.re());
-        power * self.c.re() * speed_rad_s.powf(power - 1.0)
+        power * self.c.re() * math::powf(speed_rad_s, power - 1.0)
     }
 }
 

@@ -8,6 +8,7 @@
 
 use super::{Bounds, Effect, EffectParameter, Named, Reach, pairs};
 use crate::joint::{Chain, Eccentric, Real};
+use crate::number::math;
 
 #[derive(Clone, Copy)]
 pub(super) enum Term {
@@ -65,14 +66,14 @@ impl Effect for Term {
     fn named(self, values: &[f64], _coulomb_nm: f64) -> Vec<f64> {
         match self {
             Term::Constant => values.to_vec(),
-            Term::Eccentric => vec![values[0].hypot(values[1]), values[1].atan2(values[0])],
+            Term::Eccentric => vec![math::hypot(values[0], values[1]), math::atan2(values[1], values[0])],
         }
     }
 
     fn searched(self, named: &[f64], _coulomb_nm: f64) -> Vec<f64> {
         match self {
             Term::Constant => named.to_vec(),
-            Term::Eccentric => vec![named[0] * named[1].cos(), named[0] * named[1].sin()],
+            Term::Eccentric => vec![named[0] * math::cos(named[1]), named[0] * math::sin(named[1])],
         }
     }
 }

@@ -5,6 +5,7 @@
 
 use super::{Bounds, Effect, EffectParameter, Named, Reach};
 use crate::joint::{Chain, Real};
+use crate::number::math;
 
 #[derive(Clone, Copy)]
 pub(super) struct Term;
@@ -22,7 +23,7 @@ impl Effect for Term {
         let Some(driven) = reach.driven.filter(|driven| driven.by_setpoint) else { return Vec::new() };
         let multiples = (2..=24).map(|n| f64::from(n) * driven.period_s);
         let between =
-            (0..FINE).map(|n| 1.7 * driven.period_s * (FINE_TO / 1.7_f64).powf(f64::from(n) / f64::from(FINE)));
+            (0..FINE).map(|n| 1.7 * driven.period_s * math::powf(FINE_TO / 1.7_f64, f64::from(n) / f64::from(FINE)));
         multiples.chain(between).map(|hold| vec![hold]).collect()
     }
 

@@ -1,6 +1,7 @@
 //! An ellipsoid seen from far away.
 
 use super::recording::{Place, Shape};
+use crate::number::math;
 use nalgebra::{Matrix2, Matrix2x3, Vector2, Vector3};
 
 /// A view without perspective: two rows that lead from the world to the picture (right, up), and the way towards the
@@ -13,7 +14,7 @@ pub(in crate::report) struct View {
 impl View {
     /// From the robot's right side, a little from above: forward (-z) is to the right.
     pub fn side(above_rad: f64) -> Self {
-        let (sin, cos) = above_rad.sin_cos();
+        let (sin, cos) = math::sin_cos(above_rad);
         let (right, up) = (Vector3::new(0.0, 0.0, -1.0), Vector3::new(-sin, cos, 0.0));
         Self {
             picture: Matrix2x3::from_rows(&[right.transpose(), up.transpose()]),

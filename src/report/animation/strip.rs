@@ -2,6 +2,7 @@
 
 use super::outline::{Outline, View, foot, outline};
 use super::recording::Animation;
+use crate::number::math;
 use crate::report::plot::canvas::{Look, px, sketch, stroke, text};
 use crate::report::{Figure, ReportError};
 use nalgebra::Vector2;
@@ -81,5 +82,5 @@ fn rim(solid: &Outline) -> Vec<Vector2<f64>> {
     let Some(root) = solid.form.cholesky() else { return Vec::new() };
     let root = root.l();
     let angle = |k: usize| std::f64::consts::TAU * k as f64 / CORNERS as f64;
-    (0..=CORNERS).map(|k| solid.centre + root * Vector2::new(angle(k).cos(), angle(k).sin())).collect()
+    (0..=CORNERS).map(|k| solid.centre + root * Vector2::new(math::cos(angle(k)), math::sin(angle(k)))).collect()
 }

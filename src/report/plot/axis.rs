@@ -5,6 +5,7 @@ use std::ops::Range;
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 
 use super::layout::is_narrow;
+use crate::number::math;
 use crate::report::number::as_given;
 
 /// Range of an axis, its ticks and their labels.
@@ -40,11 +41,11 @@ impl Axis {
     /// An axis between two limits, `low < high`, with ticks at multiples of 1, 2 or 5.
     pub(in crate::report) fn between(low: f64, high: f64) -> Self {
         let rough = (high - low) / if is_narrow() { 5.0 } else { 8.0 };
-        let power = rough.log10().floor();
-        let step = [1.0, 2.0, 5.0, 10.0].map(|s| s * 10f64.powf(power)).into_iter().find(|step| *step >= rough);
+        let power = math::log10(rough).floor();
+        let step = [1.0, 2.0, 5.0, 10.0].map(|s| s * math::powf(10f64, power)).into_iter().find(|step| *step >= rough);
         let step = step.unwrap_or(rough);
         let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
-        let decimals = (-step.log10() - 1e-9).ceil().max(0.0) as usize;
+        let decimals = (-math::log10(step) - 1e-9).ceil().max(0.0) as usize;
         let plain = decimals <= 6 && low.abs().max(high.abs()) < 1e6;
         let label = |tick: f64| if plain { format!("{tick:.decimals$}") } else { short_exponent(tick, step) };
         let ticks = (first..=last).map(|k| k as f64 * step).map(|tick| (tick, label(tick).replace('-', "\u{2212}")));
@@ -62,7 +63,7 @@ impl Axis {
     /// A logarithmic axis over all values above zero, with ticks at 1, 2 and 5, or at powers of ten over a wide range;
     /// its coordinates are the decimal logarithms.
     pub(in crate::report) fn logarithmic(values: impl IntoIterator<Item = f64>) -> Self {
-        let mut axis = Self::over(values.into_iter().filter(|value| *value > 1e-100).map(f64::log10), 0.05);
+        let mut axis = Self::over(values.into_iter().filter(|value| *value > 1e-100).map(math::log10), 0.05);
         axis.is_log = true;
         if axis.high - axis.low < 0.5 {
             let middle = 0.5 * (axis.low + axis.high);
@@ -73,11 +74,11 @@ impl Axis {
         }
         let (first, last) = (axis.low.floor() as i32, axis.high.ceil() as i32);
         let steps = (first..=last).flat_map(|power| [1.0, 2.0, 5.0].map(|step| step * 10f64.powi(power)));
-        let ticks = steps.map(|tick| (tick.log10(), as_given(tick)));
+        let ticks = steps.map(|tick| (math::log10(tick), as_given(tick)));
         axis.ticks = ticks.filter(|(at, _)| (axis.low..=axis.high).contains(at)).collect();
         if axis.ticks.len() < 3 {
-            let linear = Self::between(10f64.powf(axis.low), 10f64.powf(axis.high)).ticks;
-            axis.ticks = linear.into_iter().map(|(tick, label)| (tick.log10(), label)).collect();
+            let linear = Self::between(math::powf(10f64, axis.low), math::powf(10f64, axis.high)).ticks;
+            axis.ticks = linear.into_iter().map(|(tick, label)| (math::log10(tick), label)).collect();
         }
         axis
     }
@@ -156,7 +157,7 @@ fn short_exponent(tick: f64, step: f64) -> String {
     if tick == 0.0 {
         return "0".to_owned();
     }
-    let digits = (tick.abs().log10().floor() - step.log10().floor()).clamp(0.0, 12.0) as usize;
+    let digits = (math::log10(tick.abs()).floor() - math::log10(step).floor()).clamp(0.0, 12.0) as usize;
     format!("{tick:.digits$e}")
 }
 

@@ -4,6 +4,7 @@ use plotters::style::Color;
 
 use super::axis::{Axis, drawable};
 use super::canvas::{MODEL_COLOURS, Sign, chart, dots, filled, legend, line, notice, sketch, stroke};
+use crate::number::math;
 use crate::report::{ModelSummary, ReportError};
 
 const HEIGHT: f64 = 400.0;
@@ -20,8 +21,8 @@ const MOST: f64 = 1e-2;
 pub fn optimiser_trace(joint: &str, models: &[ModelSummary]) -> Result<String, ReportError> {
     let traces: Vec<_> = models.iter().map(|model| above_end(&model.trace_rad2_s)).collect();
     let longest = traces.iter().map(Vec::len).max().unwrap_or(0);
-    let high = traces.iter().flatten().map(|(_, above)| above.log10()).fold(MOST.log10(), f64::max);
-    let floor = LEAST.log10();
+    let high = traces.iter().flatten().map(|(_, above)| math::log10(*above)).fold(math::log10(MOST), f64::max);
+    let floor = math::log10(LEAST);
     let nothing = traces.iter().flatten().all(|(_, above)| *above <= LEAST);
     let value = Axis::decades(floor as i32, (high.ceil() as i32).clamp(floor as i32 + 2, 300));
     let iteration = Axis::counting(0, longest.saturating_sub(1));
@@ -32,7 +33,7 @@ pub fn optimiser_trace(joint: &str, models: &[ModelSummary]) -> Result<String, R
         let labels = ("iteration", "best J so far above its end, share of it");
         let mut chart = chart(root, (top, HEIGHT - 4.0), (&iteration, &value), labels)?;
         for (trace, colour) in traces.iter().zip(MODEL_COLOURS) {
-            let points: Vec<_> = trace.iter().map(|(i, above)| (*i as f64, above.log10())).collect();
+            let points: Vec<_> = trace.iter().map(|(i, above)| (*i as f64, math::log10(*above))).collect();
             line(&mut chart, &points, stroke(colour, 1.25))?;
             dots(&mut chart, &points, 3.0, filled(colour, 1.0))?;
         }

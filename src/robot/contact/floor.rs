@@ -2,6 +2,7 @@
 
 use super::Resting;
 use super::law::Contact;
+use crate::number::math;
 use crate::robot::{BodyId, BodyMotion, ContactDamping, Force, Model, RobotError};
 use nalgebra::{Unit, Vector3};
 
@@ -63,7 +64,7 @@ impl FloorParameters {
     /// The same floor tilted: it rises by `forward_rad` towards the front (-z) and by `right_rad` towards the right.
     #[must_use]
     pub fn sloped(self, forward_rad: f64, right_rad: f64) -> Self {
-        Self { normal: Vector3::new(-right_rad.tan(), 1.0, forward_rad.tan()), ..self }
+        Self { normal: Vector3::new(-math::tan(right_rad), 1.0, math::tan(forward_rad)), ..self }
     }
 
     /// Every number in its range; the first that is not is named.

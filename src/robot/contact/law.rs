@@ -2,6 +2,7 @@
 
 use super::FloorParameters;
 use super::exp::{exp, tanh};
+use crate::number::math;
 use nalgebra::{Matrix3, Vector3};
 
 /// A point that friction holds creeps so slowly per newton \[N s/m\]: 6 micrometres in a minute under 1 N.
@@ -110,7 +111,7 @@ impl FloorParameters {
         let (k_p, k_d) = (self.stiffness_n_m, self.damping_n_s_m2);
         let along = normal * normal.transpose();
         let sinking_m_s = -velocity_m_s.dot(normal);
-        let power = if self.exponent == 1.0 { depth_m } else { depth_m.powf(self.exponent) };
+        let power = if self.exponent == 1.0 { depth_m } else { math::powf(depth_m, self.exponent) };
         let steep = k_p + k_d * sinking_m_s;
         // A foot drawn out faster than the floor follows: no force, and none until it sinks again.
         if !(steep > 0.0) {

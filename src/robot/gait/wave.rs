@@ -1,5 +1,6 @@
 //! A gait: a wave for each joint.
 
+use crate::number::math;
 use crate::robot::{JointId, Model, RobotError};
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -39,8 +40,8 @@ impl Shape {
     /// Value at a phase; any number of cycles.
     pub fn at(&self, phase: f64) -> f64 {
         match self {
-            Self::Sine => (TAU * phase).sin(),
-            Self::Cosine => (TAU * phase).cos(),
+            Self::Sine => math::sin(TAU * phase),
+            Self::Cosine => math::cos(TAU * phase),
             Self::Linear(keys) => between(keys, phase, |x| x),
             Self::Smooth(keys) => between(keys, phase, ease),
         }

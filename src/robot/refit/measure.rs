@@ -1,6 +1,7 @@
 //! What residuals say of themselves.
 
 use crate::fit::correlation_length;
+use crate::number::math;
 
 /// Residuals that count, correlated ones together.
 pub(super) fn counted(residuals: &[Vec<f64>]) -> f64 {
@@ -9,7 +10,7 @@ pub(super) fn counted(residuals: &[Vec<f64>]) -> f64 {
 
 /// Schwarz's criterion of residuals that a fit with so many searched numbers left.
 pub(super) fn information(residuals: &[Vec<f64>], searched: usize, counted: f64) -> f64 {
-    counted * squares(residuals).max(f64::MIN_POSITIVE).ln() + searched as f64 * counted.ln()
+    counted * math::ln(squares(residuals).max(f64::MIN_POSITIVE)) + searched as f64 * math::ln(counted)
 }
 
 /// Their sum.

@@ -1,6 +1,7 @@
 //! How well joints follow their setpoints: "without any delay or amplitude difference" (4.2), as numbers.
 
 use super::Recording;
+use crate::number::math;
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{PI, TAU};
 
@@ -39,12 +40,12 @@ pub fn follow(recording: &Recording, readings: &[Vec<f64>], frequency_hz: f64, f
             let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
             for k in &within {
                 let phase = TAU * frequency_hz * recording.t_s[*k];
-                let row = Vector3::new(phase.cos(), phase.sin(), 1.0);
+                let row = Vector3::new(math::cos(phase), math::sin(phase), 1.0);
                 normal += row * row.transpose();
                 right += row * column[*k];
             }
             let fit = normal.lu().solve(&right)?;
-            Some((fit[0].hypot(fit[1]), fit[1].atan2(fit[0])))
+            Some((math::hypot(fit[0], fit[1]), math::atan2(fit[1], fit[0])))
         };
         let (asked, found) = (fundamental(&recording.setpoint_rad[joint])?, fundamental(&readings[joint])?);
         if !(asked.0 > STILL_RAD) {

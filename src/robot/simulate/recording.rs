@@ -1,6 +1,7 @@
 //! What a run leaves behind.
 
 use crate::integrate::Counts;
+use crate::number::math;
 use crate::robot::{JointId, State};
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -20,7 +21,11 @@ impl BaseSample {
     pub fn roll_pitch_yaw_rad(&self) -> [f64; 3] {
         let r = self.orientation.to_rotation_matrix();
         let r = r.matrix();
-        [r[(1, 0)].atan2(r[(1, 1)]), (-r[(1, 2)]).clamp(-1.0, 1.0).asin(), r[(0, 2)].atan2(r[(2, 2)])]
+        [
+            math::atan2(r[(1, 0)], r[(1, 1)]),
+            math::asin((-r[(1, 2)]).clamp(-1.0, 1.0)),
+            math::atan2(r[(0, 2)], r[(2, 2)]),
+        ]
     }
 }
 

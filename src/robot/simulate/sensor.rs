@@ -1,6 +1,7 @@
 //! What the robot's sensors make of its motion (Table B.1, section B.1).
 
 use crate::joint::Encoder;
+use crate::number::math;
 use crate::robot::Model;
 use nalgebra::Vector3;
 use rand::Rng;
@@ -57,7 +58,7 @@ impl PositionSensor {
 /// A draw of the standard normal distribution (Box and Muller 1958).
 pub(crate) fn standard_normal(rng: &mut impl Rng) -> f64 {
     let (u, v) = (1.0 - rng.random::<f64>(), rng.random::<f64>());
-    (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
+    (-2.0 * math::ln(u)).sqrt() * math::cos(std::f64::consts::TAU * v)
 }
 
 /// The accelerometers: what the base feels, cut off at their range.

@@ -11,6 +11,7 @@ use super::terms::At;
 use super::world::{Around, World};
 use super::{Diverged, JointDrive, Scenario};
 use crate::integrate::{self, Counts, Ode, Solver};
+use crate::number::math;
 use crate::pendulum::Command;
 use crate::robot::{Input, State};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -135,7 +136,7 @@ impl Ode for System<'_> {
             let f = &drive.chain.friction;
             let whole_nm = drive.friction_nm(at, direction, self.around.gravity_nm[j], motor_nm);
             let viscous_nm = f.viscous_nm_s_rad * rate_rad_s;
-            let dry_nm = (whole_nm - viscous_nm.abs()).max(0.0) * (STEEPNESS_S_RAD * rate_rad_s).tanh();
+            let dry_nm = (whole_nm - viscous_nm.abs()).max(0.0) * math::tanh(STEEPNESS_S_RAD * rate_rad_s);
             self.torque_nm[j] = motor_nm + drive.elastic_nm(angle_rad, rate_rad_s) - viscous_nm - dry_nm;
             if drive.is_rigid {
                 self.torque_nm[j] = 0.0;

@@ -1,7 +1,7 @@
 //! Sine and cosine of two angles at once.
 
 use super::Pair;
-use crate::number::{LARGEST_RAD, Lanes, in_quadrant, of_rest};
+use crate::number::{LARGEST_RAD, Lanes, in_quadrant, math, of_rest};
 
 impl Lanes for Pair {
     #[inline(always)]
@@ -15,7 +15,7 @@ impl Lanes for Pair {
 pub(in crate::robot) fn sin_cos(angle_rad: Pair) -> (Pair, Pair) {
     let [first, second] = angle_rad.lanes();
     if !(first.abs() < LARGEST_RAD && second.abs() < LARGEST_RAD) {
-        let ((s0, c0), (s1, c1)) = (first.sin_cos(), second.sin_cos());
+        let ((s0, c0), (s1, c1)) = (math::sin_cos(first), math::sin_cos(second));
         return (Pair::new(s0, s1), Pair::new(c0, c1));
     }
     let (sine, cosine, rounded) = of_rest(angle_rad);

@@ -1,5 +1,6 @@
 //! `M = L D L^T` without square roots, so that a tensor that no body has (they are in use) may make M indefinite.
 
+use crate::number::math;
 use nalgebra::DMatrix;
 
 /// Share of a diagonal entry below which what is left of it is rounding: the freedom has no inertia of its own.
@@ -58,7 +59,7 @@ impl Factors {
 
     /// Logarithm of the determinant's size.
     pub fn log_determinant(&self) -> f64 {
-        self.0.diagonal().iter().map(|pivot| pivot.abs().ln()).sum()
+        self.0.diagonal().iter().map(|pivot| math::ln(pivot.abs())).sum()
     }
 }
 

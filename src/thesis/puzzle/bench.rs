@@ -2,6 +2,7 @@
 
 use crate::identify::{Experiment, ExtensiveModel, JointModel, Scale};
 use crate::joint::{Chain, EffectId, Link};
+use crate::number::math;
 use crate::pendulum::{Input, SimplePendulum, Start, rollout};
 use crate::thesis::swings::JointSwings;
 use crate::thesis::{Printed, TablesError};
@@ -216,5 +217,5 @@ impl Bench {
 /// The ratio at a place of the grid \[1/s\].
 fn ratio_at(k: f64) -> f64 {
     let (from, to, count) = RATIOS;
-    from * (to / from).powf(k / (count - 1) as f64)
+    from * math::powf(to / from, k / (count - 1) as f64)
 }

@@ -19,6 +19,7 @@ pub use coulomb::CoulombSeen;
 use super::swings::JointSwings;
 use super::{Printed, TablesError};
 use crate::geometry::LegJoint;
+use crate::number::math;
 use crate::pendulum::{RatioTest, mass_from_ratios};
 use bench::Bench;
 use candidate::{COULOMB, LOAD, OTHERS};
@@ -141,7 +142,7 @@ impl JointScan<'_> {
             damping_per_s: ratios_1_s[k],
             stiffness_per_s2: self.bench.thesis.g_over_l_1_s2[k],
         };
-        let off = |k: usize| (ratios_1_s[k] / self.printed_1_s[k]).ln().abs();
+        let off = |k: usize| math::ln(ratios_1_s[k] / self.printed_1_s[k]).abs();
         Some(Approach {
             what: what.to_vec(),
             ratios_1_s,
@@ -185,7 +186,7 @@ impl JointScan<'_> {
 
     /// Two sizes for two ratios: Newton's method from a point, as far as it comes nearer.
     fn newton(&self, mut nearest: Approach, held: usize) -> Approach {
-        let off = |point: &Approach| [0, 1].map(|k: usize| (point.ratios_1_s[k] / self.printed_1_s[k]).ln());
+        let off = |point: &Approach| [0, 1].map(|k: usize| math::ln(point.ratios_1_s[k] / self.printed_1_s[k]));
         for _ in 0..NEWTON {
             let at = off(&nearest);
             let slope = |k: usize| -> Option<[f64; 2]> {
@@ -269,7 +270,7 @@ impl Approach {
             return false;
         };
         let printed = Printed::embedded().section_3_3_2;
-        let near = |loaded: f64| (loaded / printed.coulomb_loaded_nm).ln().abs() < LOADED_FACTOR.ln();
+        let near = |loaded: f64| math::ln(loaded / printed.coulomb_loaded_nm).abs() < math::ln(LOADED_FACTOR);
         bare <= BARE_FACTOR * printed.coulomb_bare_nm && near(a) && near(b)
     }
 }

@@ -2,6 +2,7 @@
 
 use super::read::Asked;
 use crate::cli::dynamics::answer::{Conventions, Timing};
+use crate::number::math;
 use crate::report::Provenance;
 use crate::robot::description::{Description, Mover, MoverId};
 use crate::robot::tree::{NoAcceleration, Tree, TreeBase, TreeDynamics, TreeState};
@@ -199,7 +200,7 @@ pub(super) fn answer(
         bias,
         gravity,
         M_times_v: (&matrix * velocity).iter().copied().collect(),
-        M_times_w: (&matrix * DVector::from_fn(n, |row, _| ((row + 1) as f64).cos())).iter().copied().collect(),
+        M_times_w: (&matrix * DVector::from_fn(n, |row, _| math::cos((row + 1) as f64))).iter().copied().collect(),
         M_diag: matrix.diagonal().iter().copied().collect(),
         M_trace: matrix.trace(),
         M_logdet: full.as_ref().map(|(_, logdet)| *logdet),

@@ -6,6 +6,7 @@ use plotters::style::{Color, RGBColor};
 
 use super::ruled::{RULER, Ruled, row_height};
 use crate::gap::Diagnosis;
+use crate::number::math;
 use crate::report::ReportError;
 use crate::report::gap::waterfall::closes_alone;
 use crate::report::gap::words;
@@ -61,7 +62,7 @@ pub(in crate::report) fn draw(picture: &Bars<'_>) -> Result<String, ReportError>
             Axis::between(0.0, Some(1.05 * values().fold(0.0, f64::max)).filter(|most| *most > 0.0).unwrap_or(1.0))
         }
     };
-    let along = |value: f64| if is_log { value.max(f64::MIN_POSITIVE).log10() } else { value };
+    let along = |value: f64| if is_log { math::log10(value.max(f64::MIN_POSITIVE)) } else { value };
     let label = if is_log { format!("{}, logarithmic", picture.label) } else { picture.label.to_owned() };
     let top = if picture.legend.is_empty() { 34.0 } else { legend_end(&picture.legend) };
     let header_room = if picture.columns.iter().all(|words| words.is_empty()) { 4.0 } else { 20.0 };

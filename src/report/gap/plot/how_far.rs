@@ -5,6 +5,7 @@ use plotters::style::{Color, RGBColor};
 
 use super::ruled::{RULER, Ruled, row_height};
 use crate::gap::{Diagnosis, LogGap};
+use crate::number::math;
 use crate::report::ReportError;
 use crate::report::gap::words;
 use crate::report::measure::Measure;
@@ -57,7 +58,7 @@ pub(in crate::report) fn errors(
             rows.name(root, row, &files[row], is_last)?;
             let places = values(log).map(|(rms, colour)| {
                 let shown = drawable(rms) && rms > 0.0 && (colour != AFTER || answer.is_some());
-                (shown.then(|| rows.x((measure.scale * rms).log10())), colour)
+                (shown.then(|| rows.x(math::log10(measure.scale * rms))), colour)
             });
             let shown = || places.iter().filter_map(|(x, _)| *x);
             rows.says(root, row, &said(log, &files[row], measure, answer.as_deref()));

@@ -1,6 +1,7 @@
 //! The robot seen from above, drawn from its own tables, for a map to lie on.
 
 use crate::geometry::Joint;
+use crate::number::math;
 use crate::report::animation::{Recording, View, outline};
 use crate::robot::{BodyId, Dynamics, Model, State};
 use std::f64::consts::TAU;
@@ -66,7 +67,7 @@ impl Sketch {
         let ring = |of: &crate::report::animation::Outline| {
             let root = of.form.cholesky()?.l();
             let corner = |k: usize| {
-                let (sin, cos) = (TAU * k as f64 / CORNERS as f64).sin_cos();
+                let (sin, cos) = math::sin_cos(TAU * k as f64 / CORNERS as f64);
                 let at = of.centre + root * nalgebra::Vector2::new(cos, sin);
                 [at.x, at.y]
             };

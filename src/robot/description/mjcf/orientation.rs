@@ -1,6 +1,7 @@
 //! The ways to say how a frame is turned: quat, axisangle, xyaxes, zaxis, euler.
 
 use super::compiler::Compiler;
+use crate::number::math;
 use crate::robot::description::error::DescriptionError;
 use crate::robot::description::xml::Element;
 use nalgebra::{Isometry3, Matrix3, Quaternion, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
@@ -92,7 +93,7 @@ pub(super) fn rotation(of: &Element, compiler: &Compiler) -> Result<UnitQuaterni
 pub(super) fn from_z(to: &Unit<Vector3<f64>>) -> UnitQuaternion<f64> {
     let across = Vector3::z().cross(to);
     let axis = Unit::try_new(across, NOTHING).unwrap_or_else(Vector3::x_axis);
-    UnitQuaternion::from_axis_angle(&axis, across.norm().atan2(to.z))
+    UnitQuaternion::from_axis_angle(&axis, math::atan2(across.norm(), to.z))
 }
 
 #[cfg(test)]

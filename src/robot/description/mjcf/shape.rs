@@ -1,5 +1,6 @@
 //! Volumes and moments of inertia of geoms, solid and as shells.
 
+use crate::number::math;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
@@ -63,10 +64,10 @@ impl Shape {
             Self::Ellipsoid(s) => {
                 let outer = s.add_scalar(SHELL_M);
                 let moment = |s: Vector3<f64>| crosswise(s.component_mul(&s)) * (s.product() / 5.0);
-                let p = s.map(|half| half.powf(THOMSEN));
+                let p = s.map(|half| math::powf(half, THOMSEN));
                 let mean = (p.x * p.y + p.x * p.z + p.y * p.z) / 3.0;
                 let moments = (moment(outer) - moment(s)) / (outer.product() - s.product());
-                (4.0 * PI * mean.powf(1.0 / THOMSEN), moments)
+                (4.0 * PI * math::powf(mean, 1.0 / THOMSEN), moments)
             }
             Self::Box(s) => {
                 let faces = Vector3::new(s.y * s.z, s.x * s.z, s.x * s.y);
