@@ -15,6 +15,7 @@ use super::measure::{gap, held_out_rms_rad};
 use super::next::next;
 use super::numbers::found;
 use super::phases::phases;
+use super::refine::Hypothesis;
 use super::scatter::Scatter;
 use super::screen::detectable;
 use super::sentence::{Said, sentence};
@@ -24,6 +25,7 @@ use super::torque::residual_torque_nm;
 use crate::gap::held_out::closed;
 use crate::gap::rates::{Rates, probability};
 use crate::gap::{Next, Verdict};
+use rayon::prelude::*;
 
 /// Why no diagnosis of a robot can be made.
 #[derive(Debug, thiserror::Error)]
@@ -197,22 +199,25 @@ fn ranking(
     probability: f64,
 ) -> Vec<RobotCandidate> {
     let best = tried.firsts.first().map_or(0.0, |first| first.loss);
-    let is_answer = |cause: Cause| decision.verdict == Verdict::Effect && decision.equivalent.contains(&cause);
-    let shared = decision.equivalent.len().max(1) as f64;
-    let candidate = |hypothesis: &super::refine::Hypothesis| {
+    let stands = |hypothesis: &&Hypothesis| {
+        let part = &hypothesis.parts[0];
+        decision.verdict == Verdict::Effect
+            && decision.equivalent.contains(&part.cause)
+            && (part.cause.is_of_robot() || decision.places.contains(&part.place))
+    };
+    let among = tried.firsts.iter().filter(stands).count().max(1) as f64;
+    let candidate = |hypothesis: &Hypothesis| {
         let after = held_out_rms_rad(bench, hypothesis);
         let found = found(bench, hypothesis, 0);
-        let stands = is_answer(found.cause)
-            && (found.cause.is_of_robot() || decision.places.contains(&hypothesis.parts[0].place));
         RobotCandidate {
-            probability: if stands { probability / shared } else { 0.0 },
+            probability: if stands(&hypothesis) { probability / among } else { 0.0 },
             after,
             closed: closed(gap.before, after, gap.floor),
             behind: hypothesis.loss - best,
             found,
         }
     };
-    tried.firsts.iter().map(candidate).collect()
+    tried.firsts.par_iter().map(candidate).collect()
 }
 
 fn traces(bench: &Bench<'_>, decision: &Decision<'_>, phases: &[Vec<Vec<GaitPhase>>]) -> Vec<JointTrace> {

@@ -11,7 +11,7 @@ use crate::report::gap::{gap_view, with_code};
 use crate::report::html::{both, figure_views, health_view, render};
 use crate::report::measure::{ANGLE, Measure};
 use crate::report::number::share;
-use crate::report::{Figure, GapReport, LogHealthRow, ReportError};
+use crate::report::{Figure, GapReport, LogHealthRow, ReportError, percent_of_answer};
 
 /// What probabilities are, by what is predicted.
 const RATE: &str = "the measured rate at which answers like this were right";
@@ -95,7 +95,7 @@ fn joint_view(folder: &str, joint: &GapReport) -> Value {
         calibrated => measure.number(diagnosis.gap.calibrated),
         after => measure.number(diagnosis.gap.after),
         floor => measure.number(diagnosis.gap.floor),
-        probability => share(diagnosis.answer.probability),
+        probability => percent_of_answer(diagnosis.answer.probability),
         sentence => with_code(&diagnosis.answer.sentence),
         steps => waterfall(diagnosis),
     }
