@@ -39,6 +39,8 @@ pub enum RobotGapError {
     Diverged,
 }
 
+/// More than so many times the sensor's noise is more than noise.
+const NOT_ALL: f64 = 1.07;
 /// Joints with at least this share of the gap are named where no cause is.
 const HAS_MUCH: f64 = 0.1;
 const NAMED_AT_MOST: usize = 4;
@@ -260,7 +262,7 @@ fn traces(bench: &Bench<'_>, decision: &Decision<'_>, phases: &[Vec<Vec<GaitPhas
 fn notes(bench: &Bench<'_>, decision: &Decision<'_>, gap: &RobotGap) -> Vec<String> {
     let mut notes = Vec::new();
     let mrad = |rad: f64| format!("{:.2} mrad", 1e3 * rad);
-    if decision.verdict == Verdict::Effect && decision.excess > 0.15 {
+    if decision.verdict == Verdict::Effect && gap.after > NOT_ALL * gap.floor {
         notes.push(format!(
             "More than noise is left ({} against {}): the answer closes most of the gap and not all of it.",
             mrad(gap.after),

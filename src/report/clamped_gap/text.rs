@@ -2,7 +2,7 @@
 
 use comfy_table::Cell;
 
-use super::{ClampedGapReport, summary, waterfall};
+use super::{ClampedGapReport, step_by_step, summary};
 use crate::gap::Diagnosis;
 use crate::report::data_health::robot_health_text;
 use crate::report::gap::text::{WIDTH, paragraph, undetermined};
@@ -53,6 +53,6 @@ fn joints(report: &ClampedGapReport) -> String {
 
 /// A joint's own sentence, and its error step by step.
 fn sentence(diagnosis: &Diagnosis) -> String {
-    let steps = waterfall(diagnosis).map(|steps| format!("\n{}", paragraph(&steps)));
+    let steps = step_by_step(diagnosis).map(|steps| format!("\n{}", paragraph(&steps)));
     paragraph(&diagnosis.answer.sentence) + &steps.unwrap_or_default()
 }

@@ -88,7 +88,7 @@ pub(in crate::report) fn draw(picture: &Bars<'_>) -> Result<String, ReportError>
             rows.says(root, row, &format!("{}: {}", bar.name, said.join(", ")));
         }
         match picture.mark {
-            Some(mark) => rows.upright(root, along(mark), BAND, 2.0),
+            Some(mark) => rows.mark(root, along(mark), BAND),
             None => Ok(()),
         }
     })
