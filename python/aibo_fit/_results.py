@@ -141,7 +141,7 @@ class Gap(_Result):
         return list(self._get().get("undetermined") or [])
 
     def __repr__(self) -> str:
-        return f"<aibo_fit.Gap {self.verdict} ({self.probability:.0%}): {self.sentence}>"
+        return f"<aibo_fit.Gap {self.verdict} ({self._answer.percent}): {self.sentence}>"
 
 
 class Drop(_Result):

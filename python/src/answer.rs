@@ -1,6 +1,7 @@
 //! An answer as the program gives it.
 
 use crate::errors::Failed;
+use aibo_fit::report::percent_of_answer;
 use pyo3::prelude::*;
 use serde::Serialize;
 
@@ -16,6 +17,9 @@ pub struct Answer {
     /// The measured rate at which an answer like this was right.
     #[pyo3(get)]
     pub probability: Option<f64>,
+    /// The same in whole percent, as page and text have it.
+    #[pyo3(get)]
+    pub percent: Option<String>,
     /// The document, as `--json` writes it.
     #[pyo3(get)]
     pub json: String,
@@ -32,7 +36,8 @@ impl Answer {
     pub fn of_diagnosis(said: (&str, &str, f64), json: String, html: String, text: String) -> Self {
         let (verdict, sentence, probability) = said;
         let (verdict, sentence) = (Some(verdict.to_owned()), Some(sentence.to_owned()));
-        Self { verdict, sentence, probability: Some(probability), json, html, text }
+        let percent = Some(percent_of_answer(probability));
+        Self { verdict, sentence, probability: Some(probability), percent, json, html, text }
     }
 }
 

@@ -39,7 +39,7 @@ fn report(case: &Case, provenance: Provenance) -> Result<CheckReport, Failed> {
 }
 
 fn answer(json: String, html: String, text: String) -> Answer {
-    Answer { verdict: None, sentence: None, probability: None, json, html, text }
+    Answer { verdict: None, sentence: None, probability: None, percent: None, json, html, text }
 }
 
 fn joint(case: &Case, provenance: Provenance, listener: &Listener) -> Result<Answer, Failed> {

@@ -66,6 +66,7 @@ pub fn drop(
             verdict: None,
             sentence: Some(report.sentence.clone()),
             probability: None,
+            percent: None,
             json: json_text(&FitFile::of_drop(&fit, &report))?,
             html: render_html(&report)?,
             text: drop_text(&report),

@@ -177,9 +177,20 @@ fn tell(
     write_outputs(outputs, inputs)?;
     if !args.common.quiet {
         print(text);
+        print(&format!("\nnext: aibo-fit {}\n", next(args, reports)));
         page.iter().for_each(|page| print(&format!("\nreport: {}\n", page.display())));
     }
     Ok(0)
+}
+
+/// What to ask after a check.
+fn next(args: &CheckArgs, reports: &[CheckReport]) -> String {
+    let path = args.path.display();
+    match &args.robot {
+        Some(robot) => format!("gap {path} --robot {}", robot.display()),
+        None if reports.iter().any(|report| report.checkup.is_some()) => format!("gap {path}"),
+        None => format!("init {path}"),
+    }
 }
 
 /// A study of a joint or of a robot with a clamped base; those of walking robots are refused.

@@ -56,7 +56,12 @@ pub(super) fn run(args: &InitArgs) -> Result<u8, CliError> {
     if !args.quiet {
         print(&format!("study: {}\n\nWhat the logs do not tell:\n", study.display()));
         draft.untold.iter().for_each(|sentence| print(&format!("- {sentence}\n")));
-        print(&format!("\nnext: aibo-fit gap {}\n", study.display()));
+        let study = study.display();
+        let fill = match &draft.to_fill[..] {
+            [] => String::new(),
+            keys => format!("fill in {} in {study}, then\n      ", keys.join(", ")),
+        };
+        print(&format!("\nnext: {fill}aibo-fit check {study} (what the logs can tell), aibo-fit gap {study}\n"));
     }
     Ok(0)
 }

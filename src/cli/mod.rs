@@ -90,6 +90,13 @@ pub fn run_within(program: Vec<OsString>, words: impl IntoIterator<Item = OsStri
     run_with(words)
 }
 
+/// Columns of the terminal; of a pipe, as into a pager, those that `COLUMNS` names.
+fn columns() -> Option<usize> {
+    let named = || std::env::var("COLUMNS").ok()?.parse().ok();
+    let terminal = terminal_size::terminal_size_of(std::io::stdout());
+    terminal.map(|(terminal_size::Width(columns), _)| usize::from(columns)).or_else(named)
+}
+
 /// Runs the program on a command line, its own name first.
 pub fn run_with(words: impl IntoIterator<Item = OsString>) -> u8 {
     let words: Vec<OsString> = words.into_iter().collect();
@@ -102,8 +109,8 @@ pub fn run_with(words: impl IntoIterator<Item = OsString>) -> u8 {
         }
     };
     provenance::remember(&words);
-    if let Some((terminal_size::Width(columns), _)) = terminal_size::terminal_size_of(std::io::stdout()) {
-        limit_width(usize::from(columns));
+    if let Some(columns) = columns() {
+        limit_width(columns);
     }
     let result = match cli.command {
         Command::Blind(args) => blind::run(&args),

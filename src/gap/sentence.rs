@@ -40,13 +40,15 @@ fn only(decision: &Decision<'_>, effect: EffectId) -> String {
 }
 
 /// The error as given, with refitted numbers and with the causes, and what these close of what the numbers leave.
-fn closing(gap: &Gap) -> String {
-    let [before, calibrated, after] = [gap.before, gap.calibrated, gap.after].map(mrad);
-    let left = gap.calibrated - gap.floor;
+///
+/// All in rad, with the sensor's noise last.
+pub(super) fn closing([before, calibrated, after, floor]: [f64; 4]) -> String {
+    let left = calibrated - floor;
+    let closed = share(((calibrated - after) / left).clamp(0.0, 1.0));
+    let [before, calibrated, after] = [before, calibrated, after].map(mrad);
     if !(left > 0.0) {
         return format!("the error goes from {before} as given to {after} with it");
     }
-    let closed = share(((gap.calibrated - gap.after) / left).clamp(0.0, 1.0));
     format!(
         "the error goes from {before} as given to {calibrated} with refitted numbers and to {after} with it, which closes \
          {closed} of what they leave"
@@ -90,6 +92,7 @@ pub(super) fn sentence(
         let number = effects.iter().find(|(e, _)| *e == effect).and_then(|(_, numbers)| numbers.first());
         number.map_or(String::new(), |n| format!(" ({} = {})", n.name, quantity(n.value, n.interval, &n.unit)))
     };
+    let figures = [gap.before, gap.calibrated, gap.after, gap.floor];
     let together = |causes: &[EffectId]| {
         let each: Vec<String> =
             causes.iter().map(|&e| format!("{}{}{}", words(e), size(e), only(decision, e))).collect();
@@ -110,7 +113,7 @@ pub(super) fn sentence(
             mrad(gap.floor)
         ),
         (Verdict::Effect, Some(effect)) => {
-            let mut text = format!("{joint}: the gap is {}; {}.", all(), closing(gap));
+            let mut text = format!("{joint}: the gap is {}; {}.", all(), closing(figures));
             let others: Vec<&str> = decision.equivalent.iter().filter(|e| **e != effect).map(|e| words(*e)).collect();
             if !others.is_empty() {
                 text += &format!(" These logs cannot tell the first apart from {}.", others.join(", nor from "));
@@ -131,7 +134,7 @@ pub(super) fn sentence(
                     together(open)
                 ),
             };
-            let nearest = partial.map_or(String::new(), |_| format!(" {known}; {}.", closing(gap)));
+            let nearest = partial.map_or(String::new(), |_| format!(" {known}; {}.", closing(figures)));
             let unnamed = law.map_or(String::new(), |law| format!(" Without a name {}", unnamed(law)));
             let stays = format!("{} are left, and the sensor itself makes {}", mrad(gap.after), mrad(gap.floor));
             if gap.calibrated < MOST_BY_NUMBERS * gap.before {

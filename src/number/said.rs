@@ -56,28 +56,37 @@ pub(crate) fn stands_out(share: f64) -> bool {
     share.is_finite() && share >= 0.005
 }
 
-/// Shares of one whole as whole percentages that add up to 100 % at the most.
-///
-/// Where rounding would make more of them, those that it raised most are not raised.
+/// Shares of one whole as whole percentages that together are what the shares together are, and never more than 100 %.
 pub(crate) fn shares(shares: &[f64]) -> Vec<String> {
-    let of_all = |share: &f64| if share.is_finite() { 100.0 * share.clamp(0.0, 1.0) } else { 0.0 };
-    let exact: Vec<f64> = shares.iter().map(of_all).collect();
-    let too_much = (exact.iter().sum::<f64>() / 100.0).max(1.0);
-    let exact: Vec<f64> = exact.into_iter().map(|percent| percent / too_much).collect();
-    let mut rounded: Vec<f64> = exact.iter().map(|percent| percent.round()).collect();
-    let mut excess = rounded.iter().sum::<f64>() - 100.0;
-    let mut by_raise: Vec<usize> = (0..exact.len()).filter(|k| rounded[*k] > exact[*k]).collect();
-    by_raise.sort_by(|a, b| (rounded[*b] - exact[*b]).total_cmp(&(rounded[*a] - exact[*a])));
-    for k in by_raise {
-        if excess > 0.0 {
-            rounded[k] -= 1.0;
-            excess -= 1.0;
-        }
-    }
-    let written = |(share, percent): (&f64, f64)| {
-        if share.is_finite() { format!("{percent:.0} %") } else { UNKNOWN.to_owned() }
+    let all: f64 = shares.iter().map(|share| of_whole(*share)).sum();
+    let percents = whole_percents(shares, (100.0 * all).round().min(100.0) as u32);
+    let written = |(share, percent): (&f64, u32)| {
+        if share.is_finite() { format!("{percent} %") } else { UNKNOWN.to_owned() }
     };
-    shares.iter().zip(rounded).map(written).collect()
+    shares.iter().zip(percents).map(written).collect()
+}
+
+/// A share as a part of a whole: not negative, not more than all of it.
+fn of_whole(share: f64) -> f64 {
+    if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 }
+}
+
+/// Percentages in proportion to shares that add up to a total exactly: each is rounded down, and those that lose most by
+/// that are rounded up instead, of equals the first (the method of the largest remainder). Nothing of nothing is nothing.
+pub(crate) fn whole_percents(shares: &[f64], total: u32) -> Vec<u32> {
+    let all: f64 = shares.iter().map(|share| of_whole(*share)).sum();
+    if !(all > 0.0) {
+        return vec![0; shares.len()];
+    }
+    // What a product loses in its last bits is not to cost a whole percent.
+    let exact = shares.iter().map(|share| (f64::from(total) * of_whole(*share) / all * 1e9).round() / 1e9);
+    let exact: Vec<f64> = exact.collect();
+    let mut percents: Vec<u32> = exact.iter().map(|exact| exact.floor() as u32).collect();
+    let missing = total.saturating_sub(percents.iter().sum()) as usize;
+    let mut by_loss: Vec<usize> = (0..exact.len()).collect();
+    by_loss.sort_by(|a, b| exact[*b].fract().total_cmp(&exact[*a].fract()));
+    by_loss.into_iter().take(missing).for_each(|k| percents[k] += 1);
+    percents
 }
 
 #[cfg(test)]
@@ -106,8 +115,11 @@ mod tests {
     #[test]
     fn shares_never_exceed_the_whole() {
         assert_eq!([1.04, 0.5, -0.5].map(share), ["100 %", "50 %", "-50 %"]);
-        assert_eq!(shares(&[0.005, 0.005, 0.99]), ["0 %", "1 %", "99 %"]);
-        assert_eq!(shares(&[0.125; 8]), ["12 %", "12 %", "12 %", "12 %", "13 %", "13 %", "13 %", "13 %"]);
+        assert_eq!(shares(&[0.005, 0.005, 0.99]), ["1 %", "0 %", "99 %"]);
+        assert_eq!(shares(&[0.125; 8]), ["13 %", "13 %", "13 %", "13 %", "12 %", "12 %", "12 %", "12 %"]);
+        assert_eq!(shares(&[1.0 / 3.0; 3]), ["34 %", "33 %", "33 %"]);
+        assert_eq!(whole_percents(&[0.0, 0.0], 75), [0, 0]);
+        assert_eq!(whole_percents(&[0.375, 0.375], 75), [38, 37]);
         assert_eq!(shares(&[f64::NAN, 0.3]), ["unknown", "30 %"]);
         assert!(stands_out(0.006) && !stands_out(0.004) && !stands_out(f64::NAN));
     }
@@ -136,12 +148,13 @@ mod tests {
         }
 
         #[test]
-        fn shares_of_one_whole_add_up_to_it_at_the_most(parts in prop::collection::vec(0.0..1.0f64, 1..40), of in 0.1..1.3f64) {
+        fn shares_of_one_whole_add_up_to_it(parts in prop::collection::vec(0.0..1.0f64, 1..40), of in 0.1..1.3f64) {
             let whole: f64 = parts.iter().sum::<f64>().max(1e-9) / of;
             let parts: Vec<f64> = parts.iter().map(|part| part / whole).collect();
             let written: Vec<f64> =
                 shares(&parts).iter().map(|text| text.trim_end_matches(" %").parse().expect("a number")).collect();
-            prop_assert!(written.iter().sum::<f64>() <= 100.0);
+            let sum: f64 = parts.iter().sum();
+            prop_assert!((written.iter().sum::<f64>() - (100.0 * sum).min(100.0)).abs() <= 0.5 + 1e-6);
             prop_assert!(of > 1.0 || written.iter().zip(&parts).all(|(shown, part)| (shown - 100.0 * part).abs() <= 1.0));
         }
     }

@@ -8,6 +8,7 @@ mod animation;
 mod assemble;
 mod beliefs;
 mod blind;
+mod chances;
 mod check;
 mod clamped_gap;
 mod data_health;
@@ -47,6 +48,7 @@ pub use blind::{
     BlindReport, RobotBlindReport, blind_figures, blind_html, blind_text, robot_blind_figures, robot_blind_html,
     robot_blind_text,
 };
+pub use chances::percent_of_answer;
 pub use check::{CheckReport, LogSeries, check_html, check_json, check_text, checks_json, checks_text};
 pub use clamped_gap::{
     ANIMATION_FILE, ClampedGapReport, clamped_gap_figures, clamped_gap_html, clamped_gap_json, clamped_gap_text,

@@ -69,7 +69,7 @@ fn longest_word(head: &str) -> usize {
 }
 
 /// A cell whose text stands to the right.
-pub(super) fn number(text: String) -> Cell {
+pub(super) fn number(text: impl ToString) -> Cell {
     Cell::new(text).set_alignment(CellAlignment::Right)
 }
 

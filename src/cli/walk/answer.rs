@@ -98,6 +98,9 @@ pub(super) fn report(asked: &Asked<'_>, recording: &Recording, provenance: Prove
     }
 }
 
+/// What a trunk moves by less than this is no way \[m\].
+const NO_WAY_M: f64 = 5e-4;
+
 fn sentence(recording: &Recording, joints: &[FollowRow], ground: Option<&Ground>) -> String {
     if let Some(diverged) = &recording.diverged {
         let kept = recording.t_s.last().copied().unwrap_or(0.0);
@@ -105,12 +108,13 @@ fn sentence(recording: &Recording, joints: &[FollowRow], ground: Option<&Ground>
     }
     if let Some(g) = ground {
         let side = if g.drift_m < 0.0 { "left" } else { "right" };
+        let way = if g.displacement_m < -NO_WAY_M { "back" } else { "forward" };
         return format!(
-            "From t = {} s to the end the trunk goes {:.3} m forward ({:.3} m/s) and {:.3} m to the {side}, and bobs by \
+            "From t = {} s to the end the trunk goes {:.3} m {way} ({:.3} m/s) and {:.3} m to the {side}, and bobs by \
              {:.1} mm.",
             g.from_s,
-            g.displacement_m,
-            g.speed_m_s,
+            g.displacement_m.abs(),
+            g.speed_m_s.abs(),
             g.drift_m.abs(),
             1e3 * g.bob_m
         );

@@ -15,6 +15,7 @@ use super::measure::{gap, held_out_rms_rad};
 use super::next::next;
 use super::numbers::found;
 use super::phases::phases;
+use super::refine::Hypothesis;
 use super::scatter::Scatter;
 use super::screen::detectable;
 use super::sentence::{Said, sentence};
@@ -24,6 +25,7 @@ use super::torque::residual_torque_nm;
 use crate::gap::held_out::closed;
 use crate::gap::rates::{Rates, probability};
 use crate::gap::{Next, Verdict};
+use rayon::prelude::*;
 
 /// Why no diagnosis of a robot can be made.
 #[derive(Debug, thiserror::Error)]
@@ -37,6 +39,8 @@ pub enum RobotGapError {
     Diverged,
 }
 
+/// More than so many times the sensor's noise is more than noise.
+const NOT_ALL: f64 = 1.07;
 /// Joints with at least this share of the gap are named where no cause is.
 const HAS_MUCH: f64 = 0.1;
 const NAMED_AT_MOST: usize = 4;
@@ -197,22 +201,25 @@ fn ranking(
     probability: f64,
 ) -> Vec<RobotCandidate> {
     let best = tried.firsts.first().map_or(0.0, |first| first.loss);
-    let is_answer = |cause: Cause| decision.verdict == Verdict::Effect && decision.equivalent.contains(&cause);
-    let shared = decision.equivalent.len().max(1) as f64;
-    let candidate = |hypothesis: &super::refine::Hypothesis| {
+    let stands = |hypothesis: &&Hypothesis| {
+        let part = &hypothesis.parts[0];
+        decision.verdict == Verdict::Effect
+            && decision.equivalent.contains(&part.cause)
+            && (part.cause.is_of_robot() || decision.places.contains(&part.place))
+    };
+    let among = tried.firsts.iter().filter(stands).count().max(1) as f64;
+    let candidate = |hypothesis: &Hypothesis| {
         let after = held_out_rms_rad(bench, hypothesis);
         let found = found(bench, hypothesis, 0);
-        let stands = is_answer(found.cause)
-            && (found.cause.is_of_robot() || decision.places.contains(&hypothesis.parts[0].place));
         RobotCandidate {
-            probability: if stands { probability / shared } else { 0.0 },
+            probability: if stands(&hypothesis) { probability / among } else { 0.0 },
             after,
             closed: closed(gap.before, after, gap.floor),
             behind: hypothesis.loss - best,
             found,
         }
     };
-    tried.firsts.iter().map(candidate).collect()
+    tried.firsts.par_iter().map(candidate).collect()
 }
 
 fn traces(bench: &Bench<'_>, decision: &Decision<'_>, phases: &[Vec<Vec<GaitPhase>>]) -> Vec<JointTrace> {
@@ -255,7 +262,7 @@ fn traces(bench: &Bench<'_>, decision: &Decision<'_>, phases: &[Vec<Vec<GaitPhas
 fn notes(bench: &Bench<'_>, decision: &Decision<'_>, gap: &RobotGap) -> Vec<String> {
     let mut notes = Vec::new();
     let mrad = |rad: f64| format!("{:.2} mrad", 1e3 * rad);
-    if decision.verdict == Verdict::Effect && decision.excess > 0.15 {
+    if decision.verdict == Verdict::Effect && gap.after > NOT_ALL * gap.floor {
         notes.push(format!(
             "More than noise is left ({} against {}): the answer closes most of the gap and not all of it.",
             mrad(gap.after),

@@ -7,7 +7,6 @@ use super::diagnosis::{Displacement, JointGap, RobotGap};
 use super::forward::predict;
 use super::layout::{Channel, displacement_m};
 use super::refine::Hypothesis;
-use super::unseen::Unseen;
 use crate::gap::held_out::closed;
 use crate::gap::{LogGap, Verdict};
 use rand::{Rng, SeedableRng};
@@ -38,9 +37,10 @@ fn rms(bench: &Bench<'_>, left: &[f64], counts: impl Fn(usize, usize) -> bool) -
     (sum / count.max(1) as f64).sqrt()
 }
 
-/// RMS of a hypothesis over all held-out samples, with what is uncertain adapted \[rad\].
+/// RMS of a hypothesis over all held-out samples, with what is uncertain adapted \[rad\]: as in [`gap`], so that what
+/// an answer leaves and what the ranking says of it are one number.
 pub(super) fn held_out_rms_rad(bench: &Bench<'_>, hypothesis: &Hypothesis) -> f64 {
-    rms(bench, &Unseen::of(bench).adapted(hypothesis), |_, _| true)
+    rms(bench, &attained(bench, hypothesis).residual, |_, _| true)
 }
 
 /// The numbers of a decision.

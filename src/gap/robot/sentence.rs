@@ -2,9 +2,9 @@
 
 use super::cause::Cause;
 use super::diagnosis::{Found, RobotGap};
-use crate::gap::sentence::words as effect_words;
+use crate::gap::sentence::{closing, words as effect_words};
 use crate::gap::{BeliefFound, Verdict};
-use crate::number::quantity;
+use crate::number::{mrad, quantity};
 
 /// Words for a cause.
 pub(super) fn words(cause: Cause) -> &'static str {
@@ -33,24 +33,8 @@ fn sized(found: &Found) -> String {
     let number = found
         .parameters
         .first()
-        .map_or(String::new(), |n| format!(" ({} = {})", n.name, quantity(n.value, None, &n.unit)));
+        .map_or(String::new(), |n| format!(" ({} = {})", n.name, quantity(n.value, n.interval, &n.unit)));
     format!("{}{}{number}", words(found.cause), place(found))
-}
-
-fn mrad(rad: f64) -> String {
-    if rad >= 0.0995 { format!("{:.0} mrad", 1e3 * rad) } else { format!("{:.2} mrad", 1e3 * rad) }
-}
-
-/// What is left may be a little less than the noise: no more than all is said to close.
-fn share(gap: &RobotGap) -> String {
-    let percent = |share: f64| 100.0 * share.min(1.0);
-    match (gap.closed, gap.closed_interval) {
-        (Some(closed), Some([low, high])) => {
-            format!("{:.0} % [{:.0}, {:.0}] of the gap", percent(closed), percent(low), percent(high))
-        }
-        (Some(closed), None) => format!("{:.0} % of the gap", percent(closed)),
-        _ => "the gap".into(),
-    }
 }
 
 /// What is said of a robot.
@@ -69,11 +53,15 @@ pub(super) struct Said<'a> {
 /// Numbers that are said.
 const SAID: usize = 3;
 
-/// `lf3.coulomb 0.030 N m for 0.010 N m (4.0 standard deviations)`
+/// `lf3.coulomb 0.030 N m instead of 0.010 N m (4.0 standard deviations of its belief)`
 fn moved(beliefs: &[&BeliefFound]) -> String {
     let of = |belief: &&BeliefFound| {
         let [found, believed] = [belief.found, belief.believed].map(|value| quantity(value, None, &belief.unit));
-        format!("{} {found} for {believed} ({:.1} standard deviations)", belief.name, belief.moved_sd.abs())
+        format!(
+            "{} {found} instead of {believed} ({:.1} standard deviations of its belief)",
+            belief.name,
+            belief.moved_sd.abs()
+        )
     };
     let more = beliefs.len().saturating_sub(SAID);
     let said = beliefs.iter().take(SAID).map(of).collect::<Vec<_>>().join(", ");
@@ -83,6 +71,7 @@ fn moved(beliefs: &[&BeliefFound]) -> String {
 /// The sentence of an answer.
 pub(super) fn sentence(said: &Said<'_>, gap: &RobotGap) -> String {
     let Said { robot, verdict, first, second, partial, equivalent, places, broken } = said;
+    let figures = [gap.before, gap.calibrated, gap.after, gap.floor];
     match (verdict, first) {
         (Verdict::None, _) => format!(
             "{robot}: nothing is missing. With masses, friction and floor within what is believed of them it explains the held-out samples ({} against the sensor's {}).",
@@ -90,17 +79,18 @@ pub(super) fn sentence(said: &Said<'_>, gap: &RobotGap) -> String {
             mrad(gap.floor)
         ),
         (Verdict::Calibration, _) if !broken.is_empty() => format!(
-            "{robot}: the structure is right and numbers of the study are off: {}. Recalibrated, {} become {}.",
+            "{robot}: the structure is right and numbers of the study are off: {}; refitting them takes the error from {} to {} (noise {}).",
             moved(broken),
             mrad(gap.before),
-            mrad(gap.after)
+            mrad(gap.after),
+            mrad(gap.floor)
         ),
         (Verdict::Effect | Verdict::Calibration, Some(first)) => {
             let mut text = format!("{robot}: the gap is {}", sized(first));
             if let Some(second) = second {
                 text += &format!(", together with {}", sized(second));
             }
-            text += &format!("; adding it closes {}, from {} to {}.", share(gap), mrad(gap.before), mrad(gap.after));
+            text += &format!("; {}.", closing(figures));
             let others: Vec<&str> =
                 equivalent.iter().filter(|cause| **cause != first.cause).map(|cause| words(*cause)).collect();
             if !others.is_empty() {
@@ -115,18 +105,14 @@ pub(super) fn sentence(said: &Said<'_>, gap: &RobotGap) -> String {
         }
         _ => {
             let nearest = partial.map_or(String::new(), |found| {
-                format!(
-                    " The nearest is {}, which closes {} and leaves structure in the rest.",
-                    sized(found),
-                    share(gap)
-                )
+                format!(" What comes closest is {}; {}.", sized(found), closing(figures))
             });
             let far = match broken.is_empty() {
                 true => String::new(),
                 false => format!(" Numbers of the study would have to move far: {}.", moved(broken)),
             };
             format!(
-                "{robot}: none of the causes I know explains this gap; {} stay above the sensor's {}.{nearest}{far}",
+                "{robot}: the causes I know do not explain this gap; {} are left, and the sensor itself makes {}.{nearest}{far}",
                 mrad(gap.after),
                 mrad(gap.floor)
             )

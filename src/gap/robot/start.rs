@@ -2,6 +2,7 @@
 
 use super::cause::Cause;
 use crate::joint::{EffectId, EffectParameter, Reach, Scan};
+use crate::number::math::powf;
 use crate::robot::FloorParameters;
 use std::f64::consts::FRAC_PI_2;
 
@@ -78,7 +79,7 @@ impl Body {
     }
 
     fn longer(&self) -> f64 {
-        self.larger().cbrt()
+        powf(self.larger(), 1.0 / 3.0)
     }
 }
 

@@ -15,6 +15,8 @@ const HEIGHT: f64 = 460.0;
 const BAR_OPACITY: f64 = 0.25;
 /// Half the width of an interval's bar, as a probability.
 const HALF_BAR: f64 = 0.006;
+/// From a dot to its words \[px\].
+const BESIDE: f64 = 9.0;
 
 /// Draws the share of right answers against the stated probability, with 95 % intervals and the number of answers.
 pub(super) fn reliability(title: &str, bins: &[Bin]) -> Result<String, ReportError> {
@@ -37,16 +39,18 @@ pub(super) fn reliability(title: &str, bins: &[Bin]) -> Result<String, ReportErr
             block(&mut chart, [(from, low), (to, high)], filled(EXTENSIVE, BAR_OPACITY))?;
             dots(&mut chart, &[(stated, share)], 4.0, filled(EXTENSIVE, 1.0))?;
         }
-        for (at, (stated, _, bin)) in seen().enumerate() {
-            // the box of the chart: the y labels' room left, the x labels' below
+        for (stated, share, bin) in seen() {
+            // The box of the chart: the y labels' room left, the x labels' below.
             let x = left() + stated * (width() - left() - RIGHT);
-            let y = |share: f64| top + (1.0 - share) * (bottom - 42.0 - top);
-            // neighbours at different heights, so that their words do not meet
-            let off = 10.0 + 14.0 * (at % 2) as f64;
-            let [low, high] = bin.right.interval;
-            let y = if y(low) + off + 8.0 < bottom - 42.0 { y(low) + off } else { y(high) - off };
+            let y = top + (1.0 - share) * (bottom - 42.0 - top);
             let words = format!("{} of {}", bin.right.hits, bin.right.of);
-            text(root, (x, y), &words, Look { size: 11.0, anchor: HPos::Center, ..Look::default() })?;
+            // Beside its dot, on the side that has room, and off the axes.
+            let look = Look { size: 11.0, ..Look::default() };
+            let (x, anchor) = match x + BESIDE + look.width(&words) < width() - RIGHT {
+                true => (x + BESIDE, HPos::Left),
+                false => (x - BESIDE, HPos::Right),
+            };
+            text(root, (x, y.clamp(top + 8.0, bottom - 52.0)), &words, Look { anchor, ..look })?;
         }
         if seen().next().is_none() {
             notice(root, "no answer stated a probability")?;

@@ -47,7 +47,8 @@ pub(super) fn rate_table(rows: Vec<Row>) -> String {
 }
 
 fn number_table(score: &Score) -> String {
-    let lines: Vec<String> = numbers(score).into_iter().map(|(what, value)| format!("{what}: {value}")).collect();
+    let line = |(what, value)| wrap(WIDTH, &format!("{what}: {value}"), "", "  ");
+    let lines: Vec<String> = numbers(score).into_iter().map(line).collect();
     lines.join("\n")
 }
 

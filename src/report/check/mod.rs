@@ -21,8 +21,8 @@ const MUCH: f64 = 2.0;
 const LEFT: &str = "The recalibrated joint leaves more than noise: these sizes hold beside what is still to be explained, once it \
      is; `gap` looks for it.";
 /// What a log without a study leaves open.
-const NO_STUDY: &str = "What these logs can determine depends on what is believed of the joint: give a study (STUDY.toml with \
-     [joint] inertia, moment, coulomb and viscous, and the logs), and `check` says it.";
+const NO_STUDY: &str = "What these logs can determine depends on what is believed of the joint: give a study \
+     (`aibo-fit init` writes one from the log, to be filled in), and `check` says it.";
 
 /// The health of logs, and what they can tell where a study says what is believed.
 #[derive(Clone, Debug)]

@@ -33,7 +33,7 @@ pub(super) fn series(joint: &str, row: &LogHealthRow, series: &LogSeries) -> Res
         let mut panel = chart(root, (top, middle), (&t, &angle), ("", "angle [rad]"))?;
         line(&mut panel, &held(&series.asked_s, &series.asked_rad), stroke(SETPOINT, 1.25))?;
         dots(&mut panel, &thinned(&series.t_s, &series.q_rad), 1.25, filled(MEASURED, 0.8))?;
-        let mut panel = chart(root, (middle + 6.0, middle + STEPS - 4.0), (&t, &step), ("t [s]", "step [ms]"))?;
+        let mut panel = chart(root, (middle + 6.0, middle + STEPS - 4.0), (&t, &step), ("time [s]", "step [ms]"))?;
         dots(&mut panel, &thinned(&series.t_s[1.min(series.t_s.len())..], &steps_ms), 1.25, filled(EXTENSIVE, 0.8))
     })?;
     let caption = "Above: what was read, and what was asked, each at its own stamps. Below: the time from each stamp to the \

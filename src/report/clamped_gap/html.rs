@@ -3,25 +3,53 @@
 use minijinja::{Value, context};
 
 use super::map::map;
-use super::{ClampedGapReport, summary, waterfall};
+use super::{ClampedGapReport, step_by_step, summary, waterfall};
 use crate::gap::whole::WholeJoint;
 use crate::report::data_health::together;
 use crate::report::gap::plot::how_far::errors;
+use crate::report::gap::plot::{close_up, figure};
 use crate::report::gap::{gap_view, with_code};
 use crate::report::html::{both, figure_views, health_view, render};
 use crate::report::measure::{ANGLE, Measure};
 use crate::report::number::share;
-use crate::report::{Figure, GapReport, LogHealthRow, ReportError};
+use crate::report::{Figure, GapReport, LogHealthRow, ReportError, percent_of_answer};
 
 /// What probabilities are, by what is predicted.
 const RATE: &str = "the measured rate at which answers like this were right";
 const REDRAWS: &str = "the share of redraws of the held-out seconds that give the same answer";
 
-/// Draws the joints at a glance.
+/// Figures by their place in the report.
+struct ClampedFigures {
+    steps: Vec<Figure>,
+    close_up: Vec<Figure>,
+    joints: Vec<Figure>,
+}
+
+impl ClampedFigures {
+    fn of(report: &ClampedGapReport) -> Result<Self, ReportError> {
+        let caption = waterfall::explanation(report);
+        let steps = figure("waterfall", waterfall::HEADING, &caption, waterfall::figure(report)?);
+        // The joint of which most is closed; where nothing is, the one that is farthest off.
+        let parts = |of: &GapReport| (of.diagnosis.gap.calibrated - of.diagnosis.gap.after, of.diagnosis.gap.after);
+        let telling = report.joints.iter().map(|(_, joint)| joint).max_by(|a, b| {
+            let [(a, a_left), (b, b_left)] = [parts(a), parts(b)];
+            a.total_cmp(&b).then(a_left.total_cmp(&b_left))
+        });
+        let close_up = telling.map_or_else(|| Ok(Vec::new()), close_up)?;
+        Ok(Self { steps: vec![steps], close_up, joints: at_a_glance(report)? })
+    }
+}
+
+/// Draws the steps from as given to the floor, a close-up, and the joints at a glance.
 ///
 /// # Errors
 /// [`ReportError::Font`] and [`ReportError::Draw`], neither of which depends on the data.
 pub fn clamped_gap_figures(report: &ClampedGapReport) -> Result<Vec<Figure>, ReportError> {
+    let ClampedFigures { steps, close_up, joints } = ClampedFigures::of(report)?;
+    Ok([steps, close_up, joints].into_iter().flatten().collect())
+}
+
+fn at_a_glance(report: &ClampedGapReport) -> Result<Vec<Figure>, ReportError> {
     let rows = report.rows();
     let measure = Measure::of(report.diagnosis.gap.unit);
     let title = format!("{}: error of each joint", report.diagnosis.robot);
@@ -46,7 +74,8 @@ pub fn clamped_gap_figures(report: &ClampedGapReport) -> Result<Vec<Figure>, Rep
     Ok(figures)
 }
 
-/// Puts a robot's diagnosis into one HTML page: verdict, joints at a glance, what each of them says, notes, provenance.
+/// Puts a robot's diagnosis into one HTML page: verdict, the steps to the floor, what would tell more, a
+/// close-up, joints at a glance, what each of them says, notes, provenance.
 ///
 /// # Errors
 /// [`ReportError`] from the figures or the template; none depends on the data.
@@ -57,6 +86,8 @@ pub fn clamped_gap_html(report: &ClampedGapReport) -> Result<String, ReportError
     let still = diagnosis.joints.iter().filter(|joint| joint.diagnosis.is_none());
     let (health, remarks) = together(&report.health());
     let health = health.into_iter().map(|row| LogHealthRow { remarks: Vec::new(), ..row });
+    let [wide, narrow] = both(|| ClampedFigures::of(report))?;
+    let views = |of: fn(&ClampedFigures) -> &Vec<Figure>| figure_views([of(&wide), of(&narrow)]);
     let values = context! {
         robot => diagnosis.robot.as_str(),
         sentence => with_code(&answer.sentence),
@@ -67,7 +98,10 @@ pub fn clamped_gap_html(report: &ClampedGapReport) -> Result<String, ReportError
         closed => gap.closed.map_or_else(|| "–".to_owned(), share),
         health => health.map(|row| health_view(&row)).collect::<Vec<_>>(),
         remarks => remarks.iter().map(|(of, said)| format!("{of}: {}.", said.join("; "))).collect::<Vec<_>>(),
-        figures => figure_views(both(|| clamped_gap_figures(report))?.each_ref()),
+        steps => views(|all| &all.steps),
+        steps_heading => waterfall::HEADING,
+        close_up => views(|all| &all.close_up),
+        figures => views(|all| &all.joints),
         joints => joints.iter().map(|(folder, joint)| joint_view(folder, joint)).collect::<Vec<_>>(),
         still => still.map(|joint| joint.joint.clone()).collect::<Vec<_>>(),
         animation => report.animation.is_some().then_some(super::ANIMATION_FILE),
@@ -95,9 +129,9 @@ fn joint_view(folder: &str, joint: &GapReport) -> Value {
         calibrated => measure.number(diagnosis.gap.calibrated),
         after => measure.number(diagnosis.gap.after),
         floor => measure.number(diagnosis.gap.floor),
-        probability => share(diagnosis.answer.probability),
+        probability => percent_of_answer(diagnosis.answer.probability),
         sentence => with_code(&diagnosis.answer.sentence),
-        steps => waterfall(diagnosis),
+        steps => step_by_step(diagnosis),
     }
 }
 

@@ -7,6 +7,7 @@ mod html;
 mod json;
 mod map;
 mod text;
+mod waterfall;
 
 pub use html::{clamped_gap_figures, clamped_gap_html};
 pub use json::clamped_gap_json;
@@ -200,7 +201,7 @@ fn summary(diagnosis: &Diagnosis) -> String {
 }
 
 /// A joint's error step by step: as given, recalibrated, with each cause; `None` where no cause is named.
-fn waterfall(diagnosis: &Diagnosis) -> Option<String> {
+fn step_by_step(diagnosis: &Diagnosis) -> Option<String> {
     let measure = Measure::of(diagnosis.gap.unit);
     let causes = diagnosis.causes.iter().map(|cause| (cause.effect.id(), cause.after));
     let law = diagnosis.law.iter().map(|_| ("a law", diagnosis.gap.after));

@@ -2,12 +2,12 @@
 
 use comfy_table::Cell;
 
-use super::{ClampedGapReport, summary, waterfall};
+use super::{ClampedGapReport, step_by_step, summary};
 use crate::gap::Diagnosis;
 use crate::report::data_health::robot_health_text;
 use crate::report::gap::text::{WIDTH, paragraph, undetermined};
 use crate::report::measure::Measure;
-use crate::report::number::share;
+use crate::report::percent_of_answer;
 use crate::report::text::{finish, number, one_line, table, wrap};
 
 /// Writes a robot's diagnosis as plain text, as a rule at most 100 columns wide, ending in a newline: what was found in
@@ -41,7 +41,7 @@ fn joints(report: &ClampedGapReport) -> String {
     let answers = report.joints.iter().map(|(_, joint)| Some(&joint.diagnosis)).chain([None]);
     for (row, diagnosis) in rows.iter().zip(answers) {
         let verdict = diagnosis.map_or_else(String::new, |d| d.answer.verdict.name().to_owned());
-        let sure = diagnosis.map_or_else(String::new, |d| share(d.answer.probability));
+        let sure = diagnosis.map_or_else(String::new, |d| percent_of_answer(d.answer.probability));
         let name = Cell::new(one_line(&row.file));
         let mut cells = vec![name, Cell::new(verdict), Cell::new(diagnosis.map_or_else(String::new, summary))];
         cells.extend([row.before, row.calibrated, row.after, row.floor].map(|error| number(measure.number(error))));
@@ -53,6 +53,6 @@ fn joints(report: &ClampedGapReport) -> String {
 
 /// A joint's own sentence, and its error step by step.
 fn sentence(diagnosis: &Diagnosis) -> String {
-    let steps = waterfall(diagnosis).map(|steps| format!("\n{}", paragraph(&steps)));
+    let steps = step_by_step(diagnosis).map(|steps| format!("\n{}", paragraph(&steps)));
     paragraph(&diagnosis.answer.sentence) + &steps.unwrap_or_default()
 }

@@ -9,8 +9,12 @@ use std::path::Path;
 /// Joints told by name at the most.
 const NAMED: usize = 12;
 
-/// The text, and what could not be told.
-pub(super) fn study(seen: &[Seen], asked: Option<&str>, folder: &Path) -> Result<(String, Vec<String>), DraftError> {
+/// The text, what could not be told, and the keys that have to be filled in.
+pub(super) fn study(
+    seen: &[Seen],
+    asked: Option<&str>,
+    folder: &Path,
+) -> Result<(String, Vec<String>, Vec<&'static str>), DraftError> {
     let name = chosen(seen, asked);
     let mut of_joint: Vec<(&Seen, &SeenJoint)> = Vec::new();
     for log in seen {
@@ -70,7 +74,9 @@ pub(super) fn study(seen: &[Seen], asked: Option<&str>, folder: &Path) -> Result
         let how = if asked.is_some() { "as asked" } else { "it moves most" };
         untold.push(format!("the logs have several joints: this is the study of {title} ({how}); --joint chooses another of {others}{more}, --robot FILE makes one study of all"));
     }
-    Ok((text, untold))
+    let mut to_fill = vec!["inertia", "moment", "coulomb", "viscous"];
+    to_fill.extend(is_driven.then_some("kp"));
+    Ok((text, untold, to_fill))
 }
 
 /// The joint that was asked for, or the one that moves most and is driven; a hand, which is no pendulum, last.

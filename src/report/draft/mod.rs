@@ -20,6 +20,8 @@ pub struct Draft {
     pub text: String,
     /// What could not be told from the logs, in sentences.
     pub untold: Vec<String>,
+    /// Keys that have to be filled in before anything can be asked of it.
+    pub to_fill: Vec<&'static str>,
     /// Files that were read.
     pub inputs: Vec<PathBuf>,
 }
@@ -69,7 +71,7 @@ pub fn draft_study(
 ) -> Result<Draft, DraftError> {
     let seen: Vec<Seen> = logs.iter().map(|path| look(path)).collect::<Result<_, _>>()?;
     let mut inputs: Vec<PathBuf> = logs.to_vec();
-    let (text, untold) = match robot {
+    let (text, untold, to_fill) = match robot {
         Some(path) => {
             let description = Description::read(path).map_err(|error| DraftError::Description(Box::new(error)))?;
             inputs.extend(description.files.iter().cloned());
@@ -77,7 +79,7 @@ pub fn draft_study(
         }
         None => joint::study(&seen, joint, folder)?,
     };
-    Ok(Draft { text, untold, inputs })
+    Ok(Draft { text, untold, to_fill, inputs })
 }
 
 /// A path as it is seen from a folder, with `/` between its parts; as it is where the two share no folder.

@@ -10,18 +10,19 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// The text, and what could not be told.
+/// The text, what could not be told, and the keys that have to be filled in.
 pub(super) fn study(
     seen: &[Seen],
     model: &Path,
     robot: &Description,
     folder: &Path,
-) -> Result<(String, Vec<String>), DraftError> {
+) -> Result<(String, Vec<String>, Vec<&'static str>), DraftError> {
     let follows = |k: usize| robot.couplings.iter().any(|coupling| coupling.follower.0 == k);
     let moving: Vec<&Mover> =
         robot.joints.iter().enumerate().filter(|(k, _)| !follows(*k)).map(|(_, joint)| joint).collect();
     let names: Vec<String> = moving.iter().map(|joint| joint.name.clone()).collect();
     let mut untold = vec!["whether the robot's base was clamped: scenario = \"fixed\" says so".to_owned()];
+    let mut to_fill = Vec::new();
     let mut columns = Columns::default();
     let mut without: Vec<String> = Vec::new();
     let mut by_order: Vec<String> = Vec::new();
@@ -81,6 +82,7 @@ pub(super) fn study(
         text += "# kp = 0.0         # N m/rad: tau = kp (q_ref - q) - kd q'; the description's position actuator where absent\n\
                  # kd = 0.0         # N m s/rad\n# torque_limit = 0.0   # N m\n";
         if servos < moving.len() {
+            to_fill.push("kp");
             untold.push(
                 "the gains of joints without a position actuator in the description: state kp under [joints.default]"
                     .to_owned(),
@@ -110,7 +112,7 @@ pub(super) fn study(
         let _ = writeln!(text, "drive = \"{}\"{}", drive_word(joint.drive), why(joint));
         text += &notes(log);
     }
-    Ok((text, untold))
+    Ok((text, untold, to_fill))
 }
 
 /// The range that a joint's readings are a fraction of \[rad\], and a note: a gripper from 0 to 1, or from 0 to 100.

@@ -1,9 +1,9 @@
 //! The fleet as one page that opens without a network.
 
 use super::{FleetReport, JointTrend, TrendPoint};
-use crate::report::ReportError;
 use crate::report::html::render;
 use crate::report::number::{UNKNOWN, significant};
+use crate::report::{ReportError, percent_of_answer};
 use minijinja::{HtmlEscape, Value, context};
 use std::fmt::Write as _;
 
@@ -50,7 +50,7 @@ fn of_joint(joint: &JointTrend, page: Option<&String>) -> Value {
         gap => joint.measure().quantity(joint.gap()),
         growth => joint.growth().map(|growth| format!("× {}", significant(growth, 3))),
         cause => latest.cause.as_deref().unwrap_or_default(),
-        probability => latest.probability.map(|share| format!("{:.0} %", 100.0 * share)),
+        probability => latest.probability.map(percent_of_answer),
         sentence => latest.sentence.as_deref().unwrap_or_default(),
         study => latest.study.as_str(),
         page,

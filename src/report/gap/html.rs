@@ -5,7 +5,6 @@ use minijinja::{HtmlEscape, Value, context};
 use super::GapReport;
 use super::plot::GapFigures;
 use super::rows::{effect_rows, joint_rows};
-use super::text::of_answer;
 use super::{waterfall, words};
 use crate::gap::{Candidate, Detectable, Diagnosis, LogGap};
 use crate::joint::Stage;
@@ -33,11 +32,13 @@ pub fn render_gap_html(report: &GapReport) -> Result<String, ReportError> {
     let views = |of: fn(&GapFigures) -> &Vec<Figure>| figure_views([of(&wide), of(&narrow)]);
     let (logs, folded) = open_and_folded([&wide.logs, &narrow.logs]);
     let rows = joint_rows(diagnosis).into_iter().chain(effect_rows(diagnosis));
+    let chances = words::chances(diagnosis);
+    let ranked = diagnosis.ranking.iter().zip(&chances.candidates);
     let values = context! {
         joint => diagnosis.joint.as_str(),
         sentence => with_code(&answer.sentence),
         verdict => answer.verdict.name(),
-        probability => of_answer(answer.probability),
+        probability => chances.words(),
         source => with_code(answer.probability_source.trim_end_matches('.')),
         answer => words::answer(diagnosis),
         has_second => answer.second.is_some(),
@@ -58,7 +59,8 @@ pub fn render_gap_html(report: &GapReport) -> Result<String, ReportError> {
         location => with_code(&words::location(&diagnosis.location)),
         place => views(|all| &all.place),
         which => views(|all| &all.which),
-        ranking => diagnosis.ranking.iter().map(|candidate| candidate_view(diagnosis, candidate)).collect::<Vec<_>>(),
+        ranking => ranked.map(|(candidate, chance)| candidate_view(diagnosis, candidate, chance)).collect::<Vec<_>>(),
+        rest => chances.is_shared_out.then_some(&chances.rest),
         mark => words::mark(answer),
         twins => views(|all| &all.twins),
         twins_command => diagnosis.confusion.as_ref().map(|table| table.command.as_str()),
@@ -138,7 +140,7 @@ fn log_view(measure: Measure, log: &LogGap) -> Value {
     }
 }
 
-fn candidate_view(diagnosis: &Diagnosis, candidate: &Candidate) -> Value {
+fn candidate_view(diagnosis: &Diagnosis, candidate: &Candidate, chance: &str) -> Value {
     let dash = || "–".to_owned();
     let shown = |value: f64| if candidate.refitted { Measure::of(diagnosis.gap.unit).number(value) } else { dash() };
     context! {
@@ -148,7 +150,7 @@ fn candidate_view(diagnosis: &Diagnosis, candidate: &Candidate) -> Value {
         after => shown(candidate.after),
         closed => waterfall::closes_alone(&diagnosis.gap, candidate.after).map_or_else(dash, share),
         behind => significant(candidate.behind_sd, 2),
-        probability => share(candidate.probability),
+        probability => chance,
         parameters => candidate.parameters.iter().map(|p| typeset_unit(&words::parameter(p))).collect::<Vec<_>>(),
     }
 }

@@ -7,6 +7,7 @@ use super::waterfall::{closes_alone, explanation, heading, moved, steps};
 use super::words;
 use super::{GapReport, NEXT_FILE};
 use crate::gap::{Candidate, Detectable, Diagnosis, Gap, MapCell, Phase};
+use crate::report::chances::Chances;
 use crate::report::data_health::health_text;
 use crate::report::measure::Measure;
 use crate::report::number::{UNKNOWN, share, significant};
@@ -30,7 +31,7 @@ pub fn gap_text(report: &GapReport) -> String {
     let answer = &diagnosis.answer;
     // The first screen holds the answer, how far it goes, and what to do next.
     let blocks = [
-        Some(opening(&answer.sentence, answer.probability, &answer.probability_source)),
+        Some(opening(&answer.sentence, &words::chances(diagnosis), &answer.probability_source)),
         Some(waterfall(diagnosis)),
         next(diagnosis),
         (!report.health.is_empty()).then(|| format!("Data health:\n{}", health_text(&report.health))),
@@ -47,15 +48,9 @@ pub fn gap_text(report: &GapReport) -> String {
 }
 
 /// What is answered, and how sure it is.
-pub(in crate::report) fn opening(sentence: &str, probability: f64, source: &str) -> String {
-    let sure = format!("Probability {}: {}.", of_answer(probability), source.trim_end_matches('.'));
+pub(in crate::report) fn opening(sentence: &str, chances: &Chances, source: &str) -> String {
+    let sure = format!("Probability {}: {}.", chances.words(), source.trim_end_matches('.'));
     format!("{}\n{}", paragraph(sentence), paragraph(&sure))
-}
-
-/// The probability of an answer and that of all others; together they are everything.
-pub(in crate::report) fn of_answer(probability: f64) -> String {
-    let percent = (100.0 * probability).round() / 100.0;
-    format!("{}, of something else {}", share(percent), share(1.0 - percent))
 }
 
 /// The steps from as given to the floor, each with a bar.
@@ -175,8 +170,8 @@ fn ranking(diagnosis: &Diagnosis) -> String {
     if let (Some(_), Some(both)) = (diagnosis.answer.second, words::answer(diagnosis)) {
         plain(&mut table, &format!("({both})"), gap.after);
     }
-    let (refitted, screened): (Vec<&Candidate>, Vec<&Candidate>) = diagnosis.ranking.iter().partition(|c| c.refitted);
-    for candidate in refitted {
+    let chances = words::chances(diagnosis);
+    for (candidate, chance) in diagnosis.ranking.iter().zip(&chances.candidates).filter(|(c, _)| c.refitted) {
         let mark = if words::is_named(&diagnosis.answer, candidate.effect) { " *" } else { "" };
         table.add_row([
             Cell::new(format!("{}{mark}", candidate.effect)),
@@ -184,14 +179,13 @@ fn ranking(diagnosis: &Diagnosis) -> String {
             number(measure.number(candidate.after)),
             number(closes_alone(gap, candidate.after).map_or_else(|| "-".to_owned(), share)),
             number(significant(candidate.behind_sd, 2)),
-            number(share(candidate.probability)),
+            number(chance),
         ]);
     }
     plain(&mut table, "(sensor noise)", gap.floor);
-    let named: f64 = diagnosis.ranking.iter().map(|candidate| candidate.probability).sum();
-    if named > 0.0 {
+    if chances.is_shared_out {
         let cells = ["(something else)", "", "", "", ""].map(Cell::new);
-        table.add_row(cells.into_iter().chain([number(share((1.0 - named).max(0.0)))]));
+        table.add_row(cells.into_iter().chain([number(&chances.rest)]));
     }
     let mut text = finish(&mut table);
     if let Some(mark) = words::mark(&diagnosis.answer) {
@@ -199,6 +193,7 @@ fn ranking(diagnosis: &Diagnosis) -> String {
     }
     text += "\n";
     text += &paragraph(words::BEHIND);
+    let screened: Vec<&Candidate> = diagnosis.ranking.iter().filter(|c| !c.refitted).collect();
     if !screened.is_empty() {
         let names: Vec<&str> = screened.iter().map(|c| c.effect.id()).collect();
         text += "\n";

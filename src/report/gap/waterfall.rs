@@ -7,7 +7,7 @@ use crate::report::measure::Measure;
 use crate::report::number::quantity;
 
 /// A gap that exceeds the floor by less than this factor is hardly one: shares of it would be numbers without meaning.
-const HARDLY: f64 = 1.1;
+pub(in crate::report) const HARDLY: f64 = 1.1;
 /// A step with a share below this one opens the gap.
 const OPENS: f64 = -0.005;
 /// A number that was moved by no more than so many of its standard deviations is as it was believed to be.

@@ -2,8 +2,9 @@
 
 use super::GapReport;
 use super::rows::{is_side, number_row};
-use crate::gap::{Answer, Detectable, Diagnosis, MapCell, Number, Phase, Variable, Verdict, Where};
+use crate::gap::{Answer, Candidate, Detectable, Diagnosis, MapCell, Number, Phase, Variable, Verdict, Where};
 use crate::joint::{EffectId, Stage};
+use crate::report::chances::{self, Chances};
 use crate::report::number::{between, quantity, share, shares, significant, spoken, stands_out};
 use crate::report::rows::ParameterCells;
 
@@ -115,6 +116,17 @@ pub(super) fn names_without_folder(files: &[&str]) -> Vec<String> {
     let names: Vec<String> = files.iter().map(bare).collect();
     let is_alone = |name: &String| names.iter().filter(|other| *other == name).count() == 1;
     if names.iter().all(is_alone) { names } else { files.iter().map(|file| (*file).to_owned()).collect() }
+}
+
+/// Probabilities of the answer, of its rivals, and of something else, as they are shown.
+pub(super) fn chances(diagnosis: &Diagnosis) -> Chances {
+    let answer = &diagnosis.answer;
+    let candidate = |candidate: &Candidate| chances::Candidate {
+        name: candidate.effect.id().to_owned(),
+        probability: candidate.probability,
+        is_named: is_named(answer, candidate.effect),
+    };
+    Chances::of(answer.probability, &diagnosis.ranking.iter().map(candidate).collect::<Vec<_>>())
 }
 
 /// Where the gap lies, in a few sentences.

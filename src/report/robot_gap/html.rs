@@ -6,7 +6,6 @@ use super::RobotGapReport;
 use super::plot::RobotGapFigures;
 use super::{waterfall, words};
 use crate::gap::robot::{Displacement, JointGap, RobotCandidate, RobotDetectable, RobotDiagnosis};
-use crate::report::gap::text::of_answer;
 use crate::report::gap::{gap_view, with_code, words as joint_words};
 use crate::report::html::{both, figure_views, open_and_folded, render};
 use crate::report::measure::ANGLE;
@@ -29,12 +28,14 @@ pub fn robot_gap_html(report: &RobotGapReport) -> Result<String, ReportError> {
     let [wide, narrow] = both(|| RobotGapFigures::of(report))?;
     let views = |of: fn(&RobotGapFigures) -> &Vec<Figure>| figure_views([of(&wide), of(&narrow)]);
     let (joints, folded) = open_and_folded([&wide.joints, &narrow.joints]);
+    let chances = words::chances(diagnosis);
+    let ranked = diagnosis.ranking.iter().zip(&chances.candidates);
     let values = context! {
         robot => diagnosis.robot.as_str(),
         scenario => diagnosis.scenario.word(),
         sentence => with_code(&answer.sentence),
         verdict => answer.verdict.name(),
-        probability => of_answer(answer.probability),
+        probability => chances.words(),
         source => with_code(answer.probability_source.trim_end_matches('.')),
         answer => words::answer(answer),
         has_second => answer.second.is_some(),
@@ -45,10 +46,10 @@ pub fn robot_gap_html(report: &RobotGapReport) -> Result<String, ReportError> {
         steps => views(|all| &all.steps),
         steps_heading => waterfall::HEADING,
         behind => words::BEHIND,
-        rest => words::something_else(diagnosis).map(share),
+        rest => chances.is_shared_out.then_some(&chances.rest),
         place => views(|all| &all.place),
         which => views(|all| &all.which),
-        ranking => diagnosis.ranking.iter().map(|candidate| candidate_view(diagnosis, candidate)).collect::<Vec<_>>(),
+        ranking => ranked.map(|(candidate, chance)| candidate_view(diagnosis, candidate, chance)).collect::<Vec<_>>(),
         mark => words::mark(answer),
         untrusted => (!answer.intervals_trusted).then_some(joint_words::UNTRUSTED),
         how_far => views(|all| &all.how_far),
@@ -93,7 +94,7 @@ fn displacement_view(of: &Displacement) -> Value {
     }
 }
 
-fn candidate_view(diagnosis: &RobotDiagnosis, candidate: &RobotCandidate) -> Value {
+fn candidate_view(diagnosis: &RobotDiagnosis, candidate: &RobotCandidate, chance: &str) -> Value {
     let found = &candidate.found;
     context! {
         effect => found.cause.id(),
@@ -103,7 +104,7 @@ fn candidate_view(diagnosis: &RobotDiagnosis, candidate: &RobotCandidate) -> Val
         after => significant(1e3 * candidate.after, 3),
         closed => candidate.closed.map_or_else(|| "–".to_owned(), share),
         behind => significant(candidate.behind, 2),
-        probability => share(candidate.probability),
+        probability => chance,
         parameters => found.parameters.iter().map(|p| typeset_unit(&joint_words::parameter(p))).collect::<Vec<_>>(),
     }
 }

@@ -20,7 +20,7 @@ pub fn robot_gap_text(report: &RobotGapReport) -> String {
     let diagnosis = &report.diagnosis;
     let answer = &diagnosis.answer;
     let blocks = [
-        Some(opening(&answer.sentence, answer.probability, &answer.probability_source)),
+        Some(opening(&answer.sentence, &words::chances(diagnosis), &answer.probability_source)),
         Some(waterfall::text(diagnosis)),
         next(diagnosis),
         Some(location(diagnosis)),
@@ -71,8 +71,9 @@ fn ranking(diagnosis: &RobotDiagnosis) -> String {
     if let (Some(_), Some(both)) = (&diagnosis.answer.second, words::answer(&diagnosis.answer)) {
         plain(&mut table, &format!("({both})"), gap.after);
     }
-    for candidate in &diagnosis.ranking {
-        let RobotCandidate { found, probability, after, closed, behind } = candidate;
+    let chances = words::chances(diagnosis);
+    for (candidate, chance) in diagnosis.ranking.iter().zip(&chances.candidates) {
+        let RobotCandidate { found, after, closed, behind, .. } = candidate;
         let mark = if words::is_named(&diagnosis.answer, candidate) { " *" } else { "" };
         table.add_row([
             Cell::new(format!("{}{mark}", words::found(found).replacen(' ', "\n  ", 1))),
@@ -80,13 +81,13 @@ fn ranking(diagnosis: &RobotDiagnosis) -> String {
             mrad(*after),
             number(closed.map_or_else(|| "-".to_owned(), share)),
             number(significant(*behind, 2)),
-            number(share(*probability)),
+            number(chance),
         ]);
     }
     plain(&mut table, "(sensor noise)", gap.floor);
-    if let Some(rest) = words::something_else(diagnosis) {
+    if chances.is_shared_out {
         let cells = ["(something else)", "", "", "", ""].map(Cell::new);
-        table.add_row(cells.into_iter().chain([number(share(rest))]));
+        table.add_row(cells.into_iter().chain([number(&chances.rest)]));
     }
     let mut text = finish(&mut table);
     if let Some(mark) = words::mark(&diagnosis.answer) {

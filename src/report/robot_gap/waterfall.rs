@@ -1,21 +1,14 @@
 //! From as given down to the sensor's noise, step by step: the same in text and figure.
 
-use comfy_table::Cell;
-use plotters::style::Color;
-
 use super::words;
 use crate::gap::robot::{RobotDiagnosis, RobotGap};
 use crate::report::ReportError;
-use crate::report::gap::plot::bars::{Bar, Bars, draw};
+use crate::report::gap::plot::rungs::{Rung, draw_rungs, rungs};
 use crate::report::gap::text::{WIDTH, characters, paragraph};
 use crate::report::measure::ANGLE;
 use crate::report::number::share;
-use crate::report::plot::axis::drawable;
-use crate::report::plot::canvas::{AFTER, BAND, BEFORE, CALIBRATED, Sign};
 use crate::report::text::{finish, number, table};
-
-/// A gap that exceeds the floor by less than this factor is hardly one: shares of it would be numbers without meaning.
-const HARDLY: f64 = 1.1;
+use comfy_table::Cell;
 
 /// What stands above the steps.
 pub(super) const HEADING: &str = "From as given to the floor";
@@ -24,17 +17,8 @@ pub(super) const EXPLANATION: &str = "RMS of the angle error over all joints and
     within what is uncertain anyway, nothing added. Closes: share of the whole gap above the floor, which is the sensor's own \
     noise.";
 
-/// One step.
-pub(super) struct Step {
-    pub name: String,
-    /// \[rad\]
-    pub rms: f64,
-    /// Share of the whole gap that it closes.
-    pub closes: Option<f64>,
-}
-
 /// As given, recalibrated, with what was found, the noise.
-pub(super) fn steps(diagnosis: &RobotDiagnosis) -> Vec<Step> {
+pub(super) fn steps(diagnosis: &RobotDiagnosis) -> Vec<Rung> {
     let RobotDiagnosis { answer, gap, .. } = diagnosis;
     let RobotGap { before, calibrated, after_first, after, floor, .. } = *gap;
     let mut steps = vec![("as given".to_owned(), before), ("recalibrated".to_owned(), calibrated)];
@@ -42,16 +26,7 @@ pub(super) fn steps(diagnosis: &RobotDiagnosis) -> Vec<Step> {
         steps.push((format!("with {}", words::found(first)), after_first));
     }
     steps.extend(words::answer(answer).map(|answer| (answer, after)));
-    let whole = before - floor;
-    let mut above = None;
-    let step = |(name, rms): (String, f64)| {
-        let closes = above.filter(|_| before > HARDLY * floor).map(|above: f64| (above - rms) / whole);
-        above = Some(rms);
-        Step { name, rms, closes: closes.filter(|share| share.is_finite()) }
-    };
-    let mut steps: Vec<Step> = steps.into_iter().map(step).collect();
-    steps.push(Step { name: "floor".to_owned(), rms: floor, closes: None });
-    steps
+    rungs(steps, floor)
 }
 
 /// The steps for a terminal, each with a bar.
@@ -70,42 +45,18 @@ pub(super) fn text(diagnosis: &RobotDiagnosis) -> String {
     format!("{HEADING}:\n{}\n{}", finish(&mut table), paragraph(EXPLANATION))
 }
 
-/// The steps as bars; what a step closes is drawn faint behind its bar's end.
+/// The steps as bars.
 pub(super) fn figure(diagnosis: &RobotDiagnosis) -> Result<String, ReportError> {
-    let steps = steps(diagnosis);
-    let last = steps.len() - 1;
-    let bar = |(k, step): (usize, &Step)| Bar {
-        name: step.name.clone(),
-        value: 1e3 * step.rms,
-        down_from: k.checked_sub(1).filter(|_| k < last).map(|above| 1e3 * steps[above].rms),
-        colour: match k {
-            0 => BEFORE,
-            1 => CALIBRATED,
-            _ if k == last => BAND,
-            _ => AFTER,
-        },
-        bold: k > 1 && k < last,
-        words: vec![ANGLE.number(step.rms), step.closes.map_or_else(String::new, share)],
-    };
-    draw(&Bars {
-        title: &format!("{}: {}", diagnosis.robot, HEADING.to_lowercase()),
-        legend: vec![
-            (Sign::Box, CALIBRATED.mix(0.3), "closed by recalibrating".to_owned()),
-            (Sign::Box, AFTER.mix(0.3), "closed by a cause".to_owned()),
-            (Sign::Line, BAND.to_rgba(), "the sensor's own noise".to_owned()),
-        ],
-        label: "RMS of the angle error over all joints, held-out samples [mrad]",
-        columns: &["RMS [mrad]", "closes"],
-        bars: steps.iter().enumerate().map(bar).collect(),
-        mark: Some(1e3 * diagnosis.gap.floor).filter(|floor| drawable(*floor)),
-        are_errors: true,
-    })
+    let title = format!("{}: {}", diagnosis.robot, HEADING.to_lowercase());
+    let label = "RMS of the angle error over all joints, held-out samples [mrad]";
+    draw_rungs(&title, label, ANGLE, &steps(diagnosis))
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::sample;
     use super::*;
+    use crate::report::gap::waterfall::HARDLY;
 
     #[test]
     fn shares_of_all_steps_are_what_the_answer_closes() {

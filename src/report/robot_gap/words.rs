@@ -6,6 +6,7 @@ use crate::gap::robot::{
     Found, GaitCell, GaitPhase, RobotAnswer, RobotCandidate, RobotDetectable, RobotDiagnosis, RobotStage, RobotWhere,
 };
 use crate::joint::Stage;
+use crate::report::chances::{self, Chances};
 use crate::report::gap::words::{range, size, there, variable};
 use crate::report::number::mrad;
 
@@ -16,12 +17,18 @@ pub(super) const DETECTABLE: &str =
 /// What the columns of the ranking mean.
 pub(super) const BEHIND: &str = "Gap closed: share of the whole gap above the sensor's noise. Behind: how much worse than the best a cause \
     explains the samples it was fitted to, as a sum of squares in units of the sensor's noise; below ten or so it may be chance. \
-    Causes that are not here explain less already to first order.";
+    Causes that are not here explain less already to first order. RMS: of a robot simulated with the cause, masses and friction \
+    adapted within what is uncertain anyway; behind: with those adapted to first order only.";
 
-/// Probability of what is not in the ranking; `None` where the ranking has none at all.
-pub(super) fn something_else(diagnosis: &RobotDiagnosis) -> Option<f64> {
-    let named: f64 = diagnosis.ranking.iter().map(|candidate| candidate.probability).sum();
-    (named > 0.0 && named <= 1.0 + 1e-9).then_some((1.0 - named).max(0.0))
+/// Probabilities of the answer, of its rivals, and of something else, as they are shown.
+pub(super) fn chances(diagnosis: &RobotDiagnosis) -> Chances {
+    let answer = &diagnosis.answer;
+    let candidate = |candidate: &RobotCandidate| chances::Candidate {
+        name: found(&candidate.found),
+        probability: candidate.probability,
+        is_named: is_named(answer, candidate),
+    };
+    Chances::of(answer.probability, &diagnosis.ranking.iter().map(candidate).collect::<Vec<_>>())
 }
 
 /// From so many joints on a place is said by their number.
@@ -75,8 +82,7 @@ pub(super) fn is_named(answer: &RobotAnswer, candidate: &RobotCandidate) -> bool
     if first.into_iter().chain(&answer.second).any(is) {
         return true;
     }
-    let stands = answer.places.contains(joints) || answer.first.as_ref().is_none_or(|first| first.cause != *cause);
-    answer.equivalent.contains(cause) && stands
+    answer.equivalent.contains(cause) && (cause.is_of_robot() || answer.places.contains(joints))
 }
 
 /// What the candidates that [`is_named`] marks are; `None` where it marks none.

@@ -19,7 +19,7 @@ pub fn sensor_figures(report: &SensorReport) -> Result<Vec<Figure>, ReportError>
     for (k, sweep) in report.sweeps.iter().enumerate() {
         let title = format!("Figure B.{}, {}", k + 1, report.joint);
         let columns = [("reading", &sweep.reading_rad), ("true angle", &sweep.angle_rad)];
-        let svg = draw(&title, sweep, columns, true, "[rad]")?;
+        let svg = draw(&title, sweep, columns, true, "angle [rad]")?;
         let caption = "Readings of the position sensor and the true angle against the setpoint.";
         figures.push(figure(&format!("sensor-b{}", k + 1), title, caption, svg));
     }

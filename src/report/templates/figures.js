@@ -1,4 +1,4 @@
-// Figures of a report: a wheel, a drag or keys zoom, a pointer or the arrow keys read values. Without it they are pictures.
+// Figures of a report: a wheel, a drag, two fingers or keys zoom, a pointer or the arrow keys read values. Without it they are pictures.
 "use strict";
 (() => {
   const tip = document.createElement("div");
@@ -58,7 +58,7 @@
       const middle = [view.x + w / 2, view.y + h / 2];
       const panel = data.panels.find(p => inside(p[0], ...middle)) || data.panels.find(p => p[0][0] < view.x + w && p[0][2] > view.x && p[0][1] < view.y + h && p[0][3] > view.y);
       const span = (axis, from, to, low, high) => { const [name, unit] = parted(panel[4][axis]); return `${name} ${coordinate(panel, axis, Math.max(low, from))} to ${coordinate(panel, axis, Math.min(high, to))}${unit}`; };
-      range.textContent = by < 1.01 || !panel ? "" : `${span(0, view.x, view.x + w, panel[0][0], panel[0][2])}; ${span(1, view.y + h, view.y, -1e9, 1e9)}`;
+      range.textContent = by < 1.01 || !panel ? "" : `${span(0, view.x, view.x + w, panel[0][0], panel[0][2])}; ${span(1, Math.min(view.y + h, panel[0][3]), Math.max(view.y, panel[0][1]), -1e9, 1e9)}`;
       svg.style.touchAction = by > 1.01 ? "none" : "pan-y";
     }
     const zoom = ([x, y], by) => show({ w: view.w / by, x: x - (x - view.x) / by, y: y - (y - view.y) / by });
@@ -97,7 +97,22 @@
       const spot = data.spots.find(s => inside(s[0], x, y));
       spot ? say(spot[1], [x, y]) : hide();
     }
+    // Two fingers: what lies between them stays between them.
+    const fingers = new Map();
+    const lifted = event => fingers.delete(event.pointerId);
+    function pinched(event) {
+      if (!fingers.has(event.pointerId)) return false;
+      const apart = () => { const [a, b] = [...fingers.values()]; return b ? [Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY), { clientX: (a.clientX + b.clientX) / 2, clientY: (a.clientY + b.clientY) / 2 }] : [0]; };
+      const [before] = apart();
+      fingers.set(event.pointerId, event);
+      const [now, middle] = apart();
+      if (!before || !now) return false;
+      drag = null; frame.style.display = "none"; hide();
+      zoom(toDrawing(middle), now / before);
+      return true;
+    }
     svg.addEventListener("pointermove", event => {
+      if (pinched(event)) return;
       const at = toDrawing(event);
       if (!drag) return look(at, 60 * scale());
       hide();
@@ -108,19 +123,24 @@
       frame.setAttribute("stroke-width", 1.5 * scale()); frame.style.display = "";
     });
     svg.addEventListener("pointerdown", event => {
+      if (event.pointerType === "touch") fingers.set(event.pointerId, event);
       const zoomed = view.w < 0.99 * full.w;
       if (event.button !== 0 || (event.pointerType === "touch" && !zoomed)) return look(toDrawing(event), 60 * scale());
       drag = { at: toDrawing(event), pans: zoomed };
       svg.setPointerCapture(event.pointerId);
     });
-    svg.addEventListener("pointerup", () => {
+    svg.addEventListener("pointercancel", event => { lifted(event); drag = null; });
+    svg.addEventListener("pointerup", event => {
+      lifted(event);
       const box = drag && drag.box;
       drag = null; frame.style.display = "none";
       if (!box || box[2] < 10 * scale() || box[3] < 4 * scale()) return;
       const w = Math.max(box[2], box[3] * full.w / full.h), h = w * full.h / full.w;
       show({ w, x: box[0] + (box[2] - w) / 2, y: box[1] + (box[3] - h) / 2 });
     });
-    svg.addEventListener("pointerleave", hide);
+    // What a finger has read stays until the page moves or another place is touched.
+    svg.addEventListener("pointerleave", event => { lifted(event); if (event.pointerType !== "touch") hide(); });
+    addEventListener("scroll", hide, { passive: true });
     svg.addEventListener("dblclick", reset);
     // The wheel belongs to the page until the figure is chosen by a click, by the keyboard or with Ctrl.
     svg.addEventListener("wheel", event => {
@@ -143,7 +163,7 @@
       event.preventDefault();
     });
     svg.addEventListener("blur", hide);
-    svg.setAttribute("tabindex", "0");
+    svg.setAttribute("tabindex", "0"); svg.style.touchAction = "pan-y";
     const bar = document.createElement("div");
     bar.className = "tools";
     for (const [words, name, act] of [["+", "zoom in", () => zoom([view.x + view.w / 2, view.y + view.h / 2], 1.5)], ["\u2212", "zoom out", () => zoom([view.x + view.w / 2, view.y + view.h / 2], 1 / 1.5)], ["reset", "reset zoom", reset]]) {

@@ -14,8 +14,8 @@ use plotters::style::{Color, RGBColor};
 const ABOVE: f64 = 250.0;
 const BELOW: f64 = 190.0;
 
-/// Draws one log.
-pub(super) fn torques(diagnosis: &Diagnosis, log: &TorqueTraces) -> Result<String, ReportError> {
+/// Draws one log, or a stretch of one.
+pub(super) fn torques(diagnosis: &Diagnosis, log: &TorqueTraces, title: &str) -> Result<String, ReportError> {
     let mut models: Vec<(String, RGBColor, &[f64])> =
         vec![("as given".into(), BEFORE, &log.given_nm), ("recalibrated".into(), CALIBRATED, &log.calibrated_nm)];
     let causes: Vec<&str> = diagnosis.causes.iter().map(|cause| cause.effect.id()).collect();
@@ -35,7 +35,7 @@ pub(super) fn torques(diagnosis: &Diagnosis, log: &TorqueTraces) -> Result<Strin
     let error = Axis::over(leavings.chain([0.0]), 0.06);
     let top = legend_end(&names);
     let (middle, bottom) = (top + ABOVE, top + ABOVE + BELOW);
-    sketch(&format!("{}, {} ({})", diagnosis.joint, log.file, log.role), bottom, |root| {
+    sketch(title, bottom, |root| {
         legend(root, &names)?;
         let mut above = chart(root, (top, middle), (&time, &torque), ("", "torque [N m]"))?;
         line(&mut above, &thinned(&log.t_s, &log.measured_nm), stroke(MEASURED, 1.75))?;

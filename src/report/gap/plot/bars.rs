@@ -89,7 +89,7 @@ pub(in crate::report) fn draw(picture: &Bars<'_>) -> Result<String, ReportError>
             rows.says(root, row, &format!("{}: {}", bar.name, said.join(", ")));
         }
         match picture.mark {
-            Some(mark) => rows.upright(root, along(mark), BAND, 2.0),
+            Some(mark) => rows.mark(root, along(mark), BAND),
             None => Ok(()),
         }
     })
@@ -154,9 +154,9 @@ pub(super) fn ranking(diagnosis: &Diagnosis) -> Result<String, ReportError> {
     if let (Some(_), Some(both)) = (answer.second, words::answer(diagnosis)) {
         bars.push(Bar { bold: true, ..bar(&both, gap.after, AFTER) });
     }
-    for candidate in diagnosis.ranking.iter().filter(|candidate| candidate.refitted) {
+    let chances = words::chances(diagnosis).candidates;
+    for (candidate, chance) in diagnosis.ranking.iter().zip(chances).filter(|(candidate, _)| candidate.refitted) {
         let named = words::is_named(answer, candidate.effect);
-        let chance = number::share(candidate.probability);
         let colour = if named { AFTER } else { SHADE };
         let mut bar = Bar { bold: named, ..bar(candidate.effect.id(), candidate.after, colour) };
         bar.words[1] = closes_alone(gap, candidate.after).map_or_else(|| "–".to_owned(), number::share);

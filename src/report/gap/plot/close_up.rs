@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::gap::inverse::TorqueTraces;
 use crate::gap::{Diagnosis, LogTraces, Verdict};
 use crate::report::ReportError;
 use crate::report::gap::words;
@@ -29,27 +30,70 @@ pub(super) fn moment(diagnosis: &Diagnosis) -> Option<Moment<'_>> {
     if diagnosis.answer.verdict == Verdict::None {
         return None;
     }
-    let parts = |log: &LogTraces| -> Vec<f64> {
-        let (one, other) = match (words::answer(diagnosis), diagnosis.answer.verdict) {
-            (Some(_), _) => (&log.calibrated_rad, &log.after_rad),
-            (None, Verdict::Calibration) => (&log.before_rad, &log.calibrated_rad),
-            (None, _) => (&log.measured_rad, &log.calibrated_rad),
-        };
-        one.iter().zip(other).map(|(a, b)| (a - b).abs()).collect()
+    let has_answer = words::answer(diagnosis).is_some();
+    let of = |log: &LogTraces| {
+        let models = [&log.before_rad, &log.calibrated_rad, &log.after_rad].map(|model| &model[..]);
+        farthest(diagnosis, has_answer, &log.measured_rad, models)
     };
-    let mut best: Option<(f64, &LogTraces, usize)> = None;
-    for log in &diagnosis.traces {
-        let apart = parts(log).into_iter().enumerate().filter(|(_, apart)| drawable(*apart));
-        let Some((at, most)) = apart.max_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
-        if best.is_none_or(|(before, ..)| most > before) {
-            best = Some((most, log, at));
-        }
-    }
-    let (_, log, worst) = best.filter(|(apart, ..)| *apart > 0.0)?;
+    let (log, worst) = most_of(&diagnosis.traces, of)?;
     let moves = log.setpoint_rad.as_deref().filter(|setpoint| turns(setpoint).len() > 1).unwrap_or(&log.measured_rad);
     let samples = around(&turns(moves), worst, log.t_s.len());
     let at_s = *log.t_s.get(worst)?;
     (samples.len() > 2).then_some(Moment { log, samples, at_s })
+}
+
+/// Of logs the one in which something is largest, and at which sample; `None` where it is nowhere above nothing.
+fn most_of<L>(logs: &[L], of: impl Fn(&L) -> Option<(usize, f64)>) -> Option<(&L, usize)> {
+    let mut best: Option<(f64, &L, usize)> = None;
+    for log in logs {
+        let Some((at, most)) = of(log) else { continue };
+        if most > best.map_or(0.0, |(before, ..)| before) {
+            best = Some((most, log, at));
+        }
+    }
+    best.map(|(_, log, at)| (log, at))
+}
+
+/// Where the answer parts most from what it replaces, and by how much; models as given, recalibrated, with the causes.
+fn farthest(
+    diagnosis: &Diagnosis,
+    has_answer: bool,
+    measured: &[f64],
+    [before, calibrated, after]: [&[f64]; 3],
+) -> Option<(usize, f64)> {
+    let (one, other) = match (has_answer, diagnosis.answer.verdict) {
+        (true, _) => (calibrated, after),
+        (false, Verdict::Calibration) => (before, calibrated),
+        (false, _) => (measured, calibrated),
+    };
+    let apart = one.iter().zip(other).map(|(a, b)| (a - b).abs()).enumerate();
+    apart.filter(|(_, apart)| drawable(*apart)).max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// The stretch between turns of the torque around which the answer parts most from what it replaces, and the instant in its
+/// middle \[s\]; `None` where torques are not predicted, or where there is no gap.
+pub(super) fn torques(diagnosis: &Diagnosis, logs: &[TorqueTraces]) -> Option<(TorqueTraces, f64)> {
+    if diagnosis.answer.verdict == Verdict::None {
+        return None;
+    }
+    let has_answer = !diagnosis.causes.is_empty() || diagnosis.law.is_some();
+    let of = |log: &TorqueTraces| {
+        let models = [&log.given_nm, &log.calibrated_nm, &log.after_nm].map(|model| &model[..]);
+        farthest(diagnosis, has_answer, &log.measured_nm, models)
+    };
+    let (log, worst) = most_of(logs, of)?;
+    let samples = around(&turns(&log.measured_nm), worst, log.t_s.len());
+    let cut = |values: &[f64]| values.get(samples.clone()).unwrap_or(&[]).to_vec();
+    let stretch = TorqueTraces {
+        file: log.file.clone(),
+        role: log.role,
+        t_s: cut(&log.t_s),
+        measured_nm: cut(&log.measured_nm),
+        given_nm: cut(&log.given_nm),
+        calibrated_nm: cut(&log.calibrated_nm),
+        after_nm: cut(&log.after_nm),
+    };
+    (samples.len() > 2).then_some((stretch, *log.t_s.get(worst)?))
 }
 
 /// Samples at which a motion turns round.
@@ -142,6 +186,28 @@ mod tests {
         assert_eq!(around(&[100, 160, 220], 150, 1000), 70..251);
         assert_eq!(around(&[], 5, 1000), 0..18);
         assert_eq!(around(&[10, 990], 500, 1000).len(), 800);
+    }
+
+    #[test]
+    fn a_torque_is_shown_where_the_causes_matter_most() {
+        let diagnosis = sample::two_effects().diagnosis;
+        let t_s: Vec<f64> = (0..600).map(|i| 0.01 * f64::from(i)).collect();
+        let wave = |t: &f64| (3.0 * t).sin();
+        let with = |more: &dyn Fn(f64) -> f64| t_s.iter().map(|t| wave(t) + more(*t)).collect::<Vec<f64>>();
+        let log = TorqueTraces {
+            measured_nm: with(&|_| 0.0),
+            given_nm: with(&|_| 0.5),
+            calibrated_nm: with(&|t| if (t - 4.0).abs() < 0.05 { 0.3 } else { 0.01 }),
+            after_nm: with(&|_| 0.0),
+            t_s: t_s.clone(),
+            ..TorqueTraces::default()
+        };
+        let (stretch, at_s) = torques(&diagnosis, &[TorqueTraces::default(), log]).expect("a gap");
+        assert!((at_s - 4.0).abs() < 0.06, "{at_s}");
+        let [from, to] = [stretch.t_s[0], stretch.t_s[stretch.t_s.len() - 1]];
+        assert!(from < at_s && at_s < to && to - from < 4.0, "{from} to {to}");
+        assert_eq!(stretch.after_nm.len(), stretch.t_s.len());
+        assert!(torques(&diagnosis, &[]).is_none());
     }
 
     #[test]

@@ -24,7 +24,10 @@ pub(super) fn how_far(diagnosis: &Diagnosis) -> Result<String, ReportError> {
         after: gap.after,
         floor: gap.floor,
     };
-    let logs: Vec<&LogGap> = gap.per_log.iter().chain([&all]).collect();
+    let files: Vec<&str> = gap.per_log.iter().map(|log| log.file.as_str()).collect();
+    let bare = gap.per_log.iter().zip(words::names_without_folder(&files));
+    let bare: Vec<LogGap> = bare.map(|(log, file)| LogGap { file, ..log.clone() }).collect();
+    let logs: Vec<&LogGap> = bare.iter().chain([&all]).collect();
     let title = format!("{}: error of each held-out log", diagnosis.joint);
     errors(&title, &logs, Measure::of(gap.unit), words::answer(diagnosis))
 }
@@ -38,8 +41,6 @@ pub(in crate::report) fn errors(
     answer: Option<String>,
 ) -> Result<String, ReportError> {
     let axis = Axis::logarithmic(logs.iter().flat_map(|log| values(log)).map(|(rms, _)| measure.scale * rms));
-    let files: Vec<&str> = logs.iter().map(|log| log.file.as_str()).collect();
-    let files = words::names_without_folder(&files);
     let mut names = vec![
         (Sign::Dot, BEFORE.to_rgba(), "as given".to_owned()),
         (Sign::Dot, CALIBRATED.to_rgba(), "recalibrated".to_owned()),
@@ -55,13 +56,13 @@ pub(in crate::report) fn errors(
         rows.draw(root)?;
         for (row, log) in logs.iter().enumerate() {
             let is_last = row + 1 == logs.len();
-            rows.name(root, row, &files[row], is_last)?;
+            rows.name(root, row, &log.file, is_last)?;
             let places = values(log).map(|(rms, colour)| {
                 let shown = drawable(rms) && rms > 0.0 && (colour != AFTER || answer.is_some());
                 (shown.then(|| rows.x(math::log10(measure.scale * rms))), colour)
             });
             let shown = || places.iter().filter_map(|(x, _)| *x);
-            rows.says(root, row, &said(log, &files[row], measure, answer.as_deref()));
+            rows.says(root, row, &said(log, measure, answer.as_deref()));
             let (low, high) = shown().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
             let y = rows.y(row);
             if low < high {
@@ -83,12 +84,12 @@ pub(in crate::report) fn errors(
 }
 
 /// All errors of a row in words.
-fn said(log: &LogGap, name: &str, measure: Measure, answer: Option<&str>) -> String {
+fn said(log: &LogGap, measure: Measure, answer: Option<&str>) -> String {
     let of = |words: &str, rms: f64| format!("{words} {}", measure.quantity(rms));
     let after = answer.map(|words| of(words, log.after));
     let all = [of("as given", log.before), of("recalibrated", log.calibrated)].into_iter().chain(after);
     let all: Vec<String> = all.chain([of("noise", log.floor)]).collect();
-    format!("{name}: {}", all.join(", "))
+    format!("{}: {}", log.file, all.join(", "))
 }
 
 /// RMS and colour: before, calibrated, after, floor.

@@ -9,6 +9,7 @@ mod law;
 mod log;
 mod motion;
 mod ruled;
+pub(in crate::report) mod rungs;
 #[cfg(test)]
 mod tests;
 mod torque;
@@ -107,8 +108,17 @@ impl GapFigures {
 }
 
 /// The moment at which the answer matters most.
-fn close_up(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
+///
+/// # Errors
+/// [`ReportError::Font`] and [`ReportError::Draw`], neither of which depends on the data.
+pub(in crate::report) fn close_up(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
     let diagnosis = &report.diagnosis;
+    if let Some((torques, at_s)) = close_up::torques(diagnosis, &report.torques) {
+        let caption = "The stretch at which the answer matters most. Above: the drive's torque, and what models ask for along \
+                       the measured motion. Below: what is left over.";
+        let title = format!("{}, close-up of {} at {at_s:.2} s", diagnosis.joint, torques.file);
+        return Ok(vec![figure("close-up", "Close-up", caption, along::torques(diagnosis, &torques, &title)?)]);
+    }
     let Some(moment) = close_up::moment(diagnosis) else { return Ok(Vec::new()) };
     let caption = "The turn of the motion at which the answer matters most. Dots are readings, dashes what was asked; below, \
                    measured minus model.";
@@ -173,10 +183,11 @@ fn logs(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
 fn torques(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
     let caption =
         "Above: the drive's torque, and what models ask for along the measured motion. Below: what is left over.";
+    let of_log = |log: &TorqueTraces| format!("{}, {} ({})", report.diagnosis.joint, log.file, log.role);
     let draw = |(i, log): (usize, &TorqueTraces)| {
         let name = format!("log-{:02}-{}", i + 1, plain(&log.file));
         let title = format!("Log {} ({})", log.file, log.role);
-        Ok(figure(&name, &title, caption, along::torques(&report.diagnosis, log)?))
+        Ok(figure(&name, &title, caption, along::torques(&report.diagnosis, log, &of_log(log))?))
     };
     report.torques.iter().enumerate().map(draw).collect()
 }

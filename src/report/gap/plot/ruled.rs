@@ -16,6 +16,9 @@ pub(super) const RULER: f64 = 50.0;
 const NAMES_END: f64 = 250.0;
 /// Where a narrow figure's rows begin \[px\].
 const NARROW_LEFT: f64 = 10.0;
+/// Width of a mark, and how far it reaches to both sides of a narrow figure's bars \[px\].
+const MARK: f64 = 2.0;
+const BESIDE: f64 = 11.0;
 const GRID: RGBColor = RGBColor(224, 224, 224);
 
 /// Rows under each other, a ruler below them.
@@ -80,6 +83,19 @@ impl Ruled<'_> {
     pub fn upright(&self, root: &Area<'_>, at: f64, colour: RGBColor, width: f64) -> Drawn {
         let x = px(self.x(at));
         root.draw(&PathElement::new([(x, px(self.top)), (x, px(self.bottom()))], stroke(colour, width)))
+    }
+
+    /// A mark at one value of every row; where names stand above their bars it is drawn beside the bars alone.
+    pub fn mark(&self, root: &Area<'_>, at: f64, colour: RGBColor) -> Drawn {
+        if !is_narrow() {
+            return self.upright(root, at, colour, MARK);
+        }
+        let x = px(self.x(at));
+        for row in 0..self.rows {
+            let ends = [self.y(row) - BESIDE, self.y(row) + BESIDE].map(|y| (x, px(y)));
+            root.draw(&PathElement::new(ends, stroke(colour, MARK)))?;
+        }
+        Ok(())
     }
 
     pub fn name(&self, root: &Area<'_>, row: usize, words: &str, bold: bool) -> Drawn {

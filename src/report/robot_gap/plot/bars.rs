@@ -29,12 +29,12 @@ pub(super) fn ranking(diagnosis: &RobotDiagnosis) -> Result<String, ReportError>
     if let (Some(_), Some(both)) = (&answer.second, words::answer(answer)) {
         bars.push(Bar { bold: true, ..bar(both, gap.after, AFTER, gap.closed) });
     }
-    for candidate in &diagnosis.ranking {
+    for (candidate, chance) in diagnosis.ranking.iter().zip(words::chances(diagnosis).candidates) {
         let named = words::is_named(answer, candidate);
         let colour = if named { AFTER } else { SHADE };
         let mut bar =
             Bar { bold: named, ..bar(words::found(&candidate.found), candidate.after, colour, candidate.closed) };
-        bar.words[2] = share(candidate.probability);
+        bar.words[2] = chance;
         bars.push(bar);
     }
     bars.push(bar("sensor's noise".to_owned(), gap.floor, BAND, None));
