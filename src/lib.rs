@@ -44,6 +44,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#![deny(unsafe_code)]
 // The same bits on every processor: see `number::math`.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 // What only pages use is idle without them.

@@ -1,4 +1,5 @@
-//! The same bytes on another processor: what is asked of the C library, and whole runs as an older processor would do them.
+//! The same bytes on another processor and on other threads: what is asked of the C library, and whole runs as an older
+//! processor would do them.
 #![cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
 
 mod support;
@@ -66,15 +67,30 @@ fn gather(root: &Path, folder: &Path, into: &mut BTreeMap<String, Vec<u8>>) {
 /// Runs the commands here and elsewhere and compares every byte that they leave.
 fn agree(commands: &[&[&str]], elsewhere: impl Fn() -> Command) {
     for words in commands {
-        let (here, there) = (left_by(&mut Command::new(PROGRAM), words), left_by(&mut elsewhere(), words));
-        assert!(here.keys().eq(there.keys()), "{words:?}: other files");
-        for (name, content) in &here {
-            let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-            let first = text(content).lines().zip(text(&there[name]).lines()).find(|(a, b)| a != b).map(|(a, b)| {
-                let cut = |line: &str| line.chars().take(200).collect::<String>();
-                format!("\n{}\n{}", cut(a), cut(b))
-            });
-            assert!(content == &there[name], "{words:?}: {name} differs{}", first.unwrap_or_default());
+        same(words, &left_by(&mut Command::new(PROGRAM), words), &left_by(&mut elsewhere(), words));
+    }
+}
+
+fn same(words: &[&str], here: &BTreeMap<String, Vec<u8>>, there: &BTreeMap<String, Vec<u8>>) {
+    assert!(here.keys().eq(there.keys()), "{words:?}: other files");
+    for (name, content) in here {
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        let first = text(content).lines().zip(text(&there[name]).lines()).find(|(a, b)| a != b).map(|(a, b)| {
+            let cut = |line: &str| line.chars().take(200).collect::<String>();
+            format!("\n{}\n{}", cut(a), cut(b))
+        });
+        assert!(content == &there[name], "{words:?}: {name} differs{}", first.unwrap_or_default());
+    }
+}
+
+#[test]
+fn the_same_bytes_on_one_two_and_eight_threads() {
+    let looks: [&[&str]; 2] = [&["check", "data/q1.csv"], &["synth", "data/examples/synth/bench.toml", "--seed", "1"]];
+    for words in [&looks[..], &SHORT, &LONG].concat() {
+        let on = |threads| left_by(Command::new(PROGRAM).env("RAYON_NUM_THREADS", threads), words);
+        let one = on("1");
+        for threads in ["2", "8"] {
+            same(words, &one, &on(threads));
         }
     }
 }

@@ -4,7 +4,9 @@ use super::CliError;
 use crate::log::Outputs;
 use clap::Args;
 use serde::Serialize;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 /// Where results go, and how the program behaves.
 #[derive(Args, Debug)]
@@ -73,16 +75,31 @@ pub(super) fn refuse_overwriting<'a>(
     Ok(())
 }
 
-/// Prints a result; a reader that has gone away (a closed pipe) is no error.
+/// Why a result could not be printed.
+static NOT_PRINTED: OnceLock<io::Error> = OnceLock::new();
+
+/// Prints a result; a reader that has gone away (a closed pipe) is no error, anything else is found by [`printed`].
 pub(super) fn print(text: &str) {
-    use std::io::Write;
-    let _ = std::io::stdout().lock().write_all(text.as_bytes());
+    let mut out = io::stdout().lock();
+    if let Err(error) = out.write_all(text.as_bytes()).and_then(|()| out.flush())
+        && error.kind() != io::ErrorKind::BrokenPipe
+    {
+        // the first one is told
+        let _ = NOT_PRINTED.set(error);
+    }
+}
+
+/// Whether all results could be printed.
+///
+/// # Errors
+/// [`CliError::Print`] with what the system said.
+pub(super) fn printed() -> Result<(), CliError> {
+    NOT_PRINTED.get().map_or(Ok(()), |error| Err(CliError::Print(error.to_string())))
 }
 
 /// Says on stderr what looks like a mistake.
 pub(super) fn warn(text: &str) {
-    use std::io::Write;
-    let _ = writeln!(std::io::stderr().lock(), "warning: {text}");
+    let _ = writeln!(io::stderr().lock(), "warning: {text}");
 }
 
 /// Name for the output of a study: its folder's, or the file's own where it lies in the working folder.

@@ -69,6 +69,9 @@ pub enum CliError {
     /// A result cannot be put into JSON or TOML.
     #[error("a result cannot be written down: {0}; please report this")]
     Encode(String),
+    /// Standard output takes no more.
+    #[error("standard output could not be written: {0}")]
+    Print(String),
     /// A motion diverged.
     #[error("{file}: {source}; check the parameters' units and sizes")]
     Diverged {
@@ -199,7 +202,11 @@ impl CliError {
             CliError::Description(_) | CliError::Tree(_) => DATA,
             CliError::Case(_) | CliError::FitFile { .. } | CliError::Robot(_) | CliError::States { .. } => DATA,
             CliError::Fleet(FleetError::Pattern { .. } | FleetError::Nothing { .. } | FleetError::Busy { .. }) => USAGE,
-            CliError::Fleet(_) | CliError::Report(_) | CliError::Threads(_) | CliError::Encode(_) => IO,
+            CliError::Fleet(_)
+            | CliError::Report(_)
+            | CliError::Threads(_)
+            | CliError::Encode(_)
+            | CliError::Print(_) => IO,
         }
     }
 }

@@ -131,7 +131,7 @@ pub fn run_with(words: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Tables(args) => tables::run(&args),
         Command::Walk(args) => walk::run(&args),
     };
-    match result {
+    match result.and_then(|code| common::printed().map(|()| code)) {
         Ok(code) => code,
         Err(error) => {
             // Nobody may be listening any more.

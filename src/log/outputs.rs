@@ -2,15 +2,17 @@
 
 use super::error::LogError;
 use super::manifest::{MANIFEST_FILE, files_of, replace};
-use super::write::{folder_of, is_special, temporary_beside, write_atomically};
+use super::write::{alone_in, folder_of, is_special, remove_abandoned, temporary_beside, write_atomically};
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
 
 /// Files that belong together and are written all or none.
 ///
 /// Every file is first written beside its place under a temporary name; only when all of them are there do they take
-/// their names. Where one cannot be written, no file has changed and no new folder stays.
+/// their names, and no other run into the same folder meanwhile. Where one cannot be written, no file has changed and no new
+/// folder stays.
 ///
 /// Where they are a report, with a page that ties them together, what an earlier run left of the same report goes once
 /// all of them are written, so that no figure of another run stays beside the page ([`MANIFEST_FILE`]).
@@ -23,6 +25,9 @@ pub struct Outputs {
     /// Written before these and part of the same report.
     before: Vec<PathBuf>,
 }
+
+/// A path and what is to take its place.
+type Staged<'a> = (&'a Path, NamedTempFile);
 
 #[derive(Debug)]
 struct Output {
@@ -71,14 +76,17 @@ impl Outputs {
     /// [`LogError::Write`] with the path that cannot be written, or removed.
     pub fn write(self) -> Result<(), LogError> {
         let mut made = Vec::new();
-        let written = self.write_keeping_track(&mut made);
+        let written = self.stage(&mut made);
         if written.is_err() {
             // Innermost first; one that is not empty is somebody else's by now.
             for folder in made.iter().rev() {
                 let _ = fs::remove_dir(folder);
             }
         }
-        written?;
+        let staged = written?;
+        let folder = self.page.as_deref().or_else(|| self.paths().next()).map(folder_of);
+        let _alone = folder.and_then(alone_in);
+        self.name(staged)?;
         self.replace_earlier()
     }
 
@@ -94,8 +102,10 @@ impl Outputs {
         write_atomically(&folder_of(page).join(MANIFEST_FILE), |out| out.write_all(list.as_bytes()))
     }
 
-    fn write_keeping_track(&self, made: &mut Vec<PathBuf>) -> Result<(), LogError> {
+    /// Writes all files under temporary names; new folders are added to `made`.
+    fn stage(&self, made: &mut Vec<PathBuf>) -> Result<Vec<Staged<'_>>, LogError> {
         let mut staged = Vec::with_capacity(self.files.len());
+        let mut tidied: Vec<&Path> = Vec::new();
         for Output { path, content, .. } in &self.files {
             let failed = |source| LogError::Write { file: path.clone(), source };
             if path.is_dir() {
@@ -105,15 +115,25 @@ impl Outputs {
                 continue;
             }
             make_folders(folder_of(path), made).map_err(failed)?;
+            if !tidied.contains(&folder_of(path)) {
+                remove_abandoned(folder_of(path));
+                tidied.push(folder_of(path));
+            }
             let mut file = temporary_beside(path).map_err(failed)?;
             file.write_all(content).map_err(failed)?;
-            staged.push((path, file));
+            staged.push((path.as_path(), file));
         }
-        for (path, file) in staged {
-            file.persist(path).map_err(|error| LogError::Write { file: path.clone(), source: error.error })?;
-        }
+        // What is no file has no earlier content to keep.
         for Output { path, content, .. } in self.files.iter().filter(|file| is_special(&file.path)) {
             write_atomically(path, |out| out.write_all(content))?;
+        }
+        Ok(staged)
+    }
+
+    /// Gives what was written its names.
+    fn name(&self, staged: Vec<Staged<'_>>) -> Result<(), LogError> {
+        for (path, file) in staged {
+            file.persist(path).map_err(|error| LogError::Write { file: path.to_path_buf(), source: error.error })?;
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! Writes files whole or not at all.
 
-use std::fs::{self, File};
+use std::fs::{self, File, TryLockError};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
@@ -27,6 +27,7 @@ fn write_or_leave(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Resul
         return out.flush();
     }
     fs::create_dir_all(folder_of(path))?;
+    remove_abandoned(folder_of(path));
     let mut out = BufWriter::new(temporary_beside(path)?);
     content(&mut out)?;
     let file = out.into_inner().map_err(io::IntoInnerError::into_error)?;
@@ -43,16 +44,53 @@ pub(super) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
+/// Begin of the names of files that are being written.
+const TEMPORARY: &str = ".aibo-fit-";
+/// Goes at a temporary file that another run takes for abandoned between its making and its locking.
+const GOES: usize = 100;
+
+/// A file to write to, locked for as long as it is open: see [`remove_abandoned`].
 pub(super) fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".aibo-fit-");
+    builder.prefix(TEMPORARY);
     #[cfg(unix)]
     {
         // a temporary file is private by default; a result gets what any new file gets
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    builder.tempfile_in(folder_of(path))
+    for _ in 0..GOES {
+        let file = builder.tempfile_in(folder_of(path))?;
+        let is_taken = matches!(file.as_file().try_lock(), Err(TryLockError::WouldBlock));
+        if !is_taken && file.path().exists() {
+            return Ok(file);
+        }
+    }
+    Err(io::ErrorKind::ResourceBusy.into())
+}
+
+/// Removes what runs that were killed left half-written in a folder: files of ours that nobody holds locked. Where the file
+/// system has no locks nothing is removed.
+pub(super) fn remove_abandoned(folder: &Path) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        if !entry.file_name().to_string_lossy().starts_with(TEMPORARY) {
+            continue;
+        }
+        let path = entry.path();
+        if File::open(&path).is_ok_and(|file| file.try_lock().is_ok()) {
+            // a file that stays is no fault of this run
+            let _ = fs::remove_file(&path);
+        }
+    }
+}
+
+/// Held while files take their names, so that of two runs into one folder the later one has all of them.
+///
+/// `None` where folders cannot be locked.
+pub(super) fn alone_in(folder: &Path) -> Option<File> {
+    let folder = File::open(folder).ok()?;
+    folder.lock().ok()?;
+    Some(folder)
 }
 
 /// Writes a log as CSV, in the format that [`read_log`](super::read_log) reads; numbers keep every digit.
@@ -109,6 +147,18 @@ mod tests {
         assert!(error.to_string().contains("out.txt") && error.to_string().contains("disk full"), "{error}");
         assert_eq!(fs::read_to_string(&path).unwrap(), "old");
         assert_eq!(fs::read_dir(path.parent().unwrap()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn what_a_killed_run_left_is_removed_and_what_is_being_written_is_not() {
+        let dir = tempfile::tempdir().unwrap();
+        fs::write(dir.path().join(".aibo-fit-killed"), "half").unwrap();
+        fs::write(dir.path().join("mine"), "mine").unwrap();
+        let being_written = temporary_beside(&dir.path().join("other")).unwrap();
+        write_atomically(&dir.path().join("out"), |w| w.write_all(b"new")).unwrap();
+        assert!(being_written.path().exists() && dir.path().join("mine").exists());
+        drop(being_written);
+        assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 2);
     }
 
     #[test]

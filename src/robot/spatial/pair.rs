@@ -3,6 +3,9 @@
 //! Legs come in twos. On x86-64 a pair is one register of the baseline instruction set, so nothing has to be detected
 //! at run time; elsewhere it is two plain numbers. No operation fuses a multiplication with an addition, so the bits of
 //! a result do not depend on the processor.
+//!
+//! The only unsafe code of the project is here: a call of an intrinsic that every processor of the target has.
+#![allow(unsafe_code)]
 
 use std::ops::{Add, AddAssign, Mul, Neg, Sub};
 
