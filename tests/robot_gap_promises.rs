@@ -131,6 +131,14 @@ fn an_answer_has_every_key_is_the_same_on_any_number_of_threads_and_its_robot_cl
     assert_eq!(one["where"]["joints"], serde_json::json!(["lr3", "rr3"]));
     assert_eq!(one["where"]["cells"].as_array().unwrap().len() % 12, 0);
 
+    // What the answer leaves is one number, wherever it is told, and probabilities are those of one whole.
+    assert!(one["second"].is_null(), "{}", one["second"]);
+    let ranking = one["ranking"].as_array().unwrap();
+    let of_answer = |row: &&Value| row["effect"] == one["effect"] && row["joints"] == one["where"]["joints"];
+    assert_eq!(ranking.iter().find(of_answer).unwrap()["after"], one["gap"]["after"]);
+    let shared_out: f64 = ranking.iter().map(|row| row["probability"].as_f64().unwrap()).sum();
+    assert!((shared_out - one["probability"].as_f64().unwrap()).abs() < 1e-9, "{shared_out}");
+
     // The command line, with its number of threads, is part of the provenance.
     for found in [&mut one, &mut two] {
         found["command"].take();

@@ -57,11 +57,11 @@ pub(super) fn run(args: &InitArgs) -> Result<u8, CliError> {
         print(&format!("study: {}\n\nWhat the logs do not tell:\n", study.display()));
         draft.untold.iter().for_each(|sentence| print(&format!("- {sentence}\n")));
         let study = study.display();
-        let fill = match &draft.to_fill[..] {
+        let first = match &draft.to_fill[..] {
             [] => String::new(),
-            keys => format!("fill in {} in {study}, then\n      ", keys.join(", ")),
+            keys => format!(" fill in {} in {study}, then", keys.join(", ")),
         };
-        print(&format!("\nnext: {fill}aibo-fit check {study} (what the logs can tell), aibo-fit gap {study}\n"));
+        print(&format!("\nnext:{first}\n  aibo-fit check {study}\n  aibo-fit gap {study}\n"));
     }
     Ok(0)
 }

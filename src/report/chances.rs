@@ -41,8 +41,10 @@ impl Chances {
         let named: f64 = candidates.iter().filter(|of| of.is_named).map(|of| of.probability).sum();
         let are_all = (named - answer).abs() < SAME;
         let alone = candidates.iter().position(|of| of.is_named && (of.probability - answer).abs() < SAME);
-        let is_answer =
-            |k: usize| has_part(&candidates[k]) && if are_all { candidates[k].is_named } else { alone == Some(k) };
+        let is_answer = |k: usize| {
+            let is_own = alone.filter(|_| !are_all).is_none_or(|alone| alone == k);
+            candidates[k].is_named && has_part(&candidates[k]) && is_own
+        };
         let (own, others): (Vec<usize>, Vec<usize>) = (0..candidates.len()).partition(|k| is_answer(*k));
         let beside: f64 = others.iter().map(|k| candidates[*k].probability).sum();
         let parts = others.iter().map(|k| candidates[*k].probability);
