@@ -58,12 +58,17 @@ pub(crate) fn stands_out(share: f64) -> bool {
 
 /// Shares of one whole as whole percentages that together are what the shares together are, and never more than 100 %.
 pub(crate) fn shares(shares: &[f64]) -> Vec<String> {
-    let all: f64 = shares.iter().map(|share| of_whole(*share)).sum();
-    let percents = whole_percents(shares, (100.0 * all).round().min(100.0) as u32);
+    let percents = share_percents(shares);
     let written = |(share, percent): (&f64, u32)| {
         if share.is_finite() { format!("{percent} %") } else { UNKNOWN.to_owned() }
     };
     shares.iter().zip(percents).map(written).collect()
+}
+
+/// The numbers of [`shares`]; what is not finite has none.
+pub(crate) fn share_percents(shares: &[f64]) -> Vec<u32> {
+    let all: f64 = shares.iter().map(|share| of_whole(*share)).sum();
+    whole_percents(shares, (100.0 * all).round().min(100.0) as u32)
 }
 
 /// A share as a part of a whole: not negative, not more than all of it.

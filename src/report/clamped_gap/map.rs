@@ -3,7 +3,7 @@
 use super::ClampedGapReport;
 use crate::gap::{Diagnosis, Phase};
 use crate::report::ReportError;
-use crate::report::number::share;
+use crate::report::number::{share, share_percents};
 use crate::report::plot::canvas::{POSITIVE, SHADE};
 use crate::report::plot::heat::{Heat, HeatCell, NO_VALUE, heat, tint};
 
@@ -29,8 +29,10 @@ pub(super) fn map(report: &ClampedGapReport) -> Result<Option<String>, ReportErr
     if phases.is_empty() || all <= 0.0 {
         return Ok(None);
     }
-    let each = joints.iter().flat_map(|own| phases.iter().filter_map(|phase| cell(own, *phase, all)));
-    let most = each.map(|(share, _)| share).fold(0.0, f64::max);
+    let cells: Vec<Option<(f64, bool)>> =
+        joints.iter().flat_map(|own| phases.iter().map(|phase| cell(own, *phase, all))).collect();
+    let of_all: Vec<f64> = cells.iter().map(|cell| cell.map_or(0.0, |(share, _)| share)).collect();
+    let (percents, most) = (share_percents(&of_all), of_all.iter().copied().fold(0.0, f64::max));
     let rows: Vec<String> = joints.iter().map(|own| own.joint.clone()).collect();
     let mut columns: Vec<String> = phases.iter().map(|phase| phase.name().to_owned()).collect();
     columns.push("all phases".to_owned());
@@ -48,13 +50,15 @@ pub(super) fn map(report: &ClampedGapReport) -> Result<Option<String>, ReportErr
     };
     let drawn = heat(&table, |row, column| {
         let none = HeatCell { ground: NO_VALUE, words: String::new(), framed: false };
-        let Some(own) = joints.get(row) else { return none };
-        let Some(phase) = phases.get(column) else {
-            return HeatCell { words: share(above(own) / all), ..none };
-        };
-        cell(own, *phase, all).map_or(none, |(of_all, significant)| HeatCell {
+        let first = row * phases.len();
+        if column == phases.len() {
+            // The sum of what is shown.
+            let all: u32 = percents.iter().skip(first).take(phases.len()).sum();
+            return HeatCell { words: format!("{all} %"), ..none };
+        }
+        cells.get(first + column).copied().flatten().map_or(none, |(of_all, significant)| HeatCell {
             ground: tint(if significant { POSITIVE } else { SHADE }, if most > 0.0 { of_all / most } else { 0.0 }),
-            words: share(of_all),
+            words: format!("{} %", percents[first + column]),
             framed: significant,
         })
     })?;

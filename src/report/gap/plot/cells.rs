@@ -4,7 +4,7 @@ use plotters::style::RGBColor;
 
 use crate::gap::{Confusion, Diagnosis, Phase};
 use crate::report::ReportError;
-use crate::report::gap::words::{files_and_phases, names_without_folder, shares_of_cells};
+use crate::report::gap::words::{files_and_phases, names_without_folder};
 use crate::report::number;
 use crate::report::plot::canvas::{AFTER, POSITIVE, SHADE};
 use crate::report::plot::heat::{Heat, HeatCell, NO_VALUE, heat, tint};
@@ -31,18 +31,20 @@ pub(super) fn map(diagnosis: &Diagnosis) -> Result<String, ReportError> {
         scale: &[(1.0, &number::share(most)), (0.0, "0 %")],
         nothing: "no log moves",
     };
-    let sum = |file: Option<&&str>, phase: Option<&Phase>| -> f64 {
-        let counts = |cell: &&crate::gap::MapCell| {
+    let shares: Vec<f64> = cells.iter().map(|cell| cell.share).collect();
+    let (percents, shown) = (number::share_percents(&shares), number::shares(&shares));
+    // Sums of what is shown: nobody adds up anything else.
+    let sum = |file: Option<&&str>, phase: Option<&Phase>| -> u32 {
+        let counts = |cell: &crate::gap::MapCell| {
             file.is_none_or(|file| cell.file == **file) && phase.is_none_or(|phase| cell.phase == *phase)
         };
-        cells.iter().filter(counts).map(|cell| cell.share).filter(|share| share.is_finite()).sum()
+        cells.iter().zip(&percents).filter(|(cell, _)| counts(cell)).map(|(_, percent)| percent).sum()
     };
-    let shown = shares_of_cells(cells);
     let of_most = |share: f64| if most > 0.0 && share.is_finite() { share / most } else { 0.0 };
     heat(&map, |row, column| {
         let (file, phase) = (files.get(row), phases.get(column));
         let (Some(file), Some(phase)) = (file, phase) else {
-            return HeatCell { ground: NO_VALUE, words: number::share(sum(file, phase)), framed: false };
+            return HeatCell { ground: NO_VALUE, words: format!("{} %", sum(file, phase)), framed: false };
         };
         match cells.iter().zip(&shown).find(|(cell, _)| cell.file == *file && cell.phase == *phase) {
             Some((cell, shown)) => HeatCell {
