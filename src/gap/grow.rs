@@ -5,7 +5,7 @@
 //! numbers.
 
 use super::evidence::{Evidence, counts};
-use super::explore::{explore, explore_rivals, is_kin, one_of_each, refitted};
+use super::explore::{explore, explore_rivals, is_kin, refitted};
 use super::folds::Folds;
 use super::held_out::Elsewhere;
 use super::model::COULOMB;
@@ -115,13 +115,11 @@ impl Growth<'_> {
     fn step(&self, from: &Trial) -> (Option<Trial>, Looked) {
         let others = self.others(from);
         let sights = self.sights(from, &others);
-        let mut singles = explore(self.evidence, from, &sights);
-        if from.effects().is_empty() {
-            singles = self.contended(singles);
-        }
+        let singles = explore(self.evidence, from, &sights);
+        let contenders = if from.effects().is_empty() { self.contended(&singles) } else { Vec::new() };
         let loss = |t: &Trial| t.fit_loss(self.evidence);
         let before = loss(from);
-        let best = singles.first().map_or(f64::INFINITY, loss);
+        let best = singles.iter().chain(&contenders).map(loss).fold(f64::INFINITY, f64::min);
         let feeble = best > FEEBLE * before && best > self.enough;
         // Later on pairs are for where no single one helps.
         let helps = !from.effects().is_empty() && singles.first().is_some_and(|best| self.lowers(from, best));
@@ -137,20 +135,17 @@ impl Growth<'_> {
             let apart = if t.model.has_two_bodies() { IMITATES } else { 1.0 };
             math::ln((apart * loss(t) / before).max(1e-12)) / added.sqrt()
         };
-        let best = singles.iter().chain(&together).min_by(|a, b| worth(a).total_cmp(&worth(b))).cloned();
+        let best =
+            singles.iter().chain(&contenders).chain(&together).min_by(|a, b| worth(a).total_cmp(&worth(b))).cloned();
         (best, Looked { singles, sights })
     }
 
     /// Where the best single effect leaves much, the best few in the forms that explain the logs best: in its default formula
     /// the right family may be behind a wrong one.
-    fn contended(&self, mut singles: Vec<Trial>) -> Vec<Trial> {
-        let few = CONTENDERS.min(singles.len());
-        singles[..few].par_iter_mut().for_each(|t| {
-            if !t.model.has_two_bodies() {
-                *t = self.reshaped(t.clone(), t.effects().len() - 1);
-            }
-        });
-        one_of_each(singles)
+    fn contended(&self, singles: &[Trial]) -> Vec<Trial> {
+        let few = &singles[..CONTENDERS.min(singles.len())];
+        let of_one_body: Vec<&Trial> = few.iter().filter(|t| !t.model.has_two_bodies()).collect();
+        of_one_body.into_par_iter().map(|t| self.reshaped(t.clone(), t.effects().len() - 1)).collect()
     }
 
     fn others(&self, from: &Trial) -> Vec<EffectId> {
