@@ -116,10 +116,10 @@ impl Growth<'_> {
         let others = self.others(from);
         let sights = self.sights(from, &others);
         let singles = explore(self.evidence, from, &sights);
-        let contenders = if from.effects().is_empty() { self.contended(&singles) } else { Vec::new() };
+        let rival = if from.effects().is_empty() { self.contended(&singles) } else { None };
         let loss = |t: &Trial| t.fit_loss(self.evidence);
         let before = loss(from);
-        let best = singles.iter().chain(&contenders).map(loss).fold(f64::INFINITY, f64::min);
+        let best = singles.iter().chain(&rival).map(loss).fold(f64::INFINITY, f64::min);
         let feeble = best > FEEBLE * before && best > self.enough;
         // Later on pairs are for where no single one helps.
         let helps = !from.effects().is_empty() && singles.first().is_some_and(|best| self.lowers(from, best));
@@ -135,17 +135,19 @@ impl Growth<'_> {
             let apart = if t.model.has_two_bodies() { IMITATES } else { 1.0 };
             math::ln((apart * loss(t) / before).max(1e-12)) / added.sqrt()
         };
-        let best =
-            singles.iter().chain(&contenders).chain(&together).min_by(|a, b| worth(a).total_cmp(&worth(b))).cloned();
+        let best = singles.iter().chain(&rival).chain(&together).min_by(|a, b| worth(a).total_cmp(&worth(b))).cloned();
         (best, Looked { singles, sights })
     }
 
-    /// Where the best single effect leaves much, the best few in the forms that explain the logs best: in its default formula
-    /// the right family may be behind a wrong one.
-    fn contended(&self, singles: &[Trial]) -> Vec<Trial> {
-        let few = &singles[..CONTENDERS.min(singles.len())];
-        let of_one_body: Vec<&Trial> = few.iter().filter(|t| !t.model.has_two_bodies()).collect();
-        of_one_body.into_par_iter().map(|t| self.reshaped(t.clone(), t.effects().len() - 1)).collect()
+    /// The effect that explains the logs best once the best few are in the forms that suit them, where that is not the first
+    /// of them: in its default formula the right family may be behind a wrong one.
+    fn contended(&self, singles: &[Trial]) -> Option<Trial> {
+        let few: Vec<&Trial> = singles.iter().take(CONTENDERS).filter(|t| !t.model.has_two_bodies()).collect();
+        let in_form: Vec<Trial> =
+            few.into_par_iter().map(|t| self.reshaped(t.clone(), t.effects().len() - 1)).collect();
+        let best =
+            in_form.into_iter().min_by(|a, b| a.fit_loss(self.evidence).total_cmp(&b.fit_loss(self.evidence)))?;
+        (best.effects() != singles[0].effects()).then_some(best)
     }
 
     fn others(&self, from: &Trial) -> Vec<EffectId> {
