@@ -121,6 +121,14 @@ impl Implant {
             let back = (value(found) - value(control)).abs() < OFF * implanted.abs();
             return back || names(found, id) && !names(control, id);
         }
+        if let Gain(factor) = self {
+            // Of several causes the gain is a number, not an effect.
+            let gain = |answer: &Value| answer["joint"]["gain"]["value"].as_f64();
+            let moved = gain(found).zip(gain(control)).map(|(with, without)| -(with / without).ln() / factor.ln());
+            if moved.is_some_and(|share| (share - 1.0).abs() <= OFF) {
+                return true;
+            }
+        }
         if !names(found, id) {
             return false;
         }

@@ -108,6 +108,7 @@ pub fn run_with(words: impl IntoIterator<Item = OsString>) -> u8 {
             return if error.use_stderr() { error::USAGE } else { 0 };
         }
     };
+    fleet::end_with_fleet();
     provenance::remember(&words);
     if let Some(columns) = columns() {
         limit_width(columns);

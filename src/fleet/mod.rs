@@ -38,6 +38,8 @@ pub const TABLE_FILE: &str = "fleet.parquet";
 pub const PAGE_FILE: &str = "report.html";
 /// Where answers are.
 const STUDIES: &str = "studies";
+/// Where workers write while they run, in the fleet's folder.
+const WORKING: &str = "working";
 /// Held as long as a fleet runs.
 const LOCK_FILE: &str = ".fleet.lock";
 
@@ -97,6 +99,8 @@ impl Fleet {
             TryLockError::WouldBlock => FleetError::Busy { folder: folder.to_path_buf() },
             TryLockError::Error(source) => failed(source),
         })?;
+        // A fleet that was killed left it.
+        let _ = fs::remove_dir_all(folder.join(WORKING));
         let study = |found: Found| {
             let name = name::name(&found.path);
             let stored = Stored::read(&answer_file(folder, &name));
@@ -143,7 +147,7 @@ impl Fleet {
 
     /// A place for what a worker leaves while it runs; it is no part of the answers.
     pub fn working(&self, study: usize) -> PathBuf {
-        self.folder.join("working").join(&self.studies[study].name)
+        self.folder.join(WORKING).join(&self.studies[study].name)
     }
 
     /// Keeps what came of a study.

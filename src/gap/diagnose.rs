@@ -17,11 +17,11 @@ use super::numbers::numbers;
 use super::place::place;
 use super::rates::{Rates, probability, share_out, standing};
 use super::refuted::soundly_believed;
-use super::sentence::sentence;
+use super::sentence::{far, sentence};
 use super::trial::{Trial, loss};
 use super::twins::measure;
 use super::waterfall::{beliefs, causes};
-use crate::identify::{Case, DirectiveError, Estimate, Experiment, JointModel, Signal};
+use crate::identify::{BeliefFound, Case, DirectiveError, Estimate, Experiment, JointModel, Signal};
 use crate::joint::EffectId;
 use crate::log::Role;
 use crate::number::math;
@@ -102,6 +102,8 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &dyn Progress) -> R
     let restricted = attribution.best.model.only().iter().any(Option::is_some);
     let differs = if intervals_trusted && !restricted { Vec::new() } else { differing(&evidence, &attribution) };
     let mut sentence = sentence(&case.joint.name, &decision, &gap, moved.as_deref(), &effect_parameters, law.as_ref());
+    let beliefs = beliefs(around);
+    sentence.extend(far(&broken(&beliefs, &decision)));
     sentence.extend(differs.first().and_then(Differs::instead_of_causes));
     let mut ranking = ranking(&evidence, &held, &attribution, &gap);
     stage("what would tell more")?;
@@ -142,7 +144,7 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &dyn Progress) -> R
         detectable,
         parameters,
         causes: causes(&evidence, &held, &attribution, &decision, &effect_parameters),
-        beliefs: beliefs(around),
+        beliefs,
         law,
         undetermined: around.undetermined(&evidence),
         effect_parameters,
@@ -154,6 +156,16 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &dyn Progress) -> R
         withheld: EffectId::ALL.iter().copied().filter(|e| !effects.contains(e)).collect(),
         demands: Arc::unwrap_or_clone(demands),
     })
+}
+
+/// Numbers that moved further than belief allows, beside what an answer with causes names already.
+fn broken<'a>(beliefs: &'a [BeliefFound], decision: &Decision<'_>) -> Vec<&'a BeliefFound> {
+    if !matches!(decision.verdict, Verdict::Effect | Verdict::Unexplained) {
+        return Vec::new();
+    }
+    let gain = decision.answer.model.parameters()[GAIN].name.clone();
+    let is_named = |name: &str| decision.effect() == Some(EffectId::MotorGain) && name == gain;
+    beliefs.iter().filter(|belief| belief.is_finding() && !is_named(&belief.name)).collect()
 }
 
 /// The drive's gain, a number that is believed to be 1, as the effect that it is once it is not.

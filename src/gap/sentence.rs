@@ -2,6 +2,7 @@
 
 use super::decide::Decision;
 use super::diagnosis::{Gap, LawFound, Number, Verdict};
+use crate::identify::BeliefFound;
 use crate::joint::{EffectId, LawActs};
 use crate::number::{mrad, quantity, share};
 
@@ -53,6 +54,29 @@ pub(super) fn closing([before, calibrated, after, floor]: [f64; 4]) -> String {
         "the error goes from {before} as given to {calibrated} with refitted numbers and to {after} with it, which closes \
          {closed} of what they leave"
     )
+}
+
+/// Numbers that are said.
+const SAID: usize = 3;
+
+/// `lf3.coulomb 0.030 N m instead of 0.010 N m (4.0 standard deviations of its belief)`
+pub(super) fn moved(beliefs: &[&BeliefFound]) -> String {
+    let of = |belief: &&BeliefFound| {
+        let [found, believed] = [belief.found, belief.believed].map(|value| quantity(value, None, &belief.unit));
+        format!(
+            "{} {found} instead of {believed} ({:.1} standard deviations of its belief)",
+            belief.name,
+            belief.moved_sd.abs()
+        )
+    };
+    let more = beliefs.len().saturating_sub(SAID);
+    let said = beliefs.iter().take(SAID).map(of).collect::<Vec<_>>().join(", ");
+    if more > 0 { format!("{said} and {more} more") } else { said }
+}
+
+/// That numbers are far from what was believed of them, where any are.
+pub(super) fn far(broken: &[&BeliefFound]) -> Option<String> {
+    (!broken.is_empty()).then(|| format!(" Numbers of the study would have to move far: {}.", moved(broken)))
 }
 
 /// What a law is, and what it closes.

@@ -36,6 +36,9 @@ impl Deviations {
     }
 }
 
+/// A number that was moved by more standard deviations of its belief is a finding.
+const FINDING_SD: f64 = 3.0;
+
 /// What was believed of a number, and what the logs made of it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BeliefFound {
@@ -68,5 +71,11 @@ impl BeliefFound {
             Some(Self { name: p.name.clone(), believed, sd, found, moved_sd, unit: p.unit.clone() })
         };
         searched.filter_map(found).collect()
+    }
+
+    /// Whether it was moved further than belief allows.
+    #[must_use]
+    pub fn is_finding(&self) -> bool {
+        self.moved_sd.abs() > FINDING_SD
     }
 }

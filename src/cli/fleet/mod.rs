@@ -15,6 +15,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 use worker::Worker;
+pub(super) use worker::end_with_fleet;
 
 /// Diagnose many studies on all cores into one table and one page: which joints of which robots drift, since when
 ///

@@ -4,8 +4,11 @@ use crate::cli::CliError;
 use crate::cli::error::{IO, NO};
 use crate::cli::restart::program;
 use crate::fleet::{Fleet, Outcome};
-use std::fs;
-use std::process::{Command, ExitStatus, Stdio};
+use std::process::{self, Command, ExitStatus, Output, Stdio};
+use std::{env, fs, io, thread};
+
+/// Set for a worker.
+const OF_FLEET: &str = "AIBO_FIT_WORKER_OF_FLEET";
 
 /// Starts processes.
 pub(super) struct Worker {
@@ -41,8 +44,8 @@ impl Worker {
         command.args(["--threads".to_owned(), self.threads.to_string(), "--quiet".to_owned()]);
         command.arg("--json").arg(&document).arg("--out").arg(pages);
         command.env("RAYON_NUM_THREADS", self.threads.to_string());
-        let ended = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped()).output();
-        let outcome = match ended {
+        command.env(OF_FLEET, "").stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
+        let outcome = match ended(&mut command) {
             Err(error) => Outcome::Lost(format!("its process cannot be started: {error}")),
             Ok(output) => match output.status.code().and_then(|code| u8::try_from(code).ok()) {
                 Some(0 | NO) => match fs::read_to_string(&document) {
@@ -57,6 +60,24 @@ impl Worker {
         // The last one out leaves no empty folder.
         let _ = working.parent().map(fs::remove_dir);
         outcome
+    }
+}
+
+/// Runs a worker to its end; it reads nothing, but sees by its input whether this process is still there.
+fn ended(command: &mut Command) -> io::Result<Output> {
+    let mut child = command.spawn()?;
+    let _held = child.stdin.take();
+    child.wait_with_output()
+}
+
+/// A worker ends with its fleet: one that is killed takes its workers along, which would otherwise write into the folder of
+/// the fleet that comes after it.
+pub(in crate::cli) fn end_with_fleet() {
+    if env::var_os(OF_FLEET).is_some() {
+        thread::spawn(|| {
+            let _ = io::copy(&mut io::stdin(), &mut io::sink());
+            process::exit(i32::from(IO));
+        });
     }
 }
 

@@ -13,8 +13,6 @@ use crate::identify::{BeliefFound, Directives, Estimate, Status};
 use crate::joint::{EffectId, LawVariable};
 use crate::number::{newton_metres, quantity, share};
 
-/// A number that had to move by more of its standard deviations is a finding.
-const FINDING: f64 = 3.0;
 /// A number of which the logs leave more than this share of what was believed open is not determined by them.
 const OPEN: f64 = 0.9;
 /// Recalibrating has to take away this share of the squares to be an answer.
@@ -210,7 +208,7 @@ fn verdict(causes: &[CauseShare], has_law: bool, rms: [f64; 4], most: Option<&Be
     if has_law {
         return Verdict::Unexplained;
     }
-    let is_finding = most.is_some_and(|number| number.moved_sd.abs() > FINDING);
+    let is_finding = most.is_some_and(BeliefFound::is_finding);
     if is_finding || before - calibrated > CLEAR * before { Verdict::Calibration } else { Verdict::None }
 }
 

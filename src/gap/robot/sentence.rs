@@ -2,7 +2,7 @@
 
 use super::cause::Cause;
 use super::diagnosis::{Found, RobotGap};
-use crate::gap::sentence::{closing, words as effect_words};
+use crate::gap::sentence::{closing, far, moved, words as effect_words};
 use crate::gap::{BeliefFound, Verdict};
 use crate::number::{mrad, quantity};
 
@@ -50,24 +50,6 @@ pub(super) struct Said<'a> {
     pub broken: &'a [&'a BeliefFound],
 }
 
-/// Numbers that are said.
-const SAID: usize = 3;
-
-/// `lf3.coulomb 0.030 N m instead of 0.010 N m (4.0 standard deviations of its belief)`
-fn moved(beliefs: &[&BeliefFound]) -> String {
-    let of = |belief: &&BeliefFound| {
-        let [found, believed] = [belief.found, belief.believed].map(|value| quantity(value, None, &belief.unit));
-        format!(
-            "{} {found} instead of {believed} ({:.1} standard deviations of its belief)",
-            belief.name,
-            belief.moved_sd.abs()
-        )
-    };
-    let more = beliefs.len().saturating_sub(SAID);
-    let said = beliefs.iter().take(SAID).map(of).collect::<Vec<_>>().join(", ");
-    if more > 0 { format!("{said} and {more} more") } else { said }
-}
-
 /// The sentence of an answer.
 pub(super) fn sentence(said: &Said<'_>, gap: &RobotGap) -> String {
     let Said { robot, verdict, first, second, partial, equivalent, places, broken } = said;
@@ -107,10 +89,7 @@ pub(super) fn sentence(said: &Said<'_>, gap: &RobotGap) -> String {
             let nearest = partial.map_or(String::new(), |found| {
                 format!(" What comes closest is {}; {}.", sized(found), closing(figures))
             });
-            let far = match broken.is_empty() {
-                true => String::new(),
-                false => format!(" Numbers of the study would have to move far: {}.", moved(broken)),
-            };
+            let far = far(broken).unwrap_or_default();
             format!(
                 "{robot}: the causes I know do not explain this gap; {} are left, and the sensor itself makes {}.{nearest}{far}",
                 mrad(gap.after),

@@ -12,8 +12,6 @@ pub(in crate::report) const HARDLY: f64 = 1.1;
 const OPENS: f64 = -0.005;
 /// A number that was moved by no more than so many of its standard deviations is as it was believed to be.
 const AS_BELIEVED: f64 = 1.0;
-/// One that was moved by more than so many is a finding.
-const FINDING: f64 = 3.0;
 
 /// What a step does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -160,7 +158,7 @@ fn words<'a>(diagnosis: &Diagnosis, belief: &'a BeliefFound) -> Moved<'a> {
         believed: beliefs::believed(belief),
         found: quantity(belief.found, interval, &belief.unit),
         moved: beliefs::moved(belief),
-        is_finding: belief.moved_sd.abs() > FINDING,
+        is_finding: belief.is_finding(),
     }
 }
 
