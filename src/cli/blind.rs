@@ -6,13 +6,10 @@ mod robot;
 use super::CliError;
 use super::common::{CommonArgs, json_text, print};
 use super::progress::Progress;
-use super::provenance::provenance;
-use crate::blind::{
-    Answered, CauseFilter, Judgement, Made, Sealed, TRUTHS_FILE, Trial, Truth, UnknownCause, make_filtered, score,
-};
+use crate::blind::{Answered, CauseFilter, Judgement, Made, Sealed, Trial, Truth, UnknownCause, make_filtered, score};
 use crate::gap::{Diagnosis, GapOptions, Verdict, diagnose};
 use crate::identify::Case;
-use crate::log::{LogError, Outputs};
+use crate::log::{Outputs, Workshop};
 use crate::progress::Silent;
 use crate::report::{GapReport, blind_figures, blind_html, blind_text, gap_json};
 use clap::Args;
@@ -79,7 +76,7 @@ pub(super) fn run(args: &BlindArgs) -> Result<u8, CliError> {
         Ok((study, truth))
     };
     run_with(args, "blind", &make, |run, truths, progress| {
-        let trials = diagnose_all(args, truths, run.folder, progress)?;
+        let trials = diagnose_all(run, truths, progress)?;
         progress.say("opening and scoring");
         let report = run.open(trials, score)?;
         let drawn = Drawn { figures: blind_figures(&report)?, page: blind_html(&report)? };
@@ -120,12 +117,13 @@ fn run_with<T: Serialize + Send>(
     }
     let folder = args.common.folder(name);
     let began = Instant::now();
-    let (made, truths) = args.common.on_threads(|| make_all(args, seed, &folder, make, &progress))??;
+    // The folder's earlier result stays until there is another.
+    let workshop = Workshop::inside(&folder)?;
+    let (made, truths) = args.common.on_threads(|| make_all(args, seed, workshop.path(), make, &progress))??;
     let each_s = began.elapsed().as_secs_f64() / f64::from(args.trials);
     let sealed = Sealed::new(&truths).map_err(encode)?;
-    forget_earlier(&folder)?;
     let mut seal = Outputs::default();
-    seal.add(folder.join(SEAL_FILE), sealed.line());
+    seal.add(workshop.path().join(SEAL_FILE), sealed.line());
     seal.write()?;
     progress.pause(|| {
         say(
@@ -138,7 +136,7 @@ fn run_with<T: Serialize + Send>(
             ),
         )
     });
-    let run = Run { args, seed, folder: &folder, made: &made, sealed: &sealed };
+    let run = Run { args, seed, folder: &folder, workshop: workshop.path(), made: &made, sealed: &sealed };
     let (text, page) = rest(&run, &truths, &progress)?;
     drop(progress);
     say(args, &format!("\n{text}\nreport: {}\n", page.display()));
@@ -187,21 +185,16 @@ fn make_all<T: Send>(
 }
 
 /// Diagnoses every study from its files; results in the order of the trials.
-fn diagnose_all(
-    args: &BlindArgs,
-    truths: &[Truth],
-    folder: &Path,
-    progress: &Progress,
-) -> Result<Vec<Trial>, CliError> {
-    one_by_one(args, truths, progress, &|truth: &Truth| {
-        let study = study_folder(folder, truth.trial).join("study.toml");
+fn diagnose_all(run: &Run<'_>, truths: &[Truth], progress: &Progress) -> Result<Vec<Trial>, CliError> {
+    one_by_one(run.args, truths, progress, &|truth: &Truth| {
+        let study = study_folder(run.workshop, truth.trial).join("study.toml");
         let began = Instant::now();
         let diagnosis = diagnose_one(&study);
         let wall_s = began.elapsed().as_secs_f64();
         let answer = diagnosis.as_ref().map(|(_, diagnosis)| Answered::of(diagnosis)).map_err(Clone::clone);
         if let Ok((case, diagnosis)) = diagnosis {
-            let report = GapReport::new(&case, diagnosis, GapOptions::default(), provenance(case.inputs())?);
-            write_diagnosis(folder, truth.trial, &gap_json(&report))?;
+            let report = GapReport::new(&case, diagnosis, GapOptions::default(), run.provenance(case.inputs())?);
+            write_diagnosis(run.workshop, truth.trial, &gap_json(&report))?;
         }
         Ok(Trial { truth: truth.clone(), answer, wall_s })
     })
@@ -260,18 +253,4 @@ fn diagnose_one(study: &Path) -> Result<(Case, Diagnosis), String> {
     let case = Case::of_study(study).map_err(|error| error.to_string())?;
     let diagnosis = diagnose(&case, &GapOptions::default(), &Silent).map_err(|error| error.to_string())?;
     Ok((case, diagnosis))
-}
-
-/// Answers of an earlier run in the same folder would be taken for those that are now sealed.
-fn forget_earlier(folder: &Path) -> Result<(), CliError> {
-    for name in [TRUTHS_FILE, "score.json", "report.html"] {
-        let file = folder.join(name);
-        match std::fs::remove_file(&file) {
-            Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
-                return Err(LogError::Write { file, source }.into());
-            }
-            _ => {}
-        }
-    }
-    Ok(())
 }

@@ -69,6 +69,9 @@ pub(super) fn run(args: &GapArgs, study: &Path) -> Result<u8, CliError> {
     write_outputs(outputs, &inputs)?;
     drop(progress);
     if !args.common.quiet {
+        for (_, joint) in &report.joints {
+            joint.doubts.iter().for_each(|doubt| warn(&format!("{}: {doubt}", joint.diagnosis.joint)));
+        }
         print(&clamped_gap_text(&report));
         print(&format!("\nreport: {}\n", page.display()));
     }

@@ -3,7 +3,7 @@
 use super::CliError;
 use super::common::{CommonArgs, log_name, print, study_name, write_outputs};
 use crate::log::Outputs;
-use crate::report::{Draft, draft_study};
+use crate::report::{Draft, draft_study, list_item};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -55,7 +55,7 @@ pub(super) fn run(args: &InitArgs) -> Result<u8, CliError> {
     write_draft(&study, &draft)?;
     if !args.quiet {
         print(&format!("study: {}\n\nWhat the logs do not tell:\n", study.display()));
-        draft.untold.iter().for_each(|sentence| print(&format!("- {sentence}\n")));
+        draft.untold.iter().for_each(|sentence| print(&(list_item(sentence) + "\n")));
         let study = study.display();
         let first = match &draft.to_fill[..] {
             [] => String::new(),
@@ -74,7 +74,10 @@ pub(super) fn drafted(log: &Path, robot: &Path, common: &CommonArgs) -> Result<P
     write_draft(&study, &draft)?;
     if !common.quiet {
         print(&format!("study: {} (written from the log; guesses are marked in it)\n", study.display()));
-        draft.untold.iter().for_each(|sentence| print(&format!("- not told by the log: {sentence}\n")));
+        draft
+            .untold
+            .iter()
+            .for_each(|sentence| print(&(list_item(&format!("not told by the log: {sentence}")) + "\n")));
         print("\n");
     }
     Ok(study)

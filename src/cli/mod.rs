@@ -55,23 +55,23 @@ struct Cli {
 
 #[derive(Subcommand, Debug)]
 enum Command {
-    Blind(Box<blind::BlindArgs>),
-    Check(check::CheckArgs),
-    Completions(shell::CompletionsArgs),
-    Convert(convert::ConvertArgs),
-    Drop(Box<drop::DropArgs>),
-    Dynamics(dynamics::DynamicsArgs),
-    Export(export::ExportArgs),
-    Fleet(fleet::FleetArgs),
-    Gap(gap::GapArgs),
-    Gate(gate::GateArgs),
     Init(init::InitArgs),
-    Man(shell::ManArgs),
-    SensorTest(sensor_test::SensorTestArgs),
+    Check(check::CheckArgs),
+    Gap(gap::GapArgs),
     Simulate(simulate::SimulateArgs),
+    Export(export::ExportArgs),
+    Drop(Box<drop::DropArgs>),
+    Convert(convert::ConvertArgs),
+    Gate(gate::GateArgs),
+    Fleet(fleet::FleetArgs),
     Synth(synth::SynthArgs),
-    Tables(tables::TablesArgs),
+    Blind(Box<blind::BlindArgs>),
     Walk(walk::WalkArgs),
+    Tables(tables::TablesArgs),
+    SensorTest(sensor_test::SensorTestArgs),
+    Dynamics(dynamics::DynamicsArgs),
+    Completions(shell::CompletionsArgs),
+    Man(shell::ManArgs),
 }
 
 /// The program with all its commands and options.

@@ -56,6 +56,17 @@ pub enum GapError {
 /// # Errors
 /// [`GapError`] where there is nothing to diagnose.
 pub fn diagnose(case: &Case, options: &GapOptions, progress: &dyn Progress) -> Result<Diagnosis, GapError> {
+    diagnose_from(case, options, None, progress)
+}
+
+/// The same of a joint that carries bodies which are other than described; what it is as given is taken from `described`, the
+/// diagnosis without them.
+pub(super) fn diagnose_from(
+    case: &Case,
+    options: &GapOptions,
+    described: Option<&Diagnosis>,
+    progress: &dyn Progress,
+) -> Result<Diagnosis, GapError> {
     let stage = |stage| progress.go_on(Step::stage(stage));
     let nominal = case.joint.nominal.ok_or(GapError::NoNominal)?;
     let mut evidence = Evidence::of(case, nominal).ok_or(GapError::NeverMoved)?;
@@ -75,7 +86,10 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &dyn Progress) -> R
     stage("weighing")?;
     let held = HeldOut::of(&evidence);
     let decision = decide(&evidence, &held, &attribution);
-    let gap = gap(&evidence, &held, &attribution, &decision);
+    let mut gap = gap(&evidence, &held, &attribution, &decision);
+    if let Some(described) = described {
+        gap.begin_at(&described.gap);
+    }
     stage("what these logs could have shown")?;
     let found = !decision.answer.effects().is_empty() || decision.answer.model.law().is_some();
     let around = if found { decision.answer } else { &attribution.calibrated };
@@ -101,7 +115,9 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &dyn Progress) -> R
     // Causes that hold in some logs only may stand for a number that differs.
     let restricted = attribution.best.model.only().iter().any(Option::is_some);
     let differs = if intervals_trusted && !restricted { Vec::new() } else { differing(&evidence, &attribution) };
-    let mut sentence = sentence(&case.joint.name, &decision, &gap, moved.as_deref(), &effect_parameters, law.as_ref());
+    let (parameter_moved, has_bodies) = (moved.as_deref(), described.is_some());
+    let mut sentence =
+        sentence(&case.joint.name, &decision, &gap, parameter_moved, &effect_parameters, law.as_ref(), has_bodies);
     let beliefs = beliefs(around);
     sentence.extend(far(&broken(&beliefs, &decision)));
     sentence.extend(differs.first().and_then(Differs::instead_of_causes));
@@ -123,7 +139,12 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &dyn Progress) -> R
     share_out(&mut ranking, &decision, probability);
     stage("where the gap lies")?;
     let (location, torques) = place(&evidence, &attribution, &decision);
-    let traces = traces(&evidence, &attribution, &decision, torques);
+    let mut traces = traces(&evidence, &attribution, &decision, torques);
+    for (own, first) in traces.iter_mut().zip(described.iter().flat_map(|described| &described.traces)) {
+        if (&own.file, &own.t_s) == (&first.file, &first.t_s) {
+            own.before_rad.clone_from(&first.before_rad);
+        }
+    }
     Ok(Diagnosis {
         joint: case.joint.name.clone(),
         answer: Answer {
@@ -382,6 +403,7 @@ fn notes(
     let spread = evidence.fit.iter().zip(&decision.answer.fit).map(|(e, r)| (loss(e, r), e));
     if let Some((_, worst)) = spread.max_by(|a, b| a.0.total_cmp(&b.0))
         && decision.verdict == Verdict::Unexplained
+        && evidence.fit.iter().any(|e| e.file != worst.file)
     {
         notes.push(format!("Most of the error that is left is in {}.", worst.file));
     }

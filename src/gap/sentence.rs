@@ -42,8 +42,8 @@ fn only(decision: &Decision<'_>, effect: EffectId) -> String {
 
 /// The error as given, with refitted numbers and with the causes, and what these close of what the numbers leave.
 ///
-/// All in rad, with the sensor's noise last.
-pub(super) fn closing([before, calibrated, after, floor]: [f64; 4]) -> String {
+/// All in rad, with the sensor's noise last; `refitted` is what the second one is with.
+pub(super) fn closing([before, calibrated, after, floor]: [f64; 4], refitted: &str) -> String {
     let left = calibrated - floor;
     let closed = share(((calibrated - after) / left).clamp(0.0, 1.0));
     let [before, calibrated, after] = [before, calibrated, after].map(mrad);
@@ -51,8 +51,8 @@ pub(super) fn closing([before, calibrated, after, floor]: [f64; 4]) -> String {
         return format!("the error goes from {before} as given to {after} with it");
     }
     format!(
-        "the error goes from {before} as given to {calibrated} with refitted numbers and to {after} with it, which closes \
-         {closed} of what they leave"
+        "the error goes from {before} as given to {calibrated} with {refitted} and to {after} with it, which closes {closed} of what they \
+         leave"
     )
 }
 
@@ -103,7 +103,13 @@ fn includes_none(effect: EffectId, numbers: &[Number]) -> bool {
 /// Where refitted numbers leave less than this share of the error, that is said first.
 const MOST_BY_NUMBERS: f64 = 0.7;
 
-/// The sentence of a decision; `parameter` is the number that moved most.
+/// With what the error is told that causes close.
+pub(super) const REFITTED: &str = "refitted numbers";
+/// The same of a joint that carries bodies which are other than described.
+const WITH_BODIES: &str = "refitted numbers and bodies as found";
+
+/// The sentence of a decision; `parameter` is the number that moved most, `has_bodies` whether the joint carries bodies that are
+/// other than described: as given it is told without them.
 pub(super) fn sentence(
     joint: &str,
     decision: &Decision<'_>,
@@ -111,7 +117,9 @@ pub(super) fn sentence(
     parameter: Option<&str>,
     effects: &[(EffectId, Vec<Number>)],
     law: Option<&LawFound>,
+    has_bodies: bool,
 ) -> String {
+    let refitted = if has_bodies { WITH_BODIES } else { REFITTED };
     let size = |effect: EffectId| {
         let number = effects.iter().find(|(e, _)| *e == effect).and_then(|(_, numbers)| numbers.first());
         number.map_or(String::new(), |n| format!(" ({} = {})", n.name, quantity(n.value, n.interval, &n.unit)))
@@ -124,20 +132,28 @@ pub(super) fn sentence(
     };
     let all = || together(&decision.effects);
     match (decision.verdict, decision.effect()) {
+        (Verdict::None, _) if has_bodies => format!(
+            "{joint}: nothing is missing beside the bodies that it carries. With them as found the held-out logs are explained to \
+             the sensor's noise ({} against {}); as described it was {} off.",
+            mrad(gap.after),
+            mrad(gap.floor),
+            mrad(gap.before)
+        ),
         (Verdict::None, _) => format!(
             "{joint}: nothing is missing. The model as given explains the held-out logs to the sensor's noise ({} against {}).",
             mrad(gap.before),
             mrad(gap.floor)
         ),
         (Verdict::Calibration, _) => format!(
-            "{joint}: the structure is right and the numbers are off, the {} most of all; refitting them within what is believed of them takes the error from {} to {} (noise {}).",
+            "{joint}: the structure is right and the numbers are off, the {} most of all; refitting them within what is believed of them{} takes the error from {} to {} (noise {}).",
             parameter.unwrap_or("inertia"),
+            if has_bodies { ", with bodies as found," } else { "" },
             mrad(gap.before),
             mrad(gap.after),
             mrad(gap.floor)
         ),
         (Verdict::Effect, Some(effect)) => {
-            let mut text = format!("{joint}: the gap is {}; {}.", all(), closing(figures));
+            let mut text = format!("{joint}: the gap is {}; {}.", all(), closing(figures, refitted));
             let others: Vec<&str> = decision.equivalent.iter().filter(|e| **e != effect).map(|e| words(*e)).collect();
             if !others.is_empty() {
                 text += &format!(" These logs cannot tell the first apart from {}.", others.join(", nor from "));
@@ -158,14 +174,15 @@ pub(super) fn sentence(
                     together(open)
                 ),
             };
-            let nearest = partial.map_or(String::new(), |_| format!(" {known}; {}.", closing(figures)));
+            let nearest = partial.map_or(String::new(), |_| format!(" {known}; {}.", closing(figures, refitted)));
             let unnamed = law.map_or(String::new(), |law| format!(" Without a name {}", unnamed(law)));
             let stays = format!("{} are left, and the sensor itself makes {}", mrad(gap.after), mrad(gap.floor));
             if gap.calibrated < MOST_BY_NUMBERS * gap.before {
                 let most = parameter.map_or(String::new(), |name| format!(", the {name} most of all,"));
+                let beside = if has_bodies { " with bodies as found" } else { "" };
                 let [before, calibrated] = [gap.before, gap.calibrated].map(mrad);
                 return format!(
-                    "{joint}: refitting the numbers{most} takes the error from {before} to \
+                    "{joint}: refitting the numbers{most}{beside} takes the error from {before} to \
                      {calibrated}; the effects I know do not explain the rest: {stays}.{unnamed}{nearest}"
                 );
             }

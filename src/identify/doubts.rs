@@ -22,9 +22,15 @@ const FREQUENCY: f64 = 10.0;
 const SWINGS: usize = 2;
 
 impl Case {
-    /// Numbers of the study that are far from any joint that moves like its logs, in sentences; empty where all may be, and
-    /// where nothing is stated.
+    /// Logs whose columns do not belong together as the study says, and numbers of it that are far from any joint that moves like
+    /// its logs, in sentences; empty where all may be.
     pub fn doubts(&self) -> Vec<String> {
+        let crossed = self.crossed();
+        // Columns that are wrong make every number look wrong.
+        if crossed.is_empty() { self.far_off() } else { crossed }
+    }
+
+    fn far_off(&self) -> Vec<String> {
         // A robot's link is computed from its description, and may well hang on an axis that stands upright.
         let is_computed = self.items.iter().flat_map(|item| &item.experiments).any(|e| e.carriage.is_some());
         let Some(nominal) = self.joint.nominal.filter(|_| !is_computed) else { return Vec::new() };

@@ -48,7 +48,8 @@ pub(super) fn cut(whole: Experiment, log: &Log, ends_s: &[f64], noise_rad: f64) 
     cuts.push(whole.t_s.len());
     let still_rad = 3.0 * whole.resolution_rad.max(noise_rad);
     let (mut parts, mut remarks) = (Vec::new(), Vec::new());
-    remarks.push(format!("{} holes: each part has a start of its own", cuts.len() - 1));
+    let holes = cuts.len() - 1;
+    remarks.push(format!("{holes} hole{}: each part has a start of its own", if holes == 1 { "" } else { "s" }));
     let mut from = 0;
     for (k, to) in cuts.into_iter().enumerate() {
         let range = from..to;

@@ -3,6 +3,7 @@
 mod belief;
 mod case;
 mod conclude;
+mod crossed;
 mod directives;
 mod doubts;
 mod drop;

@@ -8,6 +8,11 @@ use super::motor_types::{Derivative, EncoderSide, Hold, MotorModel, MotorSpec, T
 use super::schema::{RawLog, RawMotor};
 use super::types::DriveMode;
 
+const GAIN: Range64 = range(|x| x >= 0.0, "a number not below 0 (N m/rad; where model = \"voltage\" duty per rad)");
+const DAMPING: Range64 = range(
+    |x| x >= 0.0,
+    "a number not below 0 (N m s/rad; where model = \"voltage\" duty s/rad); 0 where the drive has no such gain",
+);
 const DUTY: Range64 = range(|x| x > 0.0 && x <= 1.0, "a share of the supply above 0 and at most 1");
 
 pub(super) const HOLDS: [(&str, Hold); 2] = [("step", Hold::Step), ("linear", Hold::Linear)];
@@ -38,9 +43,9 @@ const TAUS: [(&str, Tau); 3] = [("applied", Tau::Applied), ("commanded", Tau::Co
 pub(super) fn motor(document: &Document<'_>, table: &str, raw: &RawMotor) -> Result<MotorSpec, LogError> {
     let key = |name: &str| format!("{table}{name}");
     let motor = MotorSpec {
-        kp_nm_rad: document.needed(&key("kp"), &raw.kp, NOT_NEGATIVE)?,
+        kp_nm_rad: document.needed(&key("kp"), &raw.kp, GAIN)?,
         ki_nm_rad_s: document.number(&key("ki"), &raw.ki, NOT_NEGATIVE)?.unwrap_or(0.0),
-        kd_nm_s_rad: document.needed(&key("kd"), &raw.kd, NOT_NEGATIVE)?,
+        kd_nm_s_rad: document.needed(&key("kd"), &raw.kd, DAMPING)?,
         hold: document.word(&key("hold"), &raw.hold, &HOLDS)?.unwrap_or_default(),
         derivative: document.word(&key("derivative"), &raw.derivative, &DERIVATIVES)?.unwrap_or_default(),
         sample_period_s: document.number(&key("sample_period"), &raw.sample_period, PERIOD)?,

@@ -2,7 +2,9 @@
 
 use super::error::LogError;
 use super::manifest::{MANIFEST_FILE, files_of, replace};
-use super::write::{alone_in, folder_of, is_special, remove_abandoned, temporary_beside, write_atomically};
+use super::write::{
+    alone_in, folder_of, is_special, make_folders, remove_abandoned, temporary_beside, write_atomically,
+};
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -22,8 +24,6 @@ pub struct Outputs {
     /// The page that ties the files of its folder together.
     page: Option<PathBuf>,
     inputs: Vec<PathBuf>,
-    /// Written before these and part of the same report.
-    before: Vec<PathBuf>,
 }
 
 /// A path and what is to take its place.
@@ -53,11 +53,6 @@ impl Outputs {
         let path = path.into();
         self.page = Some(path.clone());
         self.add(path, content);
-    }
-
-    /// Files of the report that this run has written already; those that are not there are passed over.
-    pub fn add_written(&mut self, paths: impl IntoIterator<Item = PathBuf>) {
-        self.before.extend(paths);
     }
 
     /// Files that were read: they are never removed.
@@ -93,11 +88,8 @@ impl Outputs {
     fn replace_earlier(&self) -> Result<(), LogError> {
         let Some(page) = &self.page else { return Ok(()) };
         let own = self.files.iter().filter(|file| !file.is_apart);
-        let before = self.before.iter().filter_map(|path| Some((path.as_path(), fs::read(path).ok()?)));
-        let before: Vec<(&Path, Vec<u8>)> = before.collect();
-        let written = own.map(|file| (file.path.as_path(), &file.content));
-        let files = files_of(page, written.chain(before.iter().map(|(path, content)| (*path, content))));
-        let kept = self.paths().chain(self.inputs.iter().chain(&self.before).map(PathBuf::as_path));
+        let files = files_of(page, own.map(|file| (file.path.as_path(), &file.content)));
+        let kept = self.paths().chain(self.inputs.iter().map(PathBuf::as_path));
         let list = replace(page, files, kept).map_err(|(file, source)| LogError::Write { file, source })?;
         write_atomically(&folder_of(page).join(MANIFEST_FILE), |out| out.write_all(list.as_bytes()))
     }
@@ -137,18 +129,6 @@ impl Outputs {
         }
         Ok(())
     }
-}
-
-/// Makes a folder and those above it, and adds to `made` what was not there before.
-fn make_folders(folder: &Path, made: &mut Vec<PathBuf>) -> io::Result<()> {
-    let missing: Vec<&Path> =
-        folder.ancestors().take_while(|f| !f.as_os_str().is_empty() && fs::symlink_metadata(f).is_err()).collect();
-    for folder in missing.into_iter().rev() {
-        fs::create_dir(folder)?;
-        made.push(folder.to_path_buf());
-    }
-    // A file in the way of the folder is found here.
-    fs::create_dir_all(folder)
 }
 
 #[cfg(test)]
@@ -207,14 +187,10 @@ mod tests {
         fs::write(out.join("edited.svg"), "edited by hand").unwrap();
         let mut second = report(out, "report.html", &["a.svg", "d.svg"]);
         second.keep(&[out.join("read.svg")]);
-        fs::write(out.join("e.svg"), "of the second run").unwrap();
-        second.add_written([out.join("e.svg"), out.join("none.svg")]);
         second.write().unwrap();
-        let there = ["a.svg", "asked.json", "d.svg", "deep", "e.svg", "edited.svg", "log.csv", "mine.svg", "read.svg"];
+        let there = ["a.svg", "asked.json", "d.svg", "deep", "edited.svg", "log.csv", "mine.svg", "read.svg"];
         assert_eq!(names(out), [&there[..], &["report.html", "study.toml"]].concat());
         assert!(names(&out.join("deep")).is_empty());
-        report(out, "report.html", &["a.svg"]).write().unwrap();
-        assert!(!out.join("e.svg").exists());
     }
 
     #[test]

@@ -50,6 +50,9 @@ pub(super) fn read_joint_of_study(path: &Path, columns: &Columns, joint: &str) -
         Err(LogError::SeveralJoints { joints, .. }) if joints.iter().any(|other| other == joint) => {
             joint_log(read_wanted(path, Want::Joint(joint), columns)?, Some(joint))
         }
+        Err(LogError::SeveralJoints { at, joints }) => {
+            Err(LogError::NotTheStudysJoint { at, joint: joint.to_owned(), joints })
+        }
         Err(error) => Err(error),
     }
 }

@@ -9,7 +9,7 @@ use toml::Spanned;
 
 use super::about::about;
 use super::beliefs::{JOINT_NAMES, uncertain};
-use super::document::{ANGLE, Document, FINITE, NOT_NEGATIVE, PERIOD, Range64, Text, range};
+use super::document::{ANGLE, Document, FINITE, PERIOD, Range64, Text, range};
 use super::error::LogError;
 use super::motor::{motor, tau_is};
 use super::raw_columns::columns;
@@ -18,6 +18,9 @@ use super::source::is_log_folder;
 use super::types::{DriveMode, ExtraMass, JointSpec, Nominal, Release, Role, SensorSpec, Study, StudyLog};
 
 const INERTIA: Range64 = range(|x| x > 0.0 && x < 1e4, "a number above 0 and below 1e4 (kg m^2)");
+const MOMENT: Range64 = range(|x| x >= 0.0, "a number not below 0 (kg m)");
+const TORQUE: Range64 = range(|x| x >= 0.0, "a number not below 0 (N m)");
+const VISCOUS: Range64 = range(|x| x >= 0.0, "a number not below 0 (N m s/rad)");
 const GRAVITY: Range64 = range(|x| x > 0.0 && x <= 30.0, "a number above 0 and at most 30 (m/s^2), without sign");
 pub(super) const RESOLUTION: Range64 =
     range(|x| (0.0..0.5).contains(&x), "a step from 0 (unknown) to below 0.5 rad; a larger one looks like degrees");
@@ -181,11 +184,12 @@ fn joint(document: &Document<'_>, raw: &RawJoint, full: bool) -> Result<JointSpe
     };
     let any = [&raw.inertia, &raw.moment, &raw.coulomb, &raw.viscous].into_iter().any(Option::is_some);
     let nominal = if full || any {
+        all_or_list(document, raw)?;
         Some(Nominal {
             inertia_kg_m2: document.needed("[joint] inertia", &raw.inertia, INERTIA)?,
-            moment_kg_m: document.needed("[joint] moment", &raw.moment, NOT_NEGATIVE)?,
-            coulomb_nm: document.needed("[joint] coulomb", &raw.coulomb, NOT_NEGATIVE)?,
-            viscous_nm_s_rad: document.needed("[joint] viscous", &raw.viscous, NOT_NEGATIVE)?,
+            moment_kg_m: document.needed("[joint] moment", &raw.moment, MOMENT)?,
+            coulomb_nm: document.needed("[joint] coulomb", &raw.coulomb, TORQUE)?,
+            viscous_nm_s_rad: document.needed("[joint] viscous", &raw.viscous, VISCOUS)?,
         })
     } else {
         None
@@ -196,6 +200,21 @@ fn joint(document: &Document<'_>, raw: &RawJoint, full: bool) -> Result<JointSpe
         gravity_m_s2: document.number("[joint] gravity", &raw.gravity, GRAVITY)?.unwrap_or(9.81),
         rest_rad: document.number("[joint] rest", &raw.rest, ANGLE)?,
     })
+}
+
+/// Of several numbers that a study has still to say all are told at once.
+fn all_or_list(document: &Document<'_>, raw: &RawJoint) -> Result<(), LogError> {
+    let keys = [
+        ("inertia (kg m^2)", &raw.inertia),
+        ("moment (kg m)", &raw.moment),
+        ("coulomb (N m)", &raw.coulomb),
+        ("viscous (N m s/rad)", &raw.viscous),
+    ];
+    let missing: Vec<&str> = keys.iter().filter(|(_, value)| value.is_none()).map(|(key, _)| *key).collect();
+    if missing.len() < 2 {
+        return Ok(());
+    }
+    Err(LogError::MissingNumbers { file: document.file.to_path_buf(), table: "[joint]", keys: missing })
 }
 
 pub(super) fn sensor(document: &Document<'_>, raw: &RawSensor) -> Result<SensorSpec, LogError> {

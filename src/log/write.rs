@@ -2,7 +2,7 @@
 
 use std::fs::{self, File, TryLockError};
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
@@ -44,8 +44,8 @@ pub(super) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Begin of the names of files that are being written.
-const TEMPORARY: &str = ".aibo-fit-";
+/// Begin of the names of files, and of folders, that are being written.
+pub(super) const TEMPORARY: &str = ".aibo-fit-";
 /// Goes at a temporary file that another run takes for abandoned between its making and its locking.
 const GOES: usize = 100;
 
@@ -69,7 +69,7 @@ pub(super) fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
     Err(io::ErrorKind::ResourceBusy.into())
 }
 
-/// Removes what runs that were killed left half-written in a folder: files of ours that nobody holds locked. Where the file
+/// Removes what runs that were killed left half-written in a folder: files and folders of ours that nobody holds locked. Where the file
 /// system has no locks nothing is removed.
 pub(super) fn remove_abandoned(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
@@ -78,10 +78,23 @@ pub(super) fn remove_abandoned(folder: &Path) {
         }
         let path = entry.path();
         if File::open(&path).is_ok_and(|file| file.try_lock().is_ok()) {
-            // a file that stays is no fault of this run
-            let _ = fs::remove_file(&path);
+            let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+            // what stays is no fault of this run
+            let _ = if is_folder { fs::remove_dir_all(&path) } else { fs::remove_file(&path) };
         }
     }
+}
+
+/// Makes a folder and those above it, and adds to `made` what was not there before.
+pub(super) fn make_folders(folder: &Path, made: &mut Vec<PathBuf>) -> io::Result<()> {
+    let missing: Vec<&Path> =
+        folder.ancestors().take_while(|f| !f.as_os_str().is_empty() && fs::symlink_metadata(f).is_err()).collect();
+    for folder in missing.into_iter().rev() {
+        fs::create_dir(folder)?;
+        made.push(folder.to_path_buf());
+    }
+    // A file in the way of the folder is found here.
+    fs::create_dir_all(folder)
 }
 
 /// Held while files take their names, so that of two runs into one folder the later one has all of them.

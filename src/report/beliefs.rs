@@ -1,7 +1,7 @@
 //! What a study states of its numbers beside what the logs make of them.
 
 use super::number::{quantity, significant, spoken};
-use super::text::{finish, number, table};
+use super::text::{cell, finish, number, table};
 use crate::identify::BeliefFound;
 use comfy_table::Cell;
 use std::collections::BTreeMap;
@@ -16,8 +16,8 @@ pub(super) fn belief_table(
     for belief in beliefs {
         table.add_row([
             Cell::new(&belief.name),
-            Cell::new(believed(belief)),
-            Cell::new(quantity(belief.found, interval(belief), &belief.unit)),
+            cell(believed(belief)),
+            cell(quantity(belief.found, interval(belief), &belief.unit)),
             number(moved(belief)),
         ]);
     }

@@ -81,7 +81,7 @@ pub use robot_gap::{
 };
 pub use sensor::{SensorReport, SweepPart, sensor_figures, sensor_html, sensor_text};
 pub use table::drop_text;
-pub use text::limit_width;
+pub use text::{limit_width, list_item};
 pub use thesis::{ThesisReport, thesis_csv, thesis_figures, thesis_html, thesis_json, thesis_markdown, thesis_text};
 pub use walk::{
     Comparison, FollowRow, Footfalls, Ground, JointCurves, LegCurves, PairedCurves, Runaway, SpeedRow, StudyReport,

@@ -7,7 +7,7 @@ use crate::cli::common::json_text;
 use crate::cli::provenance::provenance;
 use crate::gap::Rates;
 use crate::log::{LogError, Outputs};
-use crate::report::{BlindReport, Figure};
+use crate::report::{BlindReport, Figure, Provenance};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,10 @@ use std::path::{Path, PathBuf};
 pub(super) struct Run<'a> {
     pub args: &'a BlindArgs,
     pub seed: u64,
+    /// Where the result goes.
     pub folder: &'a Path,
+    /// Where studies, seal and diagnoses are until all is done.
+    pub workshop: &'a Path,
     /// Files of the studies.
     pub made: &'a [PathBuf],
     pub sealed: &'a Sealed,
@@ -36,10 +39,35 @@ impl Run<'_> {
     ) -> Result<BlindReport<S, Trial<T, A>>, CliError> {
         let truths: Vec<T> = trials.iter().map(|trial| trial.truth.clone()).collect();
         let opened = Sealed::new(&truths).map_err(encode)?;
-        let file = self.folder.join(SEAL_FILE);
+        let file = self.workshop.join(SEAL_FILE);
         let stored = std::fs::read_to_string(&file).map_err(|source| LogError::Read { file, source })?;
         let (seal_holds, score, provenance) = (stored == opened.line(), score(&trials), provenance([])?);
         Ok(BlindReport { seed: self.seed, sha256: opened.sha256, seal_holds, score, trials, provenance })
+    }
+
+    /// Adds what the run has written so far; a diagnosis that failed has no file.
+    fn take_over(&self, outputs: &mut Outputs) -> Result<(), CliError> {
+        let diagnoses = (0..u64::from(self.args.trials)).map(|trial| diagnosis_file(self.workshop, trial));
+        let diagnoses = diagnoses.filter(|file| file.exists());
+        for file in self.made.iter().cloned().chain(diagnoses).chain([self.workshop.join(SEAL_FILE)]) {
+            let content = std::fs::read(&file).map_err(|source| LogError::Read { file: file.clone(), source })?;
+            outputs.add(self.placed(&file), content);
+        }
+        Ok(())
+    }
+
+    /// Where a file of the workshop is once all is done.
+    fn placed(&self, file: &Path) -> PathBuf {
+        file.strip_prefix(self.workshop).map_or_else(|_| file.to_path_buf(), |within| self.folder.join(within))
+    }
+
+    /// Where inputs come from, by the names that they have once all is done.
+    pub(super) fn provenance(&self, inputs: impl IntoIterator<Item = PathBuf>) -> Result<Provenance, CliError> {
+        let mut provenance = provenance(inputs)?;
+        for (file, _) in &mut provenance.inputs {
+            *file = self.placed(Path::new(file.as_str())).display().to_string();
+        }
+        Ok(provenance)
     }
 
     /// Writes everything; each answer is judged, and counts for the rates as its standing and whether it was right.
@@ -66,9 +94,7 @@ impl Run<'_> {
             outputs.add(self.folder.join(figure.file_name), figure.svg);
         }
         outputs.add(self.folder.join("score.json"), json_text(&record)?);
-        let diagnoses = (0..u64::from(self.args.trials)).map(|trial| diagnosis_file(self.folder, trial));
-        let seal = std::iter::once(self.folder.join(SEAL_FILE));
-        outputs.add_written(self.made.iter().cloned().chain(diagnoses).chain(seal));
+        self.take_over(&mut outputs)?;
         let page = self.folder.join("report.html");
         outputs.add_page(&page, drawn.page);
         self.args.common.add_json(&mut outputs, &record)?;

@@ -36,12 +36,12 @@ pub(super) fn run(args: &BlindArgs) -> Result<u8, CliError> {
     run_with(args, "blind-robot", &make, |run, truths, progress| {
         let diagnose = |truth: &RobotTruth| {
             let began = Instant::now();
-            let study = study_folder(run.folder, truth.trial).join("study.toml");
+            let study = study_folder(run.workshop, truth.trial).join("study.toml");
             let is_arm = truth.scenario == Setting::Arm.word();
             let answer = if is_arm { diagnose_arm(&study) } else { diagnose_one(&study) };
             let wall_s = began.elapsed().as_secs_f64();
             if let Ok(answer) = &answer {
-                write_diagnosis(run.folder, truth.trial, answer)?;
+                write_diagnosis(run.workshop, truth.trial, answer)?;
             }
             Ok(RobotTrial { truth: truth.clone(), answer, wall_s })
         };

@@ -3,8 +3,9 @@
 use super::body::BodyCause;
 use super::case::{ClampedCase, ClampedJoint};
 use super::pooled::{PooledNumber, one_size, pooled};
+use crate::gap::diagnose::diagnose_from;
 use crate::gap::sentence::words;
-use crate::gap::{CauseShare, Diagnosis, GapError, GapOptions, Number, Verdict, diagnose};
+use crate::gap::{CauseShare, Diagnosis, GapError, GapOptions, Number, Verdict};
 use crate::joint::EffectId;
 use crate::number::{mrad, newton_metres, quantity};
 use crate::progress::{Progress, Step};
@@ -103,17 +104,7 @@ pub fn diagnose_clamped(
     options: &GapOptions,
     progress: &dyn Progress,
 ) -> Result<ClampedDiagnosis, GapError> {
-    let counted = Counted { progress, done: AtomicUsize::new(0), of: case.joints.len() };
-    let of_joint = |joint: &ClampedJoint| {
-        let found = match diagnose(&joint.case, options, &counted) {
-            Ok(diagnosis) => Ok(Some(diagnosis)),
-            Err(GapError::NeverMoved) => Ok(None),
-            Err(other) => Err(other),
-        };
-        counted.done.fetch_add(1, Ordering::Relaxed);
-        Ok(JointAnswer { joint: joint.name.clone(), diagnosis: found? })
-    };
-    let joints: Vec<JointAnswer> = case.joints.par_iter().map(of_joint).collect::<Result<_, GapError>>()?;
+    let joints = diagnose_joints(case, options, &[], progress)?;
     if joints.iter().all(|joint| joint.diagnosis.is_none()) {
         return Err(GapError::NeverMoved);
     }
@@ -122,6 +113,28 @@ pub fn diagnose_clamped(
         "Each joint is simulated along the measured motion of the others: it answers for its own fault.".to_owned(),
     );
     Ok(concluded(&case.robot, &case.groups, joints, Vec::new(), None, notes))
+}
+
+/// Each joint's own answer; those of `described` are what they were before a body was changed.
+pub(in crate::gap) fn diagnose_joints(
+    case: &ClampedCase,
+    options: &GapOptions,
+    described: &[JointAnswer],
+    progress: &dyn Progress,
+) -> Result<Vec<JointAnswer>, GapError> {
+    let counted = Counted { progress, done: AtomicUsize::new(0), of: case.joints.len() };
+    let of_joint = |joint: &ClampedJoint| {
+        let first = described.iter().find(|first| first.joint == joint.name);
+        let first = first.and_then(|first| first.diagnosis.as_ref());
+        let found = match diagnose_from(&joint.case, options, first, &counted) {
+            Ok(diagnosis) => Ok(Some(diagnosis)),
+            Err(GapError::NeverMoved) => Ok(None),
+            Err(other) => Err(other),
+        };
+        counted.done.fetch_add(1, Ordering::Relaxed);
+        Ok(JointAnswer { joint: joint.name.clone(), diagnosis: found? })
+    };
+    case.joints.par_iter().map(of_joint).collect()
 }
 
 /// What the joints' answers come to; `first` are those before a body was changed, where one was.
@@ -163,21 +176,6 @@ pub(in crate::gap) fn concluded(
         ));
     }
     ClampedDiagnosis { robot: robot.to_owned(), answer, gap, bodies, causes, pooled, joints, notes }
-}
-
-/// The same joints as given before a body was changed; recalibrated they are told with it in place.
-pub(in crate::gap) fn before_of(first: &[JointAnswer], then: &mut [JointAnswer]) {
-    for (first, then) in first.iter().zip(then) {
-        let (Some(first), Some(then)) = (&first.diagnosis, &mut then.diagnosis) else { continue };
-        let gap = &mut then.gap;
-        gap.before = first.gap.before;
-        gap.closed = (gap.before > gap.floor).then(|| 1.0 - (gap.after - gap.floor) / (gap.before - gap.floor));
-        for row in &mut gap.per_log {
-            if let Some(own) = first.gap.per_log.iter().find(|own| own.file == row.file) {
-                row.before = own.before;
-            }
-        }
-    }
 }
 
 /// Tells another how many joints are done.
@@ -279,9 +277,13 @@ fn sentence(
     let [given, calibrated, after] = [gap.before, gap.calibrated, gap.after].map(size);
     let what = if gap.unit == "rad" { "error" } else { "torque error" };
     let mut text = format!(
-        "{robot}: over {} joints the {what} is {given} as given, {calibrated} with recalibrated numbers and {after} with \
-         the causes that were found.",
-        found().count()
+        "{robot}: over {} joints the {what} is {given} as given, {}.",
+        found().count(),
+        if bodies.is_empty() && found().all(|(_, d)| d.causes.is_empty() && d.law.is_none()) {
+            format!("and {calibrated} with recalibrated numbers; no cause was found beside them")
+        } else {
+            format!("{calibrated} with recalibrated numbers and {after} with the causes that were found")
+        }
     );
     for body in bodies {
         text += &format!(" {}.", capital(&body.words()));

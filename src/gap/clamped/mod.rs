@@ -17,6 +17,6 @@ pub use super::BodyKind;
 pub use body::BodyCause;
 pub use case::{ClampedCase, ClampedJoint};
 pub use diagnose::{ClampedAnswer, ClampedDiagnosis, ClampedGap, JointAnswer, SharedCause, diagnose_clamped};
-pub(super) use diagnose::{before_of, concluded};
+pub(super) use diagnose::{concluded, diagnose_joints};
 pub use pooled::PooledNumber;
 pub use setup::{ClampedCaseError, ClampedSetup};

@@ -37,8 +37,13 @@ pub struct TorqueTraces {
     pub after_nm: Vec<f64>,
 }
 
-/// A joint's diagnosis along its measured motion.
-pub(super) fn diagnosis(joint: &JointData, logs: &[LogData], found: &Found) -> (Diagnosis, Vec<TorqueTraces>) {
+/// A joint's diagnosis along its measured motion; `described` is the one before a body that it carries was changed.
+pub(super) fn diagnosis(
+    joint: &JointData,
+    logs: &[LogData],
+    found: &Found,
+    described: Option<&Diagnosis>,
+) -> (Diagnosis, Vec<TorqueTraces>) {
     let choice = found.choice();
     let nothing = Choice::default();
     let named_only = Choice { curve: None, ..choice.clone() };
@@ -75,7 +80,7 @@ pub(super) fn diagnosis(joint: &JointData, logs: &[LogData], found: &Found) -> (
         _ => None,
     };
     let named_effects = verdict == Verdict::Effect;
-    let gap = Gap {
+    let mut gap = Gap {
         unit: "N m",
         before,
         calibrated,
@@ -88,6 +93,9 @@ pub(super) fn diagnosis(joint: &JointData, logs: &[LogData], found: &Found) -> (
         held_out: held_out(found),
         per_log: per_log(logs, floor, &[before_logs, calibrated_logs, after_logs]),
     };
+    if let Some(described) = described {
+        gap.begin_at(&described.gap);
+    }
     let redraws = Redraws::new(found);
     let (probability, probability_source) = redraws.of_answer(verdict, causes.first().map(|cause| cause.effect));
     let answer = Answer {
@@ -374,9 +382,10 @@ fn sentence(
             law.table.looks_like
         )
     });
+    let found = if causes.is_empty() && law.is_none() { String::new() } else { format!(" and {after} with that") };
     let stays = format!(
-        "The torque error goes from {before} as given to {calibrated} with recalibrated numbers and {after}; what stays does \
-         not come back from log to log as far as I can tell."
+        "The torque error goes from {before} as given to {calibrated} with recalibrated numbers{found}; what stays does not come \
+         back from log to log as far as I can tell."
     );
     match verdict {
         Verdict::Effect => {

@@ -5,9 +5,7 @@ use super::bodies::find;
 use super::case::TorqueCase;
 use super::design::JointData;
 use super::search::{Found, search};
-use crate::gap::clamped::{
-    BodyCause, ClampedCaseError, ClampedDiagnosis, ClampedSetup, JointAnswer, before_of, concluded,
-};
+use crate::gap::clamped::{BodyCause, ClampedCaseError, ClampedDiagnosis, ClampedSetup, JointAnswer, concluded};
 use crate::gap::{GapError, GapOptions};
 use crate::joint::EffectId;
 use crate::progress::{Cancelled, Progress, Step};
@@ -56,7 +54,7 @@ pub fn diagnose_torques(
     };
     progress.go_on(Step::stage("torques along the motion"))?;
     let first = TorqueCase::of(setup)?;
-    let (mut answers, mut founds, moving) = searched(&first, &allows);
+    let (mut answers, mut founds, moving) = searched(&first, &[], &allows);
     let mut case = moving;
     let as_described: Vec<JointAnswer> = answers.iter().map(|(answer, _)| answer.clone()).collect();
     let (mut changed, mut bodies) = (setup.clone(), Vec::<BodyCause>::new());
@@ -67,11 +65,7 @@ pub fn diagnose_torques(
         let Some(body) = find(&changed, &case, &founds, &taken, &options.without_bodies)? else { break };
         changed = changed.with_change(body.link, &body.change)?;
         bodies.push(body);
-        let (mut then, found, moving) = searched(&TorqueCase::of(&changed)?, &allows);
-        then.iter_mut().zip(&as_described).for_each(|((then, _), first)| {
-            before_of(std::slice::from_ref(first), std::slice::from_mut(then));
-        });
-        (answers, founds, case) = (then, found, moving);
+        (answers, founds, case) = searched(&TorqueCase::of(&changed)?, &as_described, &allows);
     }
     if founds.is_empty() {
         return Err(GapError::NeverMoved.into());
@@ -94,14 +88,18 @@ const MOST_BODIES: usize = 2;
 /// A joint's answer, and its curves where it moves.
 type Answered = (JointAnswer, Option<Vec<TorqueTraces>>);
 
-/// Every joint's own answer; what was found of those that move, and the case of these.
+/// Every joint's own answer; what was found of those that move, and the case of these. `described` are the answers before a body
+/// was changed.
 pub(super) fn searched(
     case: &TorqueCase,
+    described: &[JointAnswer],
     allows: &(dyn Fn(EffectId) -> bool + Sync),
 ) -> (Vec<Answered>, Vec<Found>, TorqueCase) {
     let of_joint = |joint: &JointData| {
         let found = joint.moves().then(|| search(joint, &case.logs, &|effect| allows(effect)));
-        let (diagnosis, traces) = found.as_ref().map(|found| diagnosis(joint, &case.logs, found)).unzip();
+        let first = described.iter().find(|first| first.joint == joint.name);
+        let first = first.and_then(|first| first.diagnosis.as_ref());
+        let (diagnosis, traces) = found.as_ref().map(|found| diagnosis(joint, &case.logs, found, first)).unzip();
         ((JointAnswer { joint: joint.name.clone(), diagnosis }, traces), found)
     };
     let answers: Vec<(Answered, Option<Found>)> = case.joints.par_iter().map(of_joint).collect();

@@ -7,8 +7,8 @@ use super::bodies::find;
 use super::case::TorqueCase;
 use super::diagnose::{TorqueError, searched};
 use crate::gap::clamped::{
-    BodyCause, ClampedCase, ClampedDiagnosis, ClampedJoint, ClampedSetup, JointAnswer, before_of, concluded,
-    diagnose_clamped,
+    BodyCause, ClampedCase, ClampedDiagnosis, ClampedJoint, ClampedSetup, JointAnswer, concluded, diagnose_clamped,
+    diagnose_joints,
 };
 use crate::gap::recalibrated::recalibrated_rms_rad;
 use crate::gap::{Diagnosis, GapOptions};
@@ -40,7 +40,7 @@ pub fn diagnose_motion(
     progress.go_on(Step::stage("payload and masses"))?;
     let late_s: BTreeMap<String, f64> = found().filter_map(|d| Some((d.joint.clone(), late_s(d)?))).collect();
     let commanded = TorqueCase::commanded(setup, &late_s)?;
-    let (_, founds, moving) = searched(&commanded, &|effect| is_asked(effect, options));
+    let (_, founds, moving) = searched(&commanded, &[], &|effect| is_asked(effect, options));
     let without = &options.without_bodies;
     let body = (!founds.is_empty()).then(|| find(setup, &moving, &founds, &[], without)).transpose()?.flatten();
     let Some(body) = body else { return Ok((case, first)) };
@@ -69,10 +69,9 @@ pub fn diagnose_motion(
     // To the joints that do not carry it nothing has changed.
     let (carrying, others) = std::mem::take(&mut with_it.joints).into_iter().partition(carries);
     with_it.joints = carrying;
-    let again = diagnose_clamped(&with_it, options, progress)?.joints;
+    let again = diagnose_joints(&with_it, options, &first.joints, progress)?;
     let own = |joint: &JointAnswer| again.iter().find(|own| own.joint == joint.joint).unwrap_or(joint).clone();
-    let mut joints: Vec<JointAnswer> = first.joints.iter().map(own).collect();
-    before_of(&first.joints, &mut joints);
+    let joints: Vec<JointAnswer> = first.joints.iter().map(own).collect();
     with_it.joints.extend::<Vec<ClampedJoint>>(others);
     with_it.joints.sort_by_key(|joint| case.joints.iter().position(|own| own.name == joint.name));
     let mut notes = case.notes.clone();

@@ -11,10 +11,10 @@ use crate::number::chance::normal_tail;
 
 /// Motions that are proposed: so many times as wide, and in words.
 const WIDER: [(f64, &str); 4] = [
-    (1.5, "the same motion with amplitudes 1.5 times as wide"),
-    (2.0, "the same motion with amplitudes twice as wide"),
-    (0.5, "the same motion with amplitudes half as wide"),
-    (3.0, "the same motion with amplitudes three times as wide"),
+    (1.5, "The same motion with amplitudes 1.5 times as wide"),
+    (2.0, "The same motion with amplitudes twice as wide"),
+    (0.5, "The same motion with amplitudes half as wide"),
+    (3.0, "The same motion with amplitudes three times as wide"),
 ];
 
 /// The proposal that separates the answer from all that stand equally well best; `None` where nothing is to separate, or

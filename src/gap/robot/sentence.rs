@@ -2,7 +2,7 @@
 
 use super::cause::Cause;
 use super::diagnosis::{Found, RobotGap};
-use crate::gap::sentence::{closing, far, moved, words as effect_words};
+use crate::gap::sentence::{REFITTED, closing, far, moved, words as effect_words};
 use crate::gap::{BeliefFound, Verdict};
 use crate::number::{mrad, quantity};
 
@@ -72,7 +72,7 @@ pub(super) fn sentence(said: &Said<'_>, gap: &RobotGap) -> String {
             if let Some(second) = second {
                 text += &format!(", together with {}", sized(second));
             }
-            text += &format!("; {}.", closing(figures));
+            text += &format!("; {}.", closing(figures, REFITTED));
             let others: Vec<&str> =
                 equivalent.iter().filter(|cause| **cause != first.cause).map(|cause| words(*cause)).collect();
             if !others.is_empty() {
@@ -87,7 +87,7 @@ pub(super) fn sentence(said: &Said<'_>, gap: &RobotGap) -> String {
         }
         _ => {
             let nearest = partial.map_or(String::new(), |found| {
-                format!(" What comes closest is {}; {}.", sized(found), closing(figures))
+                format!(" What comes closest is {}; {}.", sized(found), closing(figures, REFITTED))
             });
             let far = far(broken).unwrap_or_default();
             format!(

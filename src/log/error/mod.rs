@@ -58,6 +58,9 @@ pub enum LogError {
     /// A log of several joints where one of one joint was asked for.
     #[error("{at}: column `q` is missing: this is a log of several joints ({}); choose one with --joint or as a study's `[joint] name`, or keep its columns only, named `t,q`{}", list(joints), at.excerpt())]
     SeveralJoints { at: Box<Place>, joints: Vec<String> },
+    /// A log of several joints, and none of them is the study's.
+    #[error("{at}: no joint `{joint}`, which is the study's `[joint] name`; {}: give one of these as the name, or an angle of its own under [columns]{}", joints_found(joints), at.excerpt())]
+    NotTheStudysJoint { at: Box<Place>, joint: String, joints: Vec<String> },
     /// The log does not have the joint that was asked for.
     #[error("{at}: no column `{joint}.q`; {}{}", joints_found(joints), at.excerpt())]
     NoSuchJoint { at: Box<Place>, joint: String, joints: Vec<String> },
@@ -102,6 +105,9 @@ pub enum LogError {
     /// Not TOML, an unknown key, or a value of the wrong type; the parser's own message shows the line.
     #[error("{}: {}{}", file.display(), source.to_string().trim_end(), hint.map_or_else(String::new, |hint| format!("; {hint}")))]
     Toml { file: PathBuf, source: Box<toml::de::Error>, hint: Option<&'static str> },
+    /// Several numbers that are needed are not there.
+    #[error("{}: {table} does not say {}; fill in what you believe of them", file.display(), keys.join(", "))]
+    MissingNumbers { file: PathBuf, table: &'static str, keys: Vec<&'static str> },
     /// A key that is needed is not there.
     #[error("{}: key `{key}` is missing; expected {expected}", file.display())]
     MissingKey { file: PathBuf, key: String, expected: String },

@@ -6,7 +6,7 @@ use minijinja::{Value, context};
 use super::BlindReport;
 use super::confusion::confusion;
 use super::reliability::reliability;
-use super::rows::{Row, counts, interval, percent, share, stated};
+use super::rows::{Row, alarms, counts, interval, percent, share, stated};
 use super::text::{cause_table, confusion_table, rate_table, stated_table};
 use crate::blind::Rate;
 use crate::blind::robot::{RobotAnswered, RobotBySize, RobotJudgement, RobotScore, RobotTrial, StatedCause};
@@ -24,12 +24,7 @@ const WIDTH: usize = 108;
 fn sentence(score: &RobotScore) -> String {
     let alarms = match score.false_alarms {
         rate if rate.of == 0 => "no study where nothing is the matter".to_owned(),
-        rate => format!(
-            "{} false alarms in {} studies where nothing is the matter (below {} with 95 % confidence)",
-            rate.hits,
-            rate.of,
-            percent(score.false_alarm_bound)
-        ),
+        rate => alarms(&rate, "where nothing is the matter", score.false_alarm_bound),
     };
     format!(
         "{} answers had kind, cause and joints right, {} had what is there in their set; {alarms}.",
@@ -313,7 +308,7 @@ mod tests {
         for words in [
             "2 robot studies, seed 7; answers opened: SHA-256 cafe, as stated before the first diagnosis.",
             "1 of 2 answers had kind, cause and joints right",
-            "1 false alarms in 1",
+            "1 false alarm in 1 study",
             "coulomb (1)",
             "wall time in scenario floor, one thread each: median 60.0 s",
             "5 to 12 times the noise",

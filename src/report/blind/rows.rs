@@ -39,16 +39,23 @@ pub(super) fn percent(share: f64) -> String {
     format!("{:.0} %", 100.0 * share)
 }
 
+/// `1 false alarm in 7 studies without an effect (below 43 % with 95 % confidence)`.
+pub(super) fn alarms(rate: &Rate, of_which: &str, bound: f64) -> String {
+    let alarms = if rate.hits == 1 { "alarm" } else { "alarms" };
+    let studies = if rate.of == 1 { "study" } else { "studies" };
+    format!(
+        "{} false {alarms} in {} {studies} {of_which} (below {} with 95 % confidence)",
+        rate.hits,
+        rate.of,
+        percent(bound)
+    )
+}
+
 /// The sentence that the report opens with.
 pub(super) fn sentence(score: &Score) -> String {
     let alarms = match score.false_alarms {
         rate if rate.of == 0 => "no study without an effect".to_owned(),
-        rate => format!(
-            "{} false alarms in {} studies without an effect (below {} with 95 % confidence)",
-            rate.hits,
-            rate.of,
-            percent(score.false_alarm_bound)
-        ),
+        rate => alarms(&rate, "without an effect", score.false_alarm_bound),
     };
     let outside = match score.unexplained {
         rate if rate.of == 0 => "no study with a cause outside the catalogue".to_owned(),

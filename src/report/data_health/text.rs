@@ -13,6 +13,7 @@ const NAME: usize = 22;
 
 /// One line for each log, then what is odd about it.
 pub(in crate::report) fn health_text(rows: &[LogHealthRow]) -> String {
+    let rests = rows.iter().any(|row| row.rest_from_s.is_some());
     let columns = [
         "samples",
         "duration\n[s]",
@@ -23,11 +24,12 @@ pub(in crate::report) fn health_text(rows: &[LogHealthRow]) -> String {
         "noise\n[mrad]",
         "rests from\n[s]",
     ];
-    let mut table = table(WIDTH, &["log", "role"], &columns);
+    let columns = if rests { &columns[..] } else { &columns[..columns.len() - 1] };
+    let mut table = table(WIDTH, &["log", "role"], columns);
     let milli = |value: f64| number(if value < 1e-9 { "0".to_owned() } else { significant(1e3 * value, 3) });
     let dash = || number("-".to_owned());
     for row in rows {
-        table.add_row([
+        let cells = [
             Cell::new(shorten(&one_line(&row.file), NAME)),
             Cell::new(&row.role),
             number(row.samples.to_string()),
@@ -37,8 +39,9 @@ pub(in crate::report) fn health_text(rows: &[LogHealthRow]) -> String {
             number(row.lost.to_string()),
             if row.resolution_rad > 0.0 { milli(row.resolution_rad) } else { dash() },
             row.noise_rad.map_or_else(dash, milli),
-            row.rest_from_s.map_or_else(dash, |rest| number(format!("{rest:.2}"))),
-        ]);
+        ];
+        let rest_from = || row.rest_from_s.map_or_else(dash, |rest| number(format!("{rest:.2}")));
+        table.add_row(cells.into_iter().chain(rests.then(rest_from)));
     }
     let mut text = finish(&mut table);
     for row in rows.iter().filter(|row| !row.remarks.is_empty()) {

@@ -75,7 +75,9 @@ pub(super) fn study(
         untold.push(format!("the logs have several joints: this is the study of {title} ({how}); --joint chooses another of {others}{more}, --robot FILE makes one study of all"));
     }
     let mut to_fill = vec!["inertia", "moment", "coulomb", "viscous"];
-    to_fill.extend(is_driven.then_some("kp"));
+    if is_driven {
+        to_fill.extend(["kp", "kd"]);
+    }
     Ok((text, untold, to_fill))
 }
 

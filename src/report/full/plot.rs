@@ -1,7 +1,7 @@
 //! Figure 3.6 again: measurement, pendulum, whole robot.
 
 use super::{FullCurves, FullDrop, causes_figure};
-use crate::report::plot::canvas::{EXTENSIVE, POSITIVE, SIMPLE};
+use crate::report::plot::canvas::{EXTENSIVE, GREEN, POSITIVE};
 use crate::report::plot::overlay::{Curve, Overlay, overlay};
 use crate::report::plot::plain;
 use crate::report::{Figure, ReportError};
@@ -42,7 +42,7 @@ pub(in crate::report) fn full_figures(joint: &str, full: &FullDrop) -> Result<Ve
 fn draw(joint: &str, curves: &FullCurves) -> Result<String, ReportError> {
     let models = [
         ("extensive pendulum", EXTENSIVE, &curves.pendulum_rad),
-        ("robot refitted, others rigid", SIMPLE, &curves.rigid_rad),
+        ("robot refitted, others rigid", GREEN, &curves.rigid_rad),
         ("robot refitted, others by PID", POSITIVE, &curves.controlled_rad),
     ];
     let curve = |(name, colour, angle_rad): (&str, _, &'_ Vec<f64>)| (name.to_owned(), colour, angle_rad.clone());

@@ -2,17 +2,17 @@
 
 use comfy_table::{Cell, Table};
 
+use super::GapReport;
 use super::rows::{effect_rows, joint_rows};
 use super::waterfall::{closes_alone, explanation, heading, moved, steps};
 use super::words;
-use super::{GapReport, NEXT_FILE};
 use crate::gap::{Candidate, Detectable, Diagnosis, Gap, MapCell, Phase};
 use crate::report::chances::Chances;
 use crate::report::data_health::health_text;
 use crate::report::measure::Measure;
 use crate::report::number::{UNKNOWN, share, significant};
 use crate::report::rows::shorten;
-use crate::report::text::{finish, number, one_line, parameter_table, table, wrap};
+use crate::report::text::{cell, finish, number, one_line, parameter_table, table, wrap};
 
 /// Columns of the text.
 pub(in crate::report) const WIDTH: usize = 100;
@@ -84,17 +84,14 @@ fn beliefs(diagnosis: &Diagnosis) -> Option<String> {
     if rows.is_empty() {
         return None;
     }
-    let mut table = table(WIDTH, &["not as believed", "believed", "found [95 %]", ""], &["moved\n[sd]"]);
+    let mut table = table(WIDTH, &["not as believed", "believed", "found [95 %]"], &["moved\n[sd]"]);
+    let is_any = rows.iter().any(|row| row.is_finding);
     for row in rows {
-        table.add_row([
-            Cell::new(one_line(row.name)),
-            Cell::new(row.believed),
-            Cell::new(row.found),
-            Cell::new(if row.is_finding { "a finding" } else { "" }),
-            number(row.moved),
-        ]);
+        let mark = if row.is_finding { "*" } else { "" };
+        table.add_row([Cell::new(one_line(row.name) + mark), cell(row.believed), cell(row.found), number(row.moved)]);
     }
-    Some(finish(&mut table))
+    let key = if is_any { "\n* a finding: more than three standard deviations from what was believed" } else { "" };
+    Some(finish(&mut table) + key)
 }
 
 /// What the logs leave open, sentence by sentence.
@@ -240,7 +237,7 @@ pub(in crate::report) fn detectable(all: &[Detectable]) -> Option<String> {
 fn next(diagnosis: &Diagnosis) -> Option<String> {
     let next = diagnosis.next.as_ref()?;
     let power = if next.power.is_finite() { share(next.power) } else { UNKNOWN.to_owned() };
-    let file = if next.motion.is_some() { format!(" The motion is in {NEXT_FILE}.") } else { String::new() };
+    let file = if next.motion.is_some() { " It lies beside the report." } else { "" };
     Some(wrap(WIDTH, &format!("{} It would decide with probability {power}.{file}", next.what), "Next: ", "  "))
 }
 

@@ -140,7 +140,7 @@ pub(super) fn effect() -> RobotGapReport {
         detectable: [Some(0.02), None]
             .map(|value| RobotDetectable { cause: Cause::Payload, value, name: "mass", unit: "kg" })
             .to_vec(),
-        next: Some(Next { what: "the same motion, wider".into(), power: 0.9, motion: None }),
+        next: Some(Next { what: "The same motion, wider".into(), power: 0.9, motion: None }),
         beliefs: Vec::new(),
         changes: vec![Change { cause: weak().cause, place: Place { joints: vec![1, 4, 7, 10] }, values: vec![0.12] }],
         traces: JOINTS.map(trace).to_vec(),
