@@ -3,6 +3,7 @@
 use super::body::BodyCause;
 use super::case::{ClampedCase, ClampedJoint};
 use super::pooled::{PooledNumber, one_size, pooled};
+use crate::deadline::{Deadline, Spent};
 use crate::gap::sentence::words;
 use crate::gap::{CauseShare, Diagnosis, GapError, GapOptions, Number, Verdict, diagnose};
 use crate::joint::EffectId;
@@ -33,6 +34,8 @@ pub struct ClampedDiagnosis {
     pub joints: Vec<JointAnswer>,
     /// What the reader has to know beside it.
     pub notes: Vec<String>,
+    /// What became of its time, where that was limited.
+    pub budget: Option<Spent>,
 }
 
 /// The answer in short.
@@ -44,8 +47,8 @@ pub struct ClampedAnswer {
     pub effect: Option<&'static str>,
     /// Of the one that closes most beside it.
     pub second: Option<&'static str>,
-    /// Lowest measured rate at which answers like those of the joints were right.
-    pub probability: f64,
+    /// Lowest measured rate at which answers like those of the joints were right; `None` where a search was not finished.
+    pub probability: Option<f64>,
     /// What a colleague would say.
     pub sentence: String,
 }
@@ -104,8 +107,11 @@ pub fn diagnose_clamped(
     progress: &dyn Progress,
 ) -> Result<ClampedDiagnosis, GapError> {
     let counted = Counted { progress, done: AtomicUsize::new(0), of: case.joints.len() };
+    let begun = AtomicUsize::new(0);
     let of_joint = |joint: &ClampedJoint| {
-        let found = match diagnose(&joint.case, options, &counted) {
+        let still = case.joints.len() - begun.fetch_add(1, Ordering::Relaxed);
+        let own = GapOptions { deadline: options.deadline.part(still), ..options.clone() };
+        let found = match diagnose(&joint.case, &own, &counted) {
             Ok(diagnosis) => Ok(Some(diagnosis)),
             Err(GapError::NeverMoved) => Ok(None),
             Err(other) => Err(other),
@@ -147,7 +153,7 @@ pub(in crate::gap) fn concluded(
         verdict,
         effect: ids.next(),
         second: ids.next(),
-        probability: found().map(|d| d.answer.probability).fold(1.0, f64::min),
+        probability: found().map(|d| d.answer.probability).try_fold(1.0, |least, own| Some(f64::min(least, own?))),
         sentence: sentence(robot, &joints, &gap, &bodies, &causes, &pooled),
     };
     let chosen: Vec<&str> = joints
@@ -162,7 +168,21 @@ pub(in crate::gap) fn concluded(
             chosen.join(", ")
         ));
     }
-    ClampedDiagnosis { robot: robot.to_owned(), answer, gap, bodies, causes, pooled, joints, notes }
+    let robot = robot.to_owned();
+    ClampedDiagnosis { robot, answer, gap, bodies, causes, pooled, joints, notes, budget: None }
+}
+
+impl ClampedDiagnosis {
+    /// The same, with what became of its time.
+    pub(in crate::gap) fn within(mut self, deadline: &Deadline) -> Self {
+        self.budget = deadline.spent();
+        if let Some(spent) = &self.budget {
+            self.answer.sentence = spent.before(&self.answer.sentence);
+            self.notes.insert(0, spent.words());
+            self.answer.probability = self.answer.probability.filter(|_| spent.finished);
+        }
+        self
+    }
 }
 
 /// The same joints as given before a body was changed; recalibrated they are told with it in place.

@@ -97,7 +97,7 @@ pub(super) fn diagnosis(joint: &JointData, logs: &[LogData], found: &Found) -> (
         effect,
         second: causes.get(1).filter(|_| named_effects).map(|cause| cause.effect),
         equivalent: causes.first().filter(|_| named_effects).map_or_else(Vec::new, |cause| cause.equivalent.clone()),
-        probability,
+        probability: Some(probability),
         probability_source,
         standing: format!("torque along the motion, {}", verdict.name()),
         sentence: sentence(&joint.name, verdict, &gap, &causes, law.as_ref(), most),
@@ -125,6 +125,7 @@ pub(super) fn diagnosis(joint: &JointData, logs: &[LogData], found: &Found) -> (
         notes: refuted(found),
         withheld: Vec::new(),
         demands: Directives::default(),
+        budget: None,
     };
     (diagnosis, traces)
 }
