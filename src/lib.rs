@@ -57,6 +57,7 @@ pub mod blind;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;
+pub mod deadline;
 pub mod fit;
 #[cfg(feature = "fleet")]
 pub mod fleet;

@@ -33,11 +33,11 @@ pub struct Answer {
 
 impl Answer {
     /// Of a diagnosis: verdict, sentence and probability, document, page and text.
-    pub fn of_diagnosis(said: (&str, &str, f64), json: String, html: String, text: String) -> Self {
+    pub fn of_diagnosis(said: (&str, &str, Option<f64>), json: String, html: String, text: String) -> Self {
         let (verdict, sentence, probability) = said;
         let (verdict, sentence) = (Some(verdict.to_owned()), Some(sentence.to_owned()));
-        let percent = Some(percent_of_answer(probability));
-        Self { verdict, sentence, probability: Some(probability), percent, json, html, text }
+        let percent = probability.map(percent_of_answer);
+        Self { verdict, sentence, probability, percent, json, html, text }
     }
 }
 

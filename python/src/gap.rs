@@ -144,7 +144,8 @@ fn whole(case: &RobotCase, options: &Options, listener: &Listener) -> Result<Ans
         return Err(Failed::of("twins are for the study of a joint; leave them out"));
     }
     let causes = |ids: &[String]| ids.iter().map(|id| Ok(id.parse::<Cause>()?)).collect::<Result<Vec<_>, Failed>>();
-    let asked = RobotOptions { without: causes(&options.without)?, only: causes(&options.only)? };
+    let asked =
+        RobotOptions { without: causes(&options.without)?, only: causes(&options.only)?, ..RobotOptions::default() };
     let diagnosis = diagnose_robot(case, &asked, &|what| listener.say(what)).map_err(|error| match error {
         RobotGapError::NeverMoved => Failed::NeverMoved(format!("{}: no diagnosis: {error}.", case.robot())),
         error => Failed::of(error),

@@ -136,7 +136,8 @@ impl Answered {
             effect: answer.effect.clone(),
             causes: diagnosis.causes(),
             equivalent: answer.equivalent.clone(),
-            probability: answer.probability,
+            // Exams search to the end.
+            probability: answer.probability.unwrap_or_default(),
             standing: answer.standing.clone(),
             partial: answer.partial,
             intervals_trusted: answer.intervals_trusted,

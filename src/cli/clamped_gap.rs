@@ -5,6 +5,7 @@ use super::common::{print, study_name, warn, write_outputs};
 use super::gap::{GapArgs, add_report, options_of_clamped};
 use super::progress::Progress;
 use super::provenance::provenance;
+use crate::deadline::Deadline;
 use crate::gap::clamped::ClampedSetup;
 use crate::gap::inverse::{TorqueError, diagnose_motion, diagnose_torques};
 use crate::log::{Outputs, Predict, mcap_bytes};
@@ -15,9 +16,9 @@ use crate::report::{
 use std::path::Path;
 
 /// Runs the command.
-pub(super) fn run(args: &GapArgs, study: &Path) -> Result<u8, CliError> {
-    let options = options_of_clamped(args)?;
-    let progress = Progress::new(args.common.quiet);
+pub(super) fn run(args: &GapArgs, study: &Path, deadline: Deadline) -> Result<u8, CliError> {
+    let options = options_of_clamped(args, deadline)?;
+    let progress = Progress::within(args.common.quiet, args.budget);
     progress.say("reading");
     let wrong = |error| CliError::ClampedCase(Box::new(error));
     let failed = |error| match error {

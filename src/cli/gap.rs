@@ -8,6 +8,7 @@ use super::progress::Progress;
 use super::provenance::provenance;
 use super::still::never_moved;
 use super::{CliError, clamped_gap, robot_gap};
+use crate::deadline::Deadline;
 use crate::gap::clamped::BodyKind;
 use crate::gap::robot::{Cause, UnknownCause};
 use crate::gap::{GapError, GapOptions, diagnose};
@@ -18,6 +19,7 @@ use crate::report::{FitFile, GapReport, NEXT_FILE, gap_figures, gap_json, gap_te
 use clap::Args;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Diagnose the gap between a nominal model and logs, of a joint or of the whole robot
 ///
@@ -47,6 +49,10 @@ pub(super) struct GapArgs {
     /// Measure the probabilities on so many twins of this joint study; 0: take the rates that come with the program
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=100_000))]
     pub twins: u32,
+    /// Time for the search, such as 60s or 5min, from the start on; what cannot be tried in it is named, and the answer is then
+    /// that of an unfinished search [default: as long as it takes]
+    #[arg(long, value_name = "TIME", value_parser = budget, conflicts_with = "twins")]
+    pub budget: Option<Duration>,
     /// Seed of the twins
     #[arg(long, value_name = "S", default_value_t = 0)]
     seed: u64,
@@ -107,6 +113,24 @@ pub(super) fn named(word: &str) -> Result<Named, UnknownCause> {
     body.map_or_else(|| word.parse().map(Named::Cause), |kind| Ok(Named::Body(kind)))
 }
 
+/// A time with its unit: `60s`, `1.5min`.
+pub(super) fn budget(text: &str) -> Result<Duration, String> {
+    let expected = || "expected a time with its unit, such as 60s or 5min".to_owned();
+    let (number, unit_s) = match (text.strip_suffix("min"), text.strip_suffix('s')) {
+        (Some(number), _) => (number, 60.0),
+        (None, Some(number)) => (number, 1.0),
+        (None, None) => return Err(expected()),
+    };
+    let time_s = unit_s * number.trim().parse::<f64>().map_err(|_| expected())?;
+    let is_time = time_s > 0.0 && time_s <= LONGEST_S;
+    is_time
+        .then(|| Duration::from_secs_f64(time_s))
+        .ok_or_else(|| "expected more than 0 s and no more than a year".to_owned())
+}
+
+/// A year \[s\].
+const LONGEST_S: f64 = 365.25 * 86_400.0;
+
 /// Causes of a robot that is simulated as a whole; those of bodies are looked for along the motion of clamped ones.
 pub(super) fn causes(named: &[Named]) -> Result<Vec<Cause>, CliError> {
     let cause = |named: &Named| match named {
@@ -131,18 +155,18 @@ fn effects(named: &[Named]) -> Result<Vec<EffectId>, CliError> {
 }
 
 /// What is asked of the diagnosis of a robot with a clamped base.
-pub(super) fn options_of_clamped(args: &GapArgs) -> Result<GapOptions, CliError> {
+pub(super) fn options_of_clamped(args: &GapArgs, deadline: Deadline) -> Result<GapOptions, CliError> {
     let without_bodies = args.without.iter().filter_map(|named| named.body()).collect();
     let without: Vec<Named> = args.without.iter().copied().filter(|named| named.body().is_none()).collect();
-    Ok(GapOptions { without_bodies, ..options_without(args, &without)? })
+    Ok(GapOptions { without_bodies, ..options_without(args, &without, deadline)? })
 }
 
 /// What is asked of a joint's diagnosis.
-pub(super) fn options(args: &GapArgs) -> Result<GapOptions, CliError> {
-    options_without(args, &args.without)
+pub(super) fn options(args: &GapArgs, deadline: Deadline) -> Result<GapOptions, CliError> {
+    options_without(args, &args.without, deadline)
 }
 
-fn options_without(args: &GapArgs, without: &[Named]) -> Result<GapOptions, CliError> {
+fn options_without(args: &GapArgs, without: &[Named], deadline: Deadline) -> Result<GapOptions, CliError> {
     Ok(GapOptions {
         without: effects(without)?,
         only: effects(&args.only)?,
@@ -150,6 +174,7 @@ fn options_without(args: &GapArgs, without: &[Named]) -> Result<GapOptions, CliE
         twins: args.twins as usize,
         seed: args.seed,
         demands: args.demands.directives(),
+        deadline,
     })
 }
 
@@ -158,21 +183,22 @@ pub(super) fn run(args: &GapArgs) -> Result<u8, CliError> {
     if let Some(both) = args.only.iter().find(|effect| args.without.contains(effect)) {
         return Err(CliError::Usage(format!("`{}` stands in --without and in --only; leave it out of one", both.id())));
     }
+    let deadline = args.budget.map_or_else(Deadline::default, Deadline::within);
     if let Some(robot) = &args.robot {
         let study = drafted(&args.study, robot, &args.common)?;
-        return clamped_gap::run(args, &study);
+        return clamped_gap::run(args, &study, deadline);
     }
     match study_kind(&args.study)? {
         StudyKind::Robot if args.mcap.is_some() => {
             let why = "--mcap shows joints of a bench or of a robot whose base is clamped";
             return Err(CliError::Usage(why.to_owned()));
         }
-        StudyKind::Robot => return robot_gap::run(args),
-        StudyKind::Clamped => return clamped_gap::run(args, &args.study),
+        StudyKind::Robot => return robot_gap::run(args, deadline),
+        StudyKind::Clamped => return clamped_gap::run(args, &args.study, deadline),
         StudyKind::Joint => {}
     }
-    let options = options(args)?;
-    let progress = Progress::new(args.common.quiet);
+    let options = options(args, deadline)?;
+    let progress = Progress::within(args.common.quiet, args.budget);
     progress.say("reading");
     let case = Case::of_study(&args.study)?;
     if !args.common.quiet {
@@ -250,6 +276,15 @@ mod tests {
         let error = effects(&[Named::Cause(Cause::Payload)]).unwrap_err();
         assert_eq!(error.exit_code(), crate::cli::error::USAGE);
         assert!(error.to_string().contains("`payload` is a cause of a whole robot"), "{error}");
+    }
+
+    #[test]
+    fn a_time_has_a_unit_and_is_not_endless() {
+        let seconds = |text| budget(text).map(|time| time.as_secs_f64());
+        assert_eq!((seconds("60s"), seconds("1.5 min"), seconds("0.5 s")), (Ok(60.0), Ok(90.0), Ok(0.5)));
+        for wrong in ["60", "s", "0s", "-1s", "nans", "infs", "1e300min", "1h", ""] {
+            assert!(budget(wrong).is_err(), "{wrong}");
+        }
     }
 
     #[test]

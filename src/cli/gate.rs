@@ -141,7 +141,7 @@ fn document(study: &Path, progress: &Progress) -> Result<Value, CliError> {
         }
         StudyKind::Robot => {
             let case = RobotCase::of_study(study).map_err(|error| CliError::RobotCase(Box::new(error)))?;
-            let options = RobotOptions { without: Vec::new(), only: Vec::new() };
+            let options = RobotOptions::default();
             let diagnosis = diagnose_robot(&case, &options, &|what| progress.say(what))?;
             let report = RobotGapReport::new(&case, diagnosis, options, provenance(case.inputs())?);
             serde_json::to_value(robot_gap_json(&report)).map_err(encoded)

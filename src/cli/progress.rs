@@ -10,13 +10,17 @@ pub(super) struct Progress(Option<ProgressBar>);
 
 impl Progress {
     pub(super) fn new(quiet: bool) -> Self {
+        Self::within(quiet, None)
+    }
+
+    /// The same of what has a time of its own.
+    pub(super) fn within(quiet: bool, time: Option<Duration>) -> Self {
         if quiet || !std::io::stderr().is_terminal() {
             return Self(None);
         }
         let bar = ProgressBar::new_spinner();
         bar.set_style(
-            ProgressStyle::with_template("{spinner} {msg} ({elapsed})")
-                .unwrap_or_else(|_| ProgressStyle::default_spinner()),
+            ProgressStyle::with_template(&template(time)).unwrap_or_else(|_| ProgressStyle::default_spinner()),
         );
         bar.enable_steady_tick(Duration::from_millis(120));
         Self(Some(bar))
@@ -43,6 +47,12 @@ impl progress::Progress for Progress {
     }
 }
 
+/// How the line looks: with the time that is allowed, where it is.
+fn template(time: Option<Duration>) -> String {
+    let of = time.map_or_else(String::new, |time| format!(" of {} s", time.as_secs_f64()));
+    format!("{{spinner}} {{msg}} ({{elapsed}}{of})")
+}
+
 /// `screening: 3 of 17`
 fn told(Step { stage, done, of }: Step) -> String {
     if of == 0 { stage.to_owned() } else { format!("{stage}: {done} of {of}") }
@@ -64,5 +74,11 @@ mod tests {
     fn a_step_is_told_with_its_parts_where_they_are_counted() {
         assert_eq!(told(Step { stage: "screening", done: 3, of: 17 }), "screening: 3 of 17");
         assert_eq!(told(Step::stage("reading")), "reading");
+    }
+
+    #[test]
+    fn a_time_that_is_allowed_is_told_beside_the_elapsed_one() {
+        assert_eq!(template(None), "{spinner} {msg} ({elapsed})");
+        assert_eq!(template(Some(Duration::from_secs(90))), "{spinner} {msg} ({elapsed} of 90 s)");
     }
 }

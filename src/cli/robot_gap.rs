@@ -6,6 +6,7 @@ use super::error::NO;
 use super::gap::{GapArgs, causes};
 use super::progress::Progress;
 use super::provenance::provenance;
+use crate::deadline::Deadline;
 use crate::gap::robot::{RobotCase, RobotGapError, RobotOptions, diagnose_robot};
 use crate::log::Outputs;
 use crate::report::{
@@ -21,7 +22,7 @@ const BESIDE: [(&str, &str); 2] = [
 ];
 
 /// Runs the command.
-pub(super) fn run(args: &GapArgs) -> Result<u8, CliError> {
+pub(super) fn run(args: &GapArgs, deadline: Deadline) -> Result<u8, CliError> {
     if args.twins > 0 {
         let what = "--twins is for the study of a joint: twins of a robot take too long; leave it out, and the \
                     probabilities come from the rates of `blind --robot`";
@@ -32,8 +33,8 @@ pub(super) fn run(args: &GapArgs) -> Result<u8, CliError> {
                     its study, with 0 in [uncertain] for what is exact";
         return Err(CliError::Usage(what.to_owned()));
     }
-    let options = RobotOptions { without: causes(&args.without)?, only: causes(&args.only)? };
-    let progress = Progress::new(args.common.quiet);
+    let options = RobotOptions { without: causes(&args.without)?, only: causes(&args.only)?, deadline };
+    let progress = Progress::within(args.common.quiet, args.budget);
     progress.say("reading");
     let case = RobotCase::of_study(&args.study).map_err(|error| CliError::RobotCase(Box::new(error)))?;
     let diagnosis = args.common.on_threads(|| diagnose_robot(&case, &options, &|what| progress.say(what)))?;

@@ -33,7 +33,7 @@ pub(super) fn levenberg_marquardt(problem: &dyn Residuals, start: &[f64], budget
         if normal.distance_in_variances(&free, coordinates) < close {
             break Stop::Converged;
         }
-        if evaluations >= budget.evaluations {
+        if evaluations >= budget.evaluations || problem.is_over() {
             break Stop::BudgetSpent;
         }
         if damping > 1e14 || idle >= PATIENCE {

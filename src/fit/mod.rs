@@ -60,7 +60,7 @@ pub enum Stop {
     Converged,
     /// No step makes the criterion smaller, though the quadratic model says so: a kink, where the model sticks.
     NoFurtherDecrease,
-    /// The budget of evaluations is spent.
+    /// The budget of evaluations, or of time, is spent.
     BudgetSpent,
     /// The model has no answer at the start.
     StartRejected,

@@ -67,6 +67,11 @@ pub trait Residuals: Sync {
     /// Weights `w_i` \[s\] of the residuals in a block.
     fn weights(&self, block: usize) -> &[f64];
 
+    /// Whether the time for a search is over: it ends where it is.
+    fn is_over(&self) -> bool {
+        false
+    }
+
     /// For a block of beliefs, not of readings: the variance of each of its residuals.
     fn belief_variance(&self, _block: usize) -> Option<f64> {
         None

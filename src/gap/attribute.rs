@@ -135,7 +135,8 @@ impl Attribution {
         let mut judged = judge(pruned);
         // What others had stood in for shows once they are gone.
         let went = grown.iter().any(|e| !judged.best.effects().contains(e));
-        if went && !judged.best.effects().is_empty() && beyond(&judged.best, FAR, noise) {
+        let leaves_much = went && !judged.best.effects().is_empty() && beyond(&judged.best, FAR, noise);
+        if leaves_much && !evidence.deadline.leaves_out("further causes") {
             stage("looking again")?;
             let (again, _) = growth.from(&judged.best);
             if again.effects().len() > judged.best.effects().len() {
@@ -152,7 +153,11 @@ impl Attribution {
         stage("looking for a law in what is left")?;
         let step_rad = coarse.reach.resolution_rad;
         let worth_a_law = best.fit_loss(&coarse) > samples * step_rad.max(noise_of_law(noise)).powi(2);
-        let law = if worth_a_law { lawful(&coarse, &best, &calibrated) } else { None };
+        let law = if worth_a_law && !evidence.deadline.leaves_out("a law in what is left") {
+            lawful(&coarse, &best, &calibrated)
+        } else {
+            None
+        };
         let refutes_it = |law: &Trial| refutes(&coarse, evidence, law, &best);
         let law_refuted = law.as_ref().is_some_and(refutes_it);
         let law = law.filter(|_| !law_refuted);
@@ -196,6 +201,10 @@ impl Attribution {
         let line = self.firsts.first().map_or(f64::INFINITY, |best| SERIOUS * best.criterion());
         self.firsts.retain(|t| t.criterion() < line);
         self.firsts.truncate(MOST);
+        if evidence.deadline.cuts("other causes on all samples") {
+            self.firsts.clear();
+            self.rivals.iter_mut().for_each(Vec::clear);
+        }
         let coarse = evidence.coarse();
         let measure = Measure::by(&coarse, &self.best);
         let score = measure.score(&coarse, &self.best);

@@ -21,6 +21,7 @@ use super::sentence::{far, sentence};
 use super::trial::{Trial, loss};
 use super::twins::measure;
 use super::waterfall::{beliefs, causes};
+use crate::deadline::NO_PROBABILITY;
 use crate::identify::{BeliefFound, Case, DirectiveError, Estimate, Experiment, JointModel, Signal};
 use crate::joint::EffectId;
 use crate::log::Role;
@@ -51,6 +52,9 @@ pub enum GapError {
     Demand(#[from] DirectiveError),
 }
 
+/// What is left out where the smallest sizes that would have shown are.
+const DETECTABLE: &str = "what these logs could have shown";
+
 /// Diagnoses the gap of a joint study. `progress` is told what is being tried, and asked whether that is still wanted.
 ///
 /// # Errors
@@ -70,6 +74,7 @@ pub(super) fn diagnose_from(
     let stage = |stage| progress.go_on(Step::stage(stage));
     let nominal = case.joint.nominal.ok_or(GapError::NoNominal)?;
     let mut evidence = Evidence::of(case, nominal).ok_or(GapError::NeverMoved)?;
+    evidence.deadline = options.deadline.clone();
     evidence.demands = Arc::new(resolved(&options.demands, &evidence)?);
     let demands = Arc::clone(&evidence.demands);
     // Who holds the drive's gain knows what arrives of a torque.
@@ -83,7 +88,7 @@ pub(super) fn diagnose_from(
     if !attribution.calibrated.criterion().is_finite() {
         return Err(GapError::Diverged);
     }
-    stage("weighing")?;
+    stage(if options.deadline.leaves_aside(DETECTABLE) { "weighing what was found in time" } else { "weighing" })?;
     let held = HeldOut::of(&evidence);
     let decision = decide(&evidence, &held, &attribution);
     let mut gap = gap(&evidence, &held, &attribution, &decision);
@@ -102,7 +107,10 @@ pub(super) fn diagnose_from(
     } else {
         &attribution.best
     };
-    let detectable = detectable(&evidence, noise, named, &effects);
+    let detectable = match options.deadline.leaves_aside(DETECTABLE) {
+        true => Vec::new(),
+        false => detectable(&evidence, noise, named, &effects),
+    };
     let (parameters, mut effect_parameters) = numbers(&evidence, around);
     if around.effects().is_empty() && decision.effect() == Some(EffectId::MotorGain) {
         effect_parameters.push((EffectId::MotorGain, vec![gain_as_effect(&parameters)]));
@@ -114,7 +122,11 @@ pub(super) fn diagnose_from(
     let intervals_trusted = decision.excess < super::decide::EXPLAINED;
     // Causes that hold in some logs only may stand for a number that differs.
     let restricted = attribution.best.model.only().iter().any(Option::is_some);
-    let differs = if intervals_trusted && !restricted { Vec::new() } else { differing(&evidence, &attribution) };
+    let may_differ = !intervals_trusted || restricted;
+    let differs = match may_differ && !options.deadline.leaves_out("numbers that differ between logs") {
+        true => differing(&evidence, &attribution),
+        false => Vec::new(),
+    };
     let (parameter_moved, has_bodies) = (moved.as_deref(), described.is_some());
     let mut sentence =
         sentence(&case.joint.name, &decision, &gap, parameter_moved, &effect_parameters, law.as_ref(), has_bodies);
@@ -124,7 +136,10 @@ pub(super) fn diagnose_from(
     let mut ranking = ranking(&evidence, &held, &attribution, &gap);
     stage("what would tell more")?;
     let rivals = rivals(&attribution, &decision);
-    let next = next(&evidence, &attribution, decision.answer, &rivals);
+    let next = match rivals.is_empty() || options.deadline.leaves_aside("the next experiment") {
+        true => None,
+        false => next(&evidence, &attribution, decision.answer, &rivals),
+    };
     let standing = standing(&decision);
     let (mut probability, mut probability_source) = probability(&standing, &Rates::shipped());
     let twins = if options.twins > 0 {
@@ -136,7 +151,6 @@ pub(super) fn diagnose_from(
     if let Some((rate, source)) = twins.as_ref().and_then(|t| t.rate.clone()) {
         (probability, probability_source) = (rate, source);
     }
-    share_out(&mut ranking, &decision, probability);
     stage("where the gap lies")?;
     let (location, torques) = place(&evidence, &attribution, &decision);
     let mut traces = traces(&evidence, &attribution, &decision, torques);
@@ -145,6 +159,18 @@ pub(super) fn diagnose_from(
             own.before_rad.clone_from(&first.before_rad);
         }
     }
+    let mut notes = notes(&evidence, &attribution, &decision, intervals_trusted, &differs);
+    let budget = options.deadline.spent();
+    let is_finished = budget.as_ref().is_none_or(|spent| spent.finished);
+    if let Some(spent) = &budget {
+        sentence = spent.before(&sentence);
+        notes.insert(0, spent.words());
+    }
+    if is_finished {
+        share_out(&mut ranking, &decision, probability);
+    } else {
+        probability_source = NO_PROBABILITY.to_owned();
+    }
     Ok(Diagnosis {
         joint: case.joint.name.clone(),
         answer: Answer {
@@ -152,7 +178,7 @@ pub(super) fn diagnose_from(
             effect: if is_named { decision.effect().map(|e| e.id().to_owned()) } else { parameter },
             second: decision.second().filter(|_| is_named),
             equivalent: if is_named { decision.equivalent.clone() } else { Vec::new() },
-            probability,
+            probability: is_finished.then_some(probability),
             probability_source,
             standing,
             sentence,
@@ -172,10 +198,11 @@ pub(super) fn diagnose_from(
         next,
         confusion: twins.map(|t| t.confusion),
         traces,
-        notes: notes(&evidence, &attribution, &decision, intervals_trusted, &differs),
+        notes,
         differs,
         withheld: EffectId::ALL.iter().copied().filter(|e| !effects.contains(e)).collect(),
         demands: Arc::unwrap_or_clone(demands),
+        budget,
     })
 }
 
@@ -217,7 +244,8 @@ fn attributed(
             (evidence, attribution) = (normal, held_back);
         }
     }
-    if !attribution.held_out_shows_more(&evidence) {
+    let shows_more = attribution.held_out_shows_more(&evidence);
+    if !shows_more || evidence.deadline.leaves_out("a search on all logs together, for the held-out ones show more") {
         return Ok((evidence, attribution));
     }
     progress.go_on(Step::stage("all logs: the held-out ones show more"))?;

@@ -3,6 +3,7 @@
 use super::body_kind::BodyKind;
 use super::differs::Differs;
 use super::logs::LogSet;
+use crate::deadline::{Deadline, Spent};
 use crate::identify::{BeliefFound, Directives, Estimate};
 use crate::joint::{EffectId, LawTable, Stage};
 use serde::Serialize;
@@ -22,6 +23,8 @@ pub struct GapOptions {
     pub seed: u64,
     /// What the user demands of numbers and of parameters of effects, e.g. `inertia` or `delay.T`.
     pub demands: Directives,
+    /// Until when causes are looked for.
+    pub deadline: Deadline,
 }
 
 /// The kinds of answer.
@@ -162,9 +165,9 @@ pub struct Answer {
     /// Effects that these logs cannot tell apart from the answer, the answer included, best first; empty where no
     /// effect is named.
     pub equivalent: Vec<EffectId>,
-    /// The measured rate at which an answer like this was right.
-    pub probability: f64,
-    /// Where `probability` was measured: a command, and counts.
+    /// The measured rate at which an answer like this was right; `None` where the search was not finished.
+    pub probability: Option<f64>,
+    /// Where `probability` was measured: a command, and counts; or why there is none.
     pub probability_source: String,
     /// The kind of answer and how clearly it stands, in words that are counted.
     pub standing: String,
@@ -456,6 +459,8 @@ pub struct Diagnosis {
     pub withheld: Vec<EffectId>,
     /// What was demanded, parameters of effects with the effect's id before them.
     pub demands: Directives,
+    /// What became of its time, where that was limited.
+    pub budget: Option<Spent>,
 }
 
 impl Diagnosis {

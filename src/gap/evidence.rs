@@ -3,6 +3,7 @@
 use super::model::GapModel;
 use super::reach::reach_of;
 use super::torque_seen::gain_seen;
+use crate::deadline::Deadline;
 pub(super) use crate::identify::counts;
 use crate::identify::{Belief, Case, Directives, Experiment};
 use crate::joint::Reach;
@@ -33,6 +34,8 @@ pub(super) struct Evidence {
     pub reach: Reach,
     /// Whether a drive or a known mass shows torques, not only their ratios.
     pub scale_known: bool,
+    /// Until when they may be argued from.
+    pub deadline: Deadline,
 }
 
 /// A phase in which the encoder repeats one rounding error counts like this many samples.
@@ -67,6 +70,7 @@ impl Evidence {
             demands: Arc::default(),
             rest_rad: case.joint.rest_rad.unwrap_or(0.0),
             scale_known,
+            deadline: Deadline::default(),
         })
     }
 
@@ -80,7 +84,8 @@ impl Evidence {
 
     /// The same study with other logs.
     pub fn with_logs(&self, fit: Vec<Experiment>, held: Vec<Experiment>) -> Self {
-        Self { fit, held, uncertain: self.uncertain.clone(), demands: Arc::clone(&self.demands), ..*self }
+        let (uncertain, demands) = (self.uncertain.clone(), Arc::clone(&self.demands));
+        Self { fit, held, uncertain, demands, deadline: self.deadline.clone(), ..*self }
     }
 
     /// The same logs, all of them to be fitted: for what only a held-out log shows.

@@ -27,6 +27,8 @@ const AT_LEAST: usize = 2;
 /// The time of a held setpoint is settled where a brief fit at the time that was proposed is below the best brief one times
 /// this.
 const WORTH_SETTLING: f64 = 4.0;
+/// What is left out where one of these is not fitted.
+const LIKELY: &str = "fits of some likely causes";
 /// What is compared with a hypothesis is carried on where a brief fit is below its criterion times this.
 const COMPARABLE: f64 = 5.0;
 
@@ -100,6 +102,7 @@ pub(super) type Added = (Vec<EffectForm>, Vec<f64>);
 pub(super) fn refitted(evidence: &Evidence, base: &Trial, candidates: Vec<Added>, hope: f64) -> Vec<Trial> {
     let brief: Vec<(Trial, Option<usize>)> = candidates
         .into_par_iter()
+        .filter(|_| !evidence.deadline.leaves_out(LIKELY))
         .map(|(effects, values)| {
             let model = effects.iter().fold(base.model.clone(), |model, &e| model.with(e, &evidence.reach));
             let at = held_setpoint(&model);
@@ -110,12 +113,17 @@ pub(super) fn refitted(evidence: &Evidence, base: &Trial, candidates: Vec<Added>
         .collect();
     let least = brief.iter().map(|(t, _)| t.criterion()).fold(f64::INFINITY, f64::min);
     let brief = brief.into_par_iter().map(|(t, at)| match at {
-        Some(at) if t.criterion() < hope.min(WORTH_SETTLING * least) => settled(evidence, t, at, BRIEF),
+        Some(at) if t.criterion() < hope.min(WORTH_SETTLING * least) && !evidence.deadline.leaves_out(LIKELY) => {
+            settled(evidence, t, at, BRIEF)
+        }
         _ => t,
     });
     let best = one_of_each(brief.collect());
     let line = best.first().map_or(f64::INFINITY, |t| SERIOUS * t.criterion());
-    let is_serious = |rank: usize, t: &Trial| t.criterion() < hope && (rank < AT_LEAST || t.criterion() < line);
+    let is_serious = |rank: usize, t: &Trial| {
+        let likely = t.criterion() < hope && (rank < AT_LEAST || t.criterion() < line);
+        likely && !evidence.deadline.leaves_out(LIKELY)
+    };
     let done = best
         .into_par_iter()
         .enumerate()

@@ -78,6 +78,9 @@ impl Growth<'_> {
         let mut apart = 0;
         while best.effects().len() < MOST && best.fit_loss(self.evidence) > self.enough && apart < APART {
             let done = best.effects().len();
+            if self.late("further causes") {
+                break;
+            }
             if self.progress.go_on(Step { stage: "trying causes", done, of: MOST }).is_err() {
                 break;
             }
@@ -96,7 +99,7 @@ impl Growth<'_> {
     /// The best of a fit and of those that begin with other friction: where a joint sticks the criterion has a kink for
     /// every stop that comes or goes, and between two kinks there may be a minimum of its own.
     fn shaken(&self, fitted: Trial) -> Trial {
-        if fitted.fit_loss(self.evidence) < SHAKE * self.enough {
+        if fitted.fit_loss(self.evidence) < SHAKE * self.enough || self.late("fits from other friction") {
             return fitted;
         }
         let again = |factor: &f64| {
@@ -123,11 +126,9 @@ impl Growth<'_> {
         let feeble = best > FEEBLE * before && best > self.enough;
         // Later on pairs are for where no single one helps.
         let helps = !from.effects().is_empty() && singles.first().is_some_and(|best| self.lowers(from, best));
-        let together = if feeble && !helps && from.effects().len() + 2 <= MOST {
-            pairs(self.evidence, from, &sights)
-        } else {
-            Vec::new()
-        };
+        let tries_pairs = feeble && !helps && from.effects().len() + 2 <= MOST;
+        let together =
+            if tries_pairs && !self.late("pairs of causes") { pairs(self.evidence, from, &sights) } else { Vec::new() };
         // Two have to do more than one: their share of the step is weighed as that of two steps. Motor side and link
         // apart can imitate much, and nothing is easily added to them.
         let worth = |t: &Trial| {
@@ -148,6 +149,10 @@ impl Growth<'_> {
         let best =
             in_form.into_iter().min_by(|a, b| a.fit_loss(self.evidence).total_cmp(&b.fit_loss(self.evidence)))?;
         (best.effects() != singles[0].effects()).then_some(best)
+    }
+
+    fn late(&self, for_what: &'static str) -> bool {
+        self.evidence.deadline.leaves_out(for_what)
     }
 
     fn others(&self, from: &Trial) -> Vec<EffectId> {
@@ -192,6 +197,9 @@ impl Growth<'_> {
     /// lack it.
     pub fn rivals(&self, best: &Trial, without: &[Trial]) -> Vec<Vec<Trial>> {
         let of = |(k, without): (usize, &Trial)| {
+            if self.late("other causes in the place of each") {
+                return Vec::new();
+            }
             let member = best.effects()[k];
             let mut others: Vec<EffectId> = self.others(best);
             if without.model.has_two_bodies() {
@@ -233,6 +241,9 @@ impl Growth<'_> {
     /// The same causes in the forms that explain the logs best: the formula is a detail that the evidence picks.
     pub fn formed(&self, mut best: Trial) -> Trial {
         for k in 0..best.effects().len() {
+            if self.late(FORMS) {
+                break;
+            }
             if let Some(other) = self.in_other_form(&best, k)
                 && self.predicts(&other, &best)
             {
@@ -253,6 +264,7 @@ impl Growth<'_> {
     fn reshaped(&self, mut best: Trial, from: usize) -> Trial {
         for k in from..best.effects().len() {
             if best.fit_loss(self.evidence) > SHAKE * self.enough
+                && !self.late(FORMS)
                 && let Some(other) = self.in_other_form(&best, k)
             {
                 best = other;
@@ -291,6 +303,8 @@ impl Growth<'_> {
     }
 }
 
+/// What is left out where forms are.
+const FORMS: &str = "other forms of causes";
 /// Factors on the Coulomb friction that are tried, where a fit leaves more than this many times what is enough.
 const FACTORS: [f64; 4] = [0.4, 0.75, 1.35, 2.5];
 const SHAKE: f64 = 3.0;

@@ -44,7 +44,7 @@ pub(super) fn judged(growth: &Growth<'_>, whole: &Evidence, grown: Pruned, chanc
 
 /// The set without members that chance may have brought, or that do not predict logs which were not fitted.
 fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance: f64) -> Trial {
-    while !best.effects().is_empty() {
+    while !best.effects().is_empty() && !evidence.deadline.cuts("whether each cause predicts what was not fitted") {
         let measure = Measure::by(evidence, &best);
         let deviance = |t: &Trial| measure.deviance(evidence, t);
         let folds = Folds::of(evidence);

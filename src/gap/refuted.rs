@@ -26,7 +26,10 @@ const AGAIN: Budget = Budget { evaluations: 24 };
 /// The evidence with beliefs whose tails are light, where held-out logs are predicted clearly better by the same causes
 /// with numbers that heavy tails have not let go far; `None` where they are not.
 pub(super) fn soundly_believed(evidence: &Evidence, best: &Trial) -> Option<Evidence> {
-    if evidence.held.is_empty() || evidence.normal_beliefs {
+    if evidence.held.is_empty()
+        || evidence.normal_beliefs
+        || evidence.deadline.leaves_out("a search with numbers held to their beliefs")
+    {
         return None;
     }
     let normal = Evidence { normal_beliefs: true, ..evidence.with_logs(evidence.fit.clone(), evidence.held.clone()) };
@@ -47,6 +50,9 @@ pub(super) fn unrefuted(
 ) -> (Trial, Vec<EffectId>) {
     let in_turn = evidence.held.is_empty();
     if best.effects().is_empty() || in_turn && !(2..=FEW_LOGS).contains(&evidence.fit.len()) {
+        return (best, Vec::new());
+    }
+    if evidence.deadline.cuts("whether held-out logs refute a cause") {
         return (best, Vec::new());
     }
     let on_all = |t: &Trial| {

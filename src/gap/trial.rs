@@ -38,7 +38,7 @@ impl Trial {
     pub fn solved(evidence: &Evidence, model: GapModel, values: &[f64], starts: Vec<[f64; 2]>, budget: Budget) -> Self {
         let values = &model.allowed(values);
         let model = model.at(values);
-        let problem = Problem::new(&model, &evidence.fit);
+        let problem = Problem::new(&model, &evidence.fit).until(&evidence.deadline);
         let nothing = Solution {
             x: Vec::new(),
             criterion: f64::NAN,

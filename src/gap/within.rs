@@ -44,16 +44,17 @@ const TRIED: usize = 2;
 /// `chance` is the deviance that chance alone may gain.
 pub(super) fn within_logs(growth: &Growth<'_>, mut best: Trial, chance: f64) -> Trial {
     let Some(groups) = Groups::of(&growth.evidence.fit, &growth.evidence.held) else { return best };
-    for k in 0..best.effects().len() {
+    let late = || growth.evidence.deadline.leaves_out("causes that hold in some logs only");
+    for k in (0..best.effects().len()).take_while(|_| !late()) {
         best = restricted(growth.evidence, best, k, &groups);
     }
-    for group in &groups.groups {
+    for group in groups.groups.iter().take_while(|_| !late()) {
         best = placed_anew(growth.evidence, best, group);
     }
     // What is less than one step of the encoder may be noise of any colour.
     let samples: f64 = growth.evidence.fit.iter().map(|e| counts(e).sum::<f64>()).sum();
     let enough = (WORTH_A_LOOK * growth.enough).max(samples * growth.evidence.reach.resolution_rad.powi(2));
-    while best.effects().len() < MOST && best.fit_loss(growth.evidence) > enough {
+    while best.effects().len() < MOST && best.fit_loss(growth.evidence) > enough && !late() {
         match added(growth, &best, &groups, chance) {
             // Brought to rest, so that what it has not yet reached is taken for no cause.
             Some(more) => best = growth.pruned(more.continued(growth.evidence, REST)).best,

@@ -2,6 +2,7 @@
 
 use super::parameter::{free_of, starts_of, values_in};
 use super::{Experiment, Found, JointModel, Parameter};
+use crate::deadline::Deadline;
 use crate::fit::{Block, Coordinate, Rejected, Residuals, Rounding};
 use crate::joint::{Chain, Dual, Real};
 use crate::pendulum::{Diverged, Start, State};
@@ -19,6 +20,8 @@ pub struct Problem<'a, M: JointModel> {
     free: Vec<usize>,
     /// Values of all parameters; the free ones are overwritten.
     base: Vec<f64>,
+    /// Until when it is searched.
+    deadline: Option<&'a Deadline>,
 }
 
 /// How far a start angle may lie from its guess \[rad\], at least; and in quantisation steps.
@@ -60,7 +63,12 @@ impl<'a, M: JointModel> Problem<'a, M> {
                 },
             });
         }
-        Self { model, experiments, coordinates, free, base }
+        Self { model, experiments, coordinates, free, base, deadline: None }
+    }
+
+    /// The same, searched no longer than a deadline allows.
+    pub fn until(self, deadline: &'a Deadline) -> Self {
+        Self { deadline: Some(deadline), ..self }
     }
 
     /// Free parameters of the model.
@@ -230,6 +238,10 @@ pub(crate) fn readings<T: Real>(
 impl<M: JointModel> Residuals for Problem<'_, M> {
     fn coordinates(&self) -> &[Coordinate] {
         &self.coordinates
+    }
+
+    fn is_over(&self) -> bool {
+        self.deadline.is_some_and(|deadline| deadline.cuts("fits to their end"))
     }
 
     fn criterion(&self, x: &[f64]) -> Result<f64, Rejected> {

@@ -23,6 +23,8 @@ pub(in crate::report) struct Chances {
     pub rest: String,
     /// Whether any candidate has a part of it.
     pub is_shared_out: bool,
+    /// Whether there is any.
+    is_stated: bool,
     /// What the answer's probability is shared out among, where that are several, and those beside it.
     among: Vec<String>,
     beside: Vec<String>,
@@ -32,11 +34,22 @@ pub(in crate::report) struct Chances {
 const SAME: f64 = 1e-9;
 
 impl Chances {
-    /// Of an answer's probability and its candidates'.
+    /// Of an answer's probability, where one is stated, and its candidates'.
     ///
     /// Candidates that are named share the answer's, where together they have it; where they do not, it is that of the one
     /// that has it all, and the others are beside it.
-    pub fn of(answer: f64, candidates: &[Candidate]) -> Self {
+    pub fn of(answer: Option<f64>, candidates: &[Candidate]) -> Self {
+        let Some(answer) = answer else {
+            return Self {
+                answer: "not stated".to_owned(),
+                candidates: vec!["-".to_owned(); candidates.len()],
+                rest: "-".to_owned(),
+                is_shared_out: false,
+                among: Vec::new(),
+                beside: Vec::new(),
+                is_stated: false,
+            };
+        };
         let has_part = |candidate: &Candidate| candidate.probability > 0.0;
         let named: f64 = candidates.iter().filter(|of| of.is_named).map(|of| of.probability).sum();
         let are_all = (named - answer).abs() < SAME;
@@ -59,6 +72,7 @@ impl Chances {
             answer: format!("{} %", whole[0]),
             rest: format!("{} %", whole[1]),
             is_shared_out: candidates.iter().any(has_part),
+            is_stated: true,
             among: if own.len() > 1 { own.iter().map(said).collect() } else { Vec::new() },
             beside: others.iter().filter(|k| percents[**k] > 0).map(said).collect(),
             candidates: percents.iter().map(|percent| format!("{percent} %")).collect(),
@@ -67,6 +81,9 @@ impl Chances {
 
     /// `69 % (angle_offset 35 %, joint_spring 34 %), of something else 31 %`
     pub fn words(&self) -> String {
+        if !self.is_stated {
+            return self.answer.clone();
+        }
         let among = if self.among.is_empty() { String::new() } else { format!(" ({})", self.among.join(", ")) };
         let beside: String = self.beside.iter().map(|said| format!(", of {said}")).collect();
         format!("{}{among}{beside}, of something else {}", self.answer, self.rest)
@@ -75,7 +92,7 @@ impl Chances {
 
 /// An answer's probability in whole percent, as text and page have it: `69 %`.
 pub fn percent_of_answer(probability: f64) -> String {
-    Chances::of(probability, &[]).answer
+    Chances::of(Some(probability), &[]).answer
 }
 
 #[cfg(test)]
@@ -98,7 +115,9 @@ mod tests {
 
     #[test]
     fn those_that_cannot_be_told_apart_share_the_answers_probability() {
-        let of = |answer: f64, all: &[(&str, f64, bool)]| Chances::of(answer, &candidates(all));
+        let of = |answer: f64, all: &[(&str, f64, bool)]| Chances::of(Some(answer), &candidates(all));
+        let unfinished = Chances::of(None, &candidates(&[("delay", 0.0, true)]));
+        assert_eq!((unfinished.words().as_str(), &*unfinished.candidates[0]), ("not stated", "-"));
         let two = of(0.75, &[("delay", 0.375, true), ("hold", 0.375, true), ("play", 0.0, false)]);
         assert_eq!(two.words(), "75 % (delay 38 %, hold 37 %), of something else 25 %");
         assert_eq!(two.candidates, ["38 %", "37 %", "0 %"]);
@@ -112,7 +131,7 @@ mod tests {
     #[test]
     fn rivals_with_a_probability_of_their_own_stand_beside_the_answer() {
         let all = candidates(&[("drag", 0.905, true), ("play", 0.055, true), ("gain", 0.02, false)]);
-        let shown = Chances::of(0.905, &all);
+        let shown = Chances::of(Some(0.905), &all);
         assert_eq!(shown.words(), "91 %, of play 5 %, of gain 2 %, of something else 2 %");
         assert_eq!(shown.candidates, ["91 %", "5 %", "2 %"]);
     }
@@ -123,7 +142,7 @@ mod tests {
             let part = answer / among as f64;
             let mut all: Vec<_> = (0..among).map(|k| (if k > 0 { "b" } else { "a" }, part, true)).collect();
             all.push(("c", beside * (1.0 - answer), false));
-            let shown = Chances::of(answer, &candidates(&all));
+            let shown = Chances::of(Some(answer), &candidates(&all));
             let [all, rest] = [shown.candidates.iter().map(|of| number(of)).sum::<u32>(), number(&shown.rest)];
             prop_assert_eq!(all + rest, 100);
             let own: u32 = shown.candidates[..among].iter().map(|of| number(of)).sum();

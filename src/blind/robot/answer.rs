@@ -92,7 +92,8 @@ impl RobotAnswered {
             more: Vec::new(),
             equivalent: answer.equivalent.clone(),
             places: answer.places.clone(),
-            probability: answer.probability,
+            // Exams search to the end.
+            probability: answer.probability.unwrap_or_default(),
             standing: answer.standing.clone(),
             partial: answer.partial.as_ref().map(StatedCause::of),
             joints: diagnosis.location.joints.clone(),
@@ -144,7 +145,7 @@ impl RobotAnswered {
             verdict,
             equivalent,
             places: first.iter().map(|first| first.joints.clone()).collect(),
-            probability: diagnosis.answer.probability,
+            probability: diagnosis.answer.probability.unwrap_or_default(),
             standing: format!("{}, arm, {count}", verdict.name()),
             partial: None,
             joints: first.iter().flat_map(|first| first.joints.clone()).collect(),

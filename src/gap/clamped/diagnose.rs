@@ -3,6 +3,7 @@
 use super::body::BodyCause;
 use super::case::{ClampedCase, ClampedJoint};
 use super::pooled::{PooledNumber, one_size, pooled};
+use crate::deadline::{Deadline, Spent};
 use crate::gap::diagnose::diagnose_from;
 use crate::gap::sentence::words;
 use crate::gap::{CauseShare, Diagnosis, GapError, GapOptions, Number, Verdict};
@@ -34,6 +35,8 @@ pub struct ClampedDiagnosis {
     pub joints: Vec<JointAnswer>,
     /// What the reader has to know beside it.
     pub notes: Vec<String>,
+    /// What became of its time, where that was limited.
+    pub budget: Option<Spent>,
 }
 
 /// The answer in short.
@@ -45,8 +48,8 @@ pub struct ClampedAnswer {
     pub effect: Option<&'static str>,
     /// Of the one that closes most beside it.
     pub second: Option<&'static str>,
-    /// Lowest measured rate at which answers like those of the joints were right.
-    pub probability: f64,
+    /// Lowest measured rate at which answers like those of the joints were right; `None` where a search was not finished.
+    pub probability: Option<f64>,
     /// What a colleague would say.
     pub sentence: String,
 }
@@ -123,10 +126,13 @@ pub(in crate::gap) fn diagnose_joints(
     progress: &dyn Progress,
 ) -> Result<Vec<JointAnswer>, GapError> {
     let counted = Counted { progress, done: AtomicUsize::new(0), of: case.joints.len() };
+    let begun = AtomicUsize::new(0);
     let of_joint = |joint: &ClampedJoint| {
+        let still = case.joints.len() - begun.fetch_add(1, Ordering::Relaxed);
+        let own = GapOptions { deadline: options.deadline.part(still), ..options.clone() };
         let first = described.iter().find(|first| first.joint == joint.name);
         let first = first.and_then(|first| first.diagnosis.as_ref());
-        let found = match diagnose_from(&joint.case, options, first, &counted) {
+        let found = match diagnose_from(&joint.case, &own, first, &counted) {
             Ok(diagnosis) => Ok(Some(diagnosis)),
             Err(GapError::NeverMoved) => Ok(None),
             Err(other) => Err(other),
@@ -160,7 +166,7 @@ pub(in crate::gap) fn concluded(
         verdict,
         effect: ids.next(),
         second: ids.next(),
-        probability: found().map(|d| d.answer.probability).fold(1.0, f64::min),
+        probability: found().map(|d| d.answer.probability).try_fold(1.0, |least, own| Some(f64::min(least, own?))),
         sentence: sentence(robot, &joints, &gap, &bodies, &causes, &pooled),
     };
     let chosen: Vec<&str> = joints
@@ -175,7 +181,21 @@ pub(in crate::gap) fn concluded(
             chosen.join(", ")
         ));
     }
-    ClampedDiagnosis { robot: robot.to_owned(), answer, gap, bodies, causes, pooled, joints, notes }
+    let robot = robot.to_owned();
+    ClampedDiagnosis { robot, answer, gap, bodies, causes, pooled, joints, notes, budget: None }
+}
+
+impl ClampedDiagnosis {
+    /// The same, with what became of its time.
+    pub(in crate::gap) fn within(mut self, deadline: &Deadline) -> Self {
+        self.budget = deadline.spent();
+        if let Some(spent) = &self.budget {
+            self.answer.sentence = spent.before(&self.answer.sentence);
+            self.notes.insert(0, spent.words());
+            self.answer.probability = self.answer.probability.filter(|_| spent.finished);
+        }
+        self
+    }
 }
 
 /// Tells another how many joints are done.

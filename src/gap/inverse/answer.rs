@@ -103,7 +103,7 @@ pub(super) fn diagnosis(
         effect,
         second: causes.get(1).filter(|_| named_effects).map(|cause| cause.effect),
         equivalent: causes.first().filter(|_| named_effects).map_or_else(Vec::new, |cause| cause.equivalent.clone()),
-        probability,
+        probability: Some(probability),
         probability_source,
         standing: format!("torque along the motion, {}", verdict.name()),
         sentence: sentence(&joint.name, verdict, &gap, &causes, law.as_ref(), most),
@@ -131,6 +131,7 @@ pub(super) fn diagnosis(
         notes: refuted(found),
         withheld: Vec::new(),
         demands: Directives::default(),
+        budget: None,
     };
     (diagnosis, traces)
 }

@@ -1,7 +1,7 @@
 //! Every joint of a robot diagnosed by the torques that its motion asks for.
 
 use super::answer::{TorqueTraces, diagnosis};
-use super::bodies::find;
+use super::bodies::{BODIES, find};
 use super::case::TorqueCase;
 use super::design::JointData;
 use super::search::{Found, search};
@@ -59,10 +59,13 @@ pub fn diagnose_torques(
     let as_described: Vec<JointAnswer> = answers.iter().map(|(answer, _)| answer.clone()).collect();
     let (mut changed, mut bodies) = (setup.clone(), Vec::<BodyCause>::new());
     // Whoever asks for some effects only does not ask for bodies.
-    while options.only.is_empty() && !founds.is_empty() && bodies.len() < MOST_BODIES {
+    let may_be_other = |bodies: &[BodyCause]| options.only.is_empty() && bodies.len() < MOST_BODIES;
+    while may_be_other(&bodies) && !founds.is_empty() && !options.deadline.leaves_out(BODIES) {
         progress.go_on(Step::stage("payload and masses"))?;
         let taken: Vec<LinkId> = bodies.iter().map(|body| body.link).collect();
-        let Some(body) = find(&changed, &case, &founds, &taken, &options.without_bodies)? else { break };
+        let Some(body) = find(&changed, &case, &founds, &taken, &options.without_bodies, &options.deadline)? else {
+            break;
+        };
         changed = changed.with_change(body.link, &body.change)?;
         bodies.push(body);
         (answers, founds, case) = searched(&TorqueCase::of(&changed)?, &as_described, &allows);
@@ -79,6 +82,7 @@ pub fn diagnose_torques(
         }));
     }
     let found = concluded(&first.robot, &first.groups, joints, bodies, Some(&as_described), first.notes.clone());
+    let found = found.within(&options.deadline);
     Ok(TorqueDiagnosis { found, traces: traces.into_iter().flatten().collect() })
 }
 

@@ -3,7 +3,7 @@
 //! Bodies are looked for along the measured motion, by the torques that the servos gave as study and description state
 //! them; what is found has to let the simulated joints predict held-out logs no worse.
 
-use super::bodies::find;
+use super::bodies::{BODIES, find};
 use super::case::TorqueCase;
 use super::diagnose::{TorqueError, searched};
 use crate::gap::clamped::{
@@ -31,10 +31,19 @@ pub fn diagnose_motion(
     options: &GapOptions,
     progress: &dyn Progress,
 ) -> Result<(ClampedCase, ClampedDiagnosis), TorqueError> {
+    let (case, found) = searched_within(setup, options, progress)?;
+    Ok((case, found.within(&options.deadline)))
+}
+
+fn searched_within(
+    setup: &ClampedSetup,
+    options: &GapOptions,
+    progress: &dyn Progress,
+) -> Result<(ClampedCase, ClampedDiagnosis), TorqueError> {
     let case = ClampedCase::of(setup)?;
     let first = diagnose_clamped(&case, options, progress)?;
     let found = || first.joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
-    if !options.only.is_empty() || !found().any(asks) {
+    if !options.only.is_empty() || !found().any(asks) || options.deadline.leaves_out(BODIES) {
         return Ok((case, first));
     }
     progress.go_on(Step::stage("payload and masses"))?;
@@ -42,7 +51,10 @@ pub fn diagnose_motion(
     let commanded = TorqueCase::commanded(setup, &late_s)?;
     let (_, founds, moving) = searched(&commanded, &[], &|effect| is_asked(effect, options));
     let without = &options.without_bodies;
-    let body = (!founds.is_empty()).then(|| find(setup, &moving, &founds, &[], without)).transpose()?.flatten();
+    let body = (!founds.is_empty())
+        .then(|| find(setup, &moving, &founds, &[], without, &options.deadline))
+        .transpose()?
+        .flatten();
     let Some(body) = body else { return Ok((case, first)) };
     let changed = setup.with_change(body.link, &body.change)?;
     let mut with_it = ClampedCase::of(&changed)?;

@@ -11,6 +11,7 @@ use super::reach::reach_of;
 use super::recalibrate::recalibrated;
 use super::scatter::{Number, Scatter, Spreads};
 use super::start::Body;
+use crate::deadline::Deadline;
 use crate::joint::Reach;
 use crate::number::math;
 use rayon::prelude::*;
@@ -35,6 +36,8 @@ const PLAY_AT_A_GLANCE: f64 = 1e-4;
 const NUDGE: f64 = 0.2;
 /// Robots that are drawn to see how much a walk changes with numbers that are never quite right.
 const DRAWN: u64 = 24;
+/// So many of them however late it is.
+const AT_LEAST: u64 = 4;
 /// Share of their variance that is taken as common shapes; the rest, and more, is taken as each sample's own.
 const COMMON: f64 = 0.7;
 const OWN: f64 = 0.5;
@@ -44,6 +47,8 @@ const NEAR: usize = 12;
 /// A study with what hypotheses about it are weighed by.
 pub(super) struct Bench<'a> {
     pub case: &'a RobotCase,
+    /// Until when causes are looked for.
+    pub deadline: Deadline,
     pub layout: Layout,
     pub steps: Steps,
     /// What the logs read.
@@ -79,7 +84,7 @@ pub(super) struct Bench<'a> {
 pub(super) struct RanAway;
 
 impl<'a> Bench<'a> {
-    pub fn new(case: &'a RobotCase) -> Result<Self, RanAway> {
+    pub fn new(case: &'a RobotCase, deadline: &Deadline) -> Result<Self, RanAway> {
         let layout = Layout::of(case);
         let steps = if case.is_clamped() { CLAMPED } else { ON_THE_FLOOR };
         let none = Scatter::none(case.model());
@@ -94,6 +99,7 @@ impl<'a> Bench<'a> {
         let body = Body { floor: floor_of(case), mass_kg: case.model().total_mass_kg() };
         let mut bench = Self {
             case,
+            deadline: deadline.clone(),
             layout,
             steps,
             measured,
@@ -171,6 +177,9 @@ impl<'a> Bench<'a> {
 
     /// The same, roughly where there is free play; 0 beyond `until_s`.
     pub fn glance(&self, changes: &[Change], until_s: Option<f64>) -> Option<Vec<f64>> {
+        if self.deadline.leaves_out("a look at some causes and joints") {
+            return None;
+        }
         self.difference_at(&self.base, changes, PLAY_AT_A_GLANCE, until_s)
     }
 
@@ -256,7 +265,10 @@ impl<'a> Bench<'a> {
         };
         let friction: Vec<[f64; 2]> = self.case.model().joint_ids().map(law).collect();
         let one = |number: u64| self.difference(&Scatter::drawn(self.case.model(), &friction, number), &[]);
-        let robots: Vec<Vec<f64>> = (0..DRAWN).into_par_iter().filter_map(one).collect();
+        let is_in_time = |number: &u64| {
+            *number < AT_LEAST || !self.deadline.leaves_out("some of the robots that a walk is weighed by")
+        };
+        let robots: Vec<Vec<f64>> = (0..DRAWN).into_par_iter().filter(is_in_time).filter_map(one).collect();
         let count = robots.len().max(1) as f64;
         let mean_square = |k: usize| robots.iter().map(|robot: &Vec<f64>| robot[k].powi(2)).sum::<f64>() / count;
         let extra = (0..self.layout.len).map(|k| OWN * mean_square(k)).collect();

@@ -22,6 +22,7 @@ use super::sentence::{Said, sentence};
 use super::standing::standing;
 use super::suspects::Suspects;
 use super::torque::residual_torque_nm;
+use crate::deadline::NO_PROBABILITY;
 use crate::gap::held_out::closed;
 use crate::gap::rates::{Rates, probability};
 use crate::gap::{Next, Verdict};
@@ -58,7 +59,7 @@ pub fn diagnose_robot(
         return Err(RobotGapError::NeverMoved);
     }
     progress("simulating the robot as given");
-    let bench = Bench::new(case).map_err(|_| RobotGapError::Diverged)?;
+    let bench = Bench::new(case, &options.deadline).map_err(|_| RobotGapError::Diverged)?;
     let floor_or_trunk = |cause: Cause| !case.is_clamped() || !cause.is_of_robot();
     let considered = |cause: Cause| {
         let is_asked_for = options.only.is_empty() || options.only.contains(&cause);
@@ -93,11 +94,14 @@ pub fn diagnose_robot(
         places: &places,
         broken: &broken(&beliefs),
     };
-    let sentence = sentence(&said, &gap);
+    let mut sentence = sentence(&said, &gap);
     let phases: Vec<_> = case.logs.iter().map(|log| phases(case, log)).collect();
     let location = location(&bench, &decision, &phases, first.as_ref());
     progress("what these logs could have shown");
-    let ranking = ranking(&bench, &tried, &decision, &gap, probability);
+    let next: Option<Next> = next(&bench, &tried, &decision);
+    let budget = options.deadline.spent();
+    let is_finished = budget.as_ref().is_none_or(|spent| spent.finished);
+    let ranking = ranking(&bench, &tried, &decision, &gap, if is_finished { probability } else { 0.0 });
     let least = needed(&bench, &tried.given);
     // Of free play nothing is known where it was not tried.
     let is_known = |cause: &Cause| !cause.is_play() || tried.columns.iter().any(|column| column.cause.is_play());
@@ -106,7 +110,11 @@ pub fn diagnose_robot(
         RobotDetectable { cause, value: detectable(&bench, &tried.columns, cause, least), name, unit }
     });
     let detectable = detectable.collect();
-    let next: Option<Next> = next(&bench, &tried, &decision);
+    let mut notes = notes(&bench, &decision, &gap);
+    if let Some(spent) = &budget {
+        sentence = spent.before(&sentence);
+        notes.insert(0, spent.words());
+    }
     Ok(RobotDiagnosis {
         robot: case.robot().to_owned(),
         scenario: case.study.scenario,
@@ -117,8 +125,8 @@ pub fn diagnose_robot(
             second,
             equivalent,
             places,
-            probability,
-            probability_source,
+            probability: is_finished.then_some(probability),
+            probability_source: if is_finished { probability_source } else { NO_PROBABILITY.to_owned() },
             standing,
             sentence,
             partial,
@@ -130,9 +138,10 @@ pub fn diagnose_robot(
         traces: traces(&bench, &decision, &phases),
         changes: changes(&bench, &decision),
         beliefs,
-        notes: notes(&bench, &decision, &gap),
+        notes,
         withheld: options.without.clone(),
         gap,
+        budget,
     })
 }
 

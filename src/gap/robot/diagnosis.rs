@@ -1,6 +1,7 @@
 //! What a diagnosis of a robot says, as plain data: the engine fills it, reports and JSON show it.
 
 use super::cause::{Cause, Change, RobotStage};
+use crate::deadline::{Deadline, Spent};
 use crate::gap::{BeliefFound, LogGap, Next, Number, Variable, Verdict};
 use crate::log::RobotScenario;
 use serde::Serialize;
@@ -12,6 +13,8 @@ pub struct RobotOptions {
     pub without: Vec<Cause>,
     /// The only causes that are considered; empty: all.
     pub only: Vec<Cause>,
+    /// Until when causes are looked for.
+    pub deadline: Deadline,
 }
 
 /// What a leg is doing.
@@ -71,9 +74,9 @@ pub struct RobotAnswer {
     pub equivalent: Vec<Cause>,
     /// Places on which the first stands as well, its own included, best first.
     pub places: Vec<Vec<String>>,
-    /// The measured rate at which an answer like this was right.
-    pub probability: f64,
-    /// Where `probability` was measured.
+    /// The measured rate at which an answer like this was right; `None` where the search was not finished.
+    pub probability: Option<f64>,
+    /// Where `probability` was measured, or why there is none.
     pub probability_source: String,
     /// The kind of answer and how clearly it stands, in words that are counted.
     pub standing: String,
@@ -263,4 +266,6 @@ pub struct RobotDiagnosis {
     pub notes: Vec<String>,
     /// Causes that were withheld.
     pub withheld: Vec<Cause>,
+    /// What became of its time, where that was limited.
+    pub budget: Option<Spent>,
 }

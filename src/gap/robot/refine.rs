@@ -116,7 +116,7 @@ pub(super) fn moved(parameter: &EffectParameter, value: f64, by: f64) -> f64 {
     there.clamp(parameter.lower, parameter.upper)
 }
 
-/// The hypothesis with the best values near those given; `None` where the robot runs away there.
+/// The hypothesis with the best values near those given; `None` where the robot runs away there, or it is too late to try.
 pub(super) fn refine(bench: &Bench<'_>, parts: Vec<Part>) -> Option<Hypothesis> {
     refine_within(bench, parts, if bench.case.is_clamped() { CLAMPED } else { ON_THE_FLOOR })
 }
@@ -127,6 +127,9 @@ pub(super) fn refine_roughly(bench: &Bench<'_>, parts: Vec<Part>) -> Option<Hypo
 }
 
 fn refine_within(bench: &Bench<'_>, parts: Vec<Part>, most: usize) -> Option<Hypothesis> {
+    if bench.deadline.leaves_out("fits of some likely causes") {
+        return None;
+    }
     let parameters: Vec<Vec<EffectParameter>> = parts.iter().map(|part| part.parameters(bench)).collect();
     let free: Vec<(usize, usize)> = parameters
         .iter()
@@ -160,7 +163,7 @@ fn refine_within(bench: &Bench<'_>, parts: Vec<Part>, most: usize) -> Option<Hyp
     let n = free.len();
     let mut curvature = DMatrix::zeros(n, n);
     loop {
-        if n == 0 {
+        if n == 0 || bench.deadline.leaves_out("fits to their end") {
             break;
         }
         let slope = |k: &(usize, usize)| -> Option<Weighed> {

@@ -12,6 +12,7 @@ use super::place::Place;
 use super::refine::{Hypothesis, Part, refine};
 use super::scatter::{Number, Scatter};
 use super::unseen::Unseen;
+use crate::deadline::Deadline;
 use crate::joint::EffectId;
 use crate::synth::{Spec, make};
 use std::path::Path;
@@ -49,7 +50,7 @@ fn a_delay_is_recovered_and_the_held_out_cycle_is_a_whole_one() {
     assert!((begins_s - 2.0).abs() < 0.05, "{begins_s}");
     let period_s = period_s(log, begins_s).expect("a trot repeats");
     assert!((period_s - 1.0).abs() < 0.02, "{period_s}");
-    let bench = Bench::new(&case).unwrap();
+    let bench = Bench::new(&case, &Deadline::default()).unwrap();
     let (_, row) = bench.layout.joints().next().unwrap();
     let held = row.range.clone().filter(|k| bench.layout.held[*k]).count();
     assert!((held as f64 * 0.008 - 1.0).abs() < 0.03, "{held} samples");
@@ -83,7 +84,7 @@ fn legs_hold_then_swing_about_half_of_the_time() {
 fn numbers_that_move_far_and_close_nothing_are_as_believed() {
     let folder = tempfile::tempdir().unwrap();
     let case = case(folder.path());
-    let bench = Bench::new(&case).unwrap();
+    let bench = Bench::new(&case, &Deadline::default()).unwrap();
     let knee = case.names.iter().position(|name| name == "lf3").unwrap();
     let moved = |number: &Number| if *number == Number::Coulomb(knee) { 4.0 } else { 0.0 };
     let with = |residual: Vec<f64>| Attained { price: 0.0, residual, sizes: bench.numbers.iter().map(moved).collect() };
@@ -104,7 +105,7 @@ fn a_joint_that_is_let_go_feels_as_much_torque_as_gravity_has() {
     let log = "[[log]]\nfile = \"drop.csv\"\nduration = 2.0\nreleased = \"lf1\"\nrelease_time = 0.4\nangles = { lf1 = 1.2 }\n";
     let dropped = spec("drop", 0.001, 1e-3, log);
     let case = case_of(folder.path(), &dropped);
-    let bench = Bench::new(&case).unwrap();
+    let bench = Bench::new(&case, &Deadline::default()).unwrap();
     let hip = case.names.iter().position(|name| name == "lf1").unwrap();
     // 128 g of leg, some 7 cm below its axis, at up to a right angle.
     let torque_nm = bench.reach[hip].torque_nm;
@@ -115,7 +116,7 @@ fn a_joint_that_is_let_go_feels_as_much_torque_as_gravity_has() {
 fn a_landing_is_not_compared_and_numbers_that_only_imitate_what_was_fitted_stand_as_stated() {
     let folder = tempfile::tempdir().unwrap();
     let case = case_of(folder.path(), &spec("floor", 0.002, 5e-4, "[[log]]\nfile = \"trot.csv\"\nduration = 6.0\n"));
-    let bench = Bench::new(&case).unwrap();
+    let bench = Bench::new(&case, &Deadline::default()).unwrap();
     let t_s = &case.logs[0].log.t_s;
     for (_, row) in bench.layout.joints() {
         let first = row.range.clone().find(|k| bench.layout.compared[*k]).expect("some are") - row.range.start;

@@ -3,7 +3,7 @@
 use minijinja::{Value, context};
 
 use super::map::map;
-use super::{ClampedGapReport, step_by_step, summary, waterfall};
+use super::{ClampedGapReport, step_by_step, summary, sure, waterfall};
 use crate::gap::whole::WholeJoint;
 use crate::report::data_health::together;
 use crate::report::gap::plot::how_far::errors;
@@ -12,7 +12,7 @@ use crate::report::gap::{gap_view, with_code};
 use crate::report::html::{both, figure_views, health_view, render};
 use crate::report::measure::{ANGLE, Measure};
 use crate::report::number::share;
-use crate::report::{Figure, GapReport, LogHealthRow, ReportError, percent_of_answer};
+use crate::report::{Figure, GapReport, LogHealthRow, ReportError};
 
 /// What probabilities are, by what is predicted.
 const RATE: &str = "the measured rate at which answers like this were right";
@@ -129,7 +129,7 @@ fn joint_view(folder: &str, joint: &GapReport) -> Value {
         calibrated => measure.number(diagnosis.gap.calibrated),
         after => measure.number(diagnosis.gap.after),
         floor => measure.number(diagnosis.gap.floor),
-        probability => percent_of_answer(diagnosis.answer.probability),
+        probability => sure(diagnosis),
         sentence => with_code(&diagnosis.answer.sentence),
         steps => step_by_step(diagnosis),
     }

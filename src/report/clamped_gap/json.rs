@@ -38,7 +38,7 @@ pub fn clamped_gap_json(report: &ClampedGapReport) -> Result<Value, serde_json::
         });
         gap.insert("whole".to_owned(), whole);
     }
-    Ok(json!({
+    let mut document = json!({
         "schema": SCHEMA,
         "name": diagnosis.robot,
         "verdict": answer.verdict,
@@ -63,7 +63,11 @@ pub fn clamped_gap_json(report: &ClampedGapReport) -> Result<Value, serde_json::
         "version": provenance.version,
         "command": provenance.command,
         "inputs": provenance.hashed(),
-    }))
+    });
+    if let (Some(document), Some(spent)) = (document.as_object_mut(), &diagnosis.budget) {
+        document.insert("budget".to_owned(), json!(spent));
+    }
+    Ok(document)
 }
 
 /// What these logs cannot tell from the first cause, itself included: a body's, or those of the joint that has most of it.

@@ -13,7 +13,7 @@ pub use html::{clamped_gap_figures, clamped_gap_html};
 pub use json::clamped_gap_json;
 pub use text::clamped_gap_text;
 
-use super::{Animation, GapReport, LogHealthRow, Provenance};
+use super::{Animation, GapReport, LogHealthRow, Provenance, percent_of_answer};
 use crate::gap::clamped::{ClampedCase, ClampedDiagnosis, ClampedSetup};
 use crate::gap::inverse::{TorqueDiagnosis, TorqueTraces};
 use crate::gap::whole::{FoundRobot, LeftOut, Whole, found_robot, simulated};
@@ -183,6 +183,11 @@ fn worse_words(whole: &Whole) -> String {
 fn folder_of(joint: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() || "-_".contains(c) { c } else { '_' };
     joint.chars().map(plain).collect()
+}
+
+/// How sure a joint's answer is, where that is stated.
+fn sure(diagnosis: &Diagnosis) -> String {
+    diagnosis.answer.probability.map_or_else(|| "-".to_owned(), percent_of_answer)
 }
 
 /// A joint's causes in few words, and the numbers that had to move far.

@@ -2,12 +2,11 @@
 
 use comfy_table::Cell;
 
-use super::{ClampedGapReport, step_by_step, summary};
+use super::{ClampedGapReport, step_by_step, summary, sure};
 use crate::gap::Diagnosis;
 use crate::report::data_health::robot_health_text;
 use crate::report::gap::text::{WIDTH, paragraph, undetermined};
 use crate::report::measure::Measure;
-use crate::report::percent_of_answer;
 use crate::report::text::{finish, number, one_line, table, wrap};
 
 /// Writes a robot's diagnosis as plain text, as a rule at most 100 columns wide, ending in a newline: what was found in
@@ -41,7 +40,7 @@ fn joints(report: &ClampedGapReport) -> String {
     let answers = report.joints.iter().map(|(_, joint)| Some(&joint.diagnosis)).chain([None]);
     for (row, diagnosis) in rows.iter().zip(answers) {
         let verdict = diagnosis.map_or_else(String::new, |d| d.answer.verdict.name().to_owned());
-        let sure = diagnosis.map_or_else(String::new, |d| percent_of_answer(d.answer.probability));
+        let sure = diagnosis.map_or_else(String::new, sure);
         let name = Cell::new(one_line(&row.file));
         let mut cells = vec![name, Cell::new(verdict), Cell::new(diagnosis.map_or_else(String::new, summary))];
         cells.extend([row.before, row.calibrated, row.after, row.floor].map(|error| number(measure.number(error))));

@@ -55,6 +55,7 @@ pub fn render_gap_html(report: &GapReport) -> Result<String, ReportError> {
         undetermined => diagnosis.undetermined.iter().map(|sentence| with_code(sentence)).collect::<Vec<_>>(),
         undetermined_words => words::UNDETERMINED,
         health => health.iter().map(health_view).collect::<Vec<_>>(),
+        unfinished => diagnosis.budget.as_ref().is_some_and(|spent| !spent.not_tried.is_empty()),
         chain => chain_view(diagnosis),
         location => with_code(&words::location(&diagnosis.location)),
         place => views(|all| &all.place),

@@ -4,6 +4,7 @@ use super::GapReport;
 use super::fit::quantities;
 use super::rows::joint_rows;
 use super::waterfall::{Step, steps};
+use crate::deadline::Spent;
 use crate::gap::{
     BeliefFound, Candidate, CauseShare, Confusion, Detectable, Diagnosis, Differs, Gap, LawFound, MapCell, Next, Phase,
     ProfileBin, Variable, Verdict, Where,
@@ -52,6 +53,7 @@ pub fn gap_json(report: &GapReport) -> impl Serialize + '_ {
         twins: options.twins,
         seed: options.seed,
         demands: Demands::of(&diagnosis.demands),
+        budget: diagnosis.budget.as_ref(),
         version: &provenance.version,
         command: &provenance.command,
         inputs: provenance.hashed(),
@@ -66,7 +68,7 @@ struct Document<'a> {
     effect: Option<&'a str>,
     second: Option<EffectId>,
     equivalent: &'a [EffectId],
-    probability: f64,
+    probability: Option<f64>,
     sentence: &'a str,
     #[serde(rename = "where")]
     place: Place<'a>,
@@ -94,6 +96,9 @@ struct Document<'a> {
     twins: usize,
     seed: u64,
     demands: Demands<'a>,
+    /// What became of the time, where that was limited: of all keys the one that is there only then.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    budget: Option<&'a Spent>,
     version: &'a str,
     command: &'a str,
     inputs: Vec<HashedInput<'a>>,

@@ -261,7 +261,7 @@ fn report(sizes: [f64; 4], sentence: &str) -> GapReport {
                 effect: Some("stribeck".into()),
                 second: None,
                 equivalent: vec![EffectId::Stribeck],
-                probability: 0.88,
+                probability: Some(0.88),
                 probability_source: "an answer like this one was right in 132 of 150 twins (shipped rates, \
                                      `aibo-fit blind --trials 2000 --seed 11`)"
                     .into(),
@@ -317,6 +317,7 @@ fn report(sizes: [f64; 4], sentence: &str) -> GapReport {
             notes: vec!["The nominal moment 0.005 kg m lies outside its 95 % interval.".into()],
             withheld: Vec::new(),
             demands: Directives::default(),
+            budget: None,
             differs: Vec::new(),
         },
         torques: Vec::new(),

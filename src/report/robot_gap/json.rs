@@ -2,6 +2,7 @@
 //! beyond it.
 
 use super::RobotGapReport;
+use crate::deadline::Spent;
 use crate::gap::robot::{
     Cause, Change, Found, GaitCell, GaitPhase, RobotCandidate, RobotDetectable, RobotGap, RobotStage, RobotWhere,
 };
@@ -58,6 +59,7 @@ pub fn robot_gap_json(report: &RobotGapReport) -> impl Serialize + '_ {
         only: &options.only,
         twins: 0,
         seed: 0,
+        budget: diagnosis.budget.as_ref(),
         version: &provenance.version,
         command: &provenance.command,
         inputs: provenance.hashed(),
@@ -79,7 +81,7 @@ struct Document<'a> {
     second_joints: Option<&'a [String]>,
     equivalent: &'a [Cause],
     places: &'a [Vec<String>],
-    probability: f64,
+    probability: Option<f64>,
     sentence: &'a str,
     #[serde(rename = "where")]
     place: Place<'a>,
@@ -105,6 +107,9 @@ struct Document<'a> {
     only: &'a [Cause],
     twins: usize,
     seed: u64,
+    /// What became of the time, where that was limited: of all keys the one that is there only then.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    budget: Option<&'a Spent>,
     version: &'a str,
     command: &'a str,
     inputs: Vec<HashedInput<'a>>,

@@ -86,7 +86,7 @@ pub(super) fn effect() -> RobotGapReport {
             second: Some(slippery()),
             equivalent: vec![Cause::Effect(EffectId::TorqueLimit)],
             places: vec![weak().joints],
-            probability: 0.87,
+            probability: Some(0.87),
             probability_source: "26 of 30 answers of this standing were right in `blind --robot`".into(),
             standing: "two causes, floor, clear".into(),
             sentence: "ers7: the gap is a motor torque that saturates in four <joints>.".into(),
@@ -150,7 +150,7 @@ pub(super) fn effect() -> RobotGapReport {
     let walk = LogRow { file: "a <b>walk.csv".into(), role: "fit".into(), samples: 400, duration_s: 3.192, joints: 4 };
     RobotGapReport {
         diagnosis,
-        options: RobotOptions { without: vec![Cause::FloorSlope], only: Vec::new() },
+        options: RobotOptions { without: vec![Cause::FloorSlope], ..RobotOptions::default() },
         joints,
         logs: vec![walk],
         sketch: Sketch::of(Model::ers7()),
