@@ -2,10 +2,10 @@
 
 use comfy_table::{Cell, Table};
 
-use super::{GapReport, NEXT_FILE};
 use super::rows::{effect_rows, joint_rows};
 use super::waterfall::{closes_alone, explanation, heading, moved, steps};
 use super::words;
+use super::{GapReport, NEXT_FILE};
 use crate::gap::{Candidate, Detectable, Diagnosis, Gap, MapCell, Phase};
 use crate::report::chances::Chances;
 use crate::report::data_health::health_text;
