@@ -266,7 +266,7 @@ fn sidecars_and_studies_that_cannot_be_are_refused_as_data() {
     let cases: Vec<(&str, String, &[&str])> = vec![
         ("misspelt key", study("inertia", "intertia"), &["line 4", "intertia"]),
         ("no schema", study("schema = 1\n", ""), &["`schema` is missing"]),
-        ("no nominal model", study(NOMINAL, ""), &["key `[joint] inertia` is missing", "kg m^2"]),
+        ("no nominal model", study(NOMINAL, ""), &["[joint] does not say inertia (kg m^2)", "viscous (N m s/rad)"]),
         ("inertia of zero", study("9.0e-4", "0"), &["line 4, key `[joint] inertia`", "above 0"]),
         ("inertia of infinity", study("9.0e-4", "inf"), &["key `[joint] inertia`", "inf"]),
         ("a number beyond all numbers", study("5.0e-3", "1e999"), &["line 5"]),

@@ -158,6 +158,15 @@ fn an_exam_that_is_broken_off_has_no_score_and_can_be_taken_again() {
     finished(&words, &out);
     let (left, unfinished) = files(&out);
     assert!(left.contains_key("score.json") && unfinished == 0, "{:?}", left.keys());
+    // another exam that is broken off changes nothing of it
+    let mut child = start(&["blind", "--trials", "1", "--seed", "5"], &out);
+    thread::sleep(Duration::from_secs_f64(random.random_range(0.05..1.0)));
+    send(&child, "-KILL");
+    if child.wait().unwrap().signal().is_some() {
+        let mut after = files(&out).0;
+        after.retain(|name, _| !name.starts_with(TEMPORARY));
+        assert!(after == left, "{:?}", after.keys());
+    }
 }
 
 #[test]

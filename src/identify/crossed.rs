@@ -110,7 +110,7 @@ fn swapped(_: &Case, own: &Columns<'_>) -> Option<String> {
 fn beside(case: &Case, own: &Columns<'_>) -> Option<String> {
     let motor = own.item.entry.motor.as_ref().filter(|_| own.is_driven())?;
     let nominal = case.joint.nominal.filter(|_| own.item.experiments.iter().all(|e| e.carriage.is_none()))?;
-    if motor.ki_nm_rad_s != 0.0 || motor.model != MotorModel::Torque || own.together < ALIKE {
+    if motor.ki_nm_rad_s != 0.0 || motor.model != MotorModel::Torque || own.together < FOLLOWS {
         return None;
     }
     let apart: Vec<f64> = own.asked_rad.iter().zip(own.read_rad).map(|(asked, read)| asked - read).collect();

@@ -44,17 +44,18 @@ pub fn read_joint_log_as(path: &Path, columns: &Columns, joint: Option<&str>) ->
 /// # Errors
 /// As [`read_joint_log`].
 pub(super) fn read_joint_of_study(path: &Path, columns: &Columns, joint: &str) -> Result<Log, LogError> {
-    match read_wanted(path, Want::One, columns) {
+    let read = match read_wanted(path, Want::One, columns) {
         Ok(source) if source.joints().contains(&Some(joint)) => joint_log(source, Some(joint)),
         Ok(source) => joint_log(source, None),
         Err(LogError::SeveralJoints { joints, .. }) if joints.iter().any(|other| other == joint) => {
             joint_log(read_wanted(path, Want::Joint(joint), columns)?, Some(joint))
         }
-        Err(LogError::SeveralJoints { at, joints }) => {
-            Err(LogError::NotTheStudysJoint { at, joint: joint.to_owned(), joints })
-        }
         Err(error) => Err(error),
-    }
+    };
+    read.map_err(|error| match error {
+        LogError::SeveralJoints { at, joints } => LogError::NotTheStudysJoint { at, joint: joint.to_owned(), joints },
+        other => other,
+    })
 }
 
 /// Reads a log of several joints: `t`, then `<joint>.q` and, where present, `<joint>.q_ref`, `<joint>.tau`,

@@ -59,7 +59,10 @@ pub enum LogError {
     #[error("{at}: column `q` is missing: this is a log of several joints ({}); choose one with --joint or as a study's `[joint] name`, or keep its columns only, named `t,q`{}", list(joints), at.excerpt())]
     SeveralJoints { at: Box<Place>, joints: Vec<String> },
     /// A log of several joints, and none of them is the study's.
-    #[error("{at}: no joint `{joint}`, which is the study's `[joint] name`; {}: give one of these as the name, or an angle of its own under [columns]{}", joints_found(joints), at.excerpt())]
+    #[error(
+        "{at}: no joint `{joint}`, which is the study's `[joint] name`: this is a log of several joints ({}); name one of them there (or by --joint where the command has it)",
+        list(joints)
+    )]
     NotTheStudysJoint { at: Box<Place>, joint: String, joints: Vec<String> },
     /// The log does not have the joint that was asked for.
     #[error("{at}: no column `{joint}.q`; {}{}", joints_found(joints), at.excerpt())]

@@ -2,10 +2,10 @@
 
 use comfy_table::{Cell, Table};
 
-use super::GapReport;
 use super::rows::{effect_rows, joint_rows};
 use super::waterfall::{closes_alone, explanation, heading, moved, steps};
 use super::words;
+use super::{GapReport, NEXT_FILE};
 use crate::gap::{Candidate, Detectable, Diagnosis, Gap, MapCell, Phase};
 use crate::report::chances::Chances;
 use crate::report::data_health::health_text;
@@ -237,7 +237,8 @@ pub(in crate::report) fn detectable(all: &[Detectable]) -> Option<String> {
 fn next(diagnosis: &Diagnosis) -> Option<String> {
     let next = diagnosis.next.as_ref()?;
     let power = if next.power.is_finite() { share(next.power) } else { UNKNOWN.to_owned() };
-    let file = if next.motion.is_some() { " It lies beside the report." } else { "" };
+    let is_untold = next.motion.is_some() && !next.what.contains(NEXT_FILE);
+    let file = if is_untold { format!(" The motion is in {NEXT_FILE}.") } else { String::new() };
     Some(wrap(WIDTH, &format!("{} It would decide with probability {power}.{file}", next.what), "Next: ", "  "))
 }
 
