@@ -32,11 +32,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let diagnosis = diagnose(&case, &GapOptions::default(), &progress)?;
 
     println!("{}", diagnosis.answer.sentence);
-    println!(
-        "verdict {}, right in {:.0} % of such answers",
-        diagnosis.answer.verdict.name(),
-        100.0 * diagnosis.answer.probability
-    );
+    println!("verdict {}", diagnosis.answer.verdict.name());
+    if let Some(probability) = diagnosis.answer.probability {
+        println!("right in {:.0} % of such answers", 100.0 * probability);
+    }
     println!("{}", serde_json::to_string_pretty(&diagnosis.gap)?);
     Ok(())
 }

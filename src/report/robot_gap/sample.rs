@@ -146,6 +146,7 @@ pub(super) fn effect() -> RobotGapReport {
         traces: JOINTS.map(trace).to_vec(),
         notes: vec!["On the floor a foot lands a little earlier or later with anything that changes.".into()],
         withheld: vec![Cause::FloorSlope],
+        budget: None,
     };
     let walk = LogRow { file: "a <b>walk.csv".into(), role: "fit".into(), samples: 400, duration_s: 3.192, joints: 4 };
     RobotGapReport {
