@@ -308,7 +308,7 @@ mod tests {
         for words in [
             "2 robot studies, seed 7; answers opened: SHA-256 cafe, as stated before the first diagnosis.",
             "1 of 2 answers had kind, cause and joints right",
-            "1 false alarm in 1 study",
+            "1 false alarm in 1\nstudy",
             "coulomb (1)",
             "wall time in scenario floor, one thread each: median 60.0 s",
             "5 to 12 times the noise",

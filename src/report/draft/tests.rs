@@ -40,7 +40,7 @@ fn a_users_own_columns_are_guessed_and_the_study_reads_them() {
     let study = dir.path().join("study.toml");
     fs::write(&study, &draft.text).unwrap();
     let missing = read_study(&study).unwrap_err().to_string();
-    assert!(missing.contains("[joint] inertia"), "{missing}");
+    assert!(missing.contains("[joint] does not say inertia"), "{missing}");
     fs::write(&study, filled(&draft.text)).unwrap();
     let logs = crate::log::read_study_logs(&read_study(&study).unwrap()).unwrap();
     assert!((logs[0].t_s[1] - 0.01).abs() < 1e-12 && logs[0].q_rad.iter().all(|q| q.abs() < 0.7));
