@@ -16,6 +16,8 @@ const GOES: usize = 100;
 #[derive(Debug)]
 pub struct Workshop {
     folder: TempDir,
+    /// Inside it: who writes several files into a folder locks that, and this one is locked already.
+    bench: PathBuf,
     /// Locked as long as the run goes on; `None` where folders cannot be locked.
     _held: Option<File>,
     /// Folders that were not there before, the outermost first.
@@ -38,7 +40,9 @@ impl Workshop {
             let is_taken =
                 opened.as_ref().is_some_and(|opened| matches!(opened.try_lock(), Err(TryLockError::WouldBlock)));
             if !is_taken && folder.path().is_dir() {
-                return Ok(Self { folder, _held: opened, made });
+                let bench = folder.path().join("bench");
+                fs::create_dir(&bench).map_err(failed)?;
+                return Ok(Self { folder, bench, _held: opened, made });
             }
         }
         Err(failed(io::ErrorKind::ResourceBusy.into()))
@@ -46,7 +50,7 @@ impl Workshop {
 
     /// Where to work.
     pub fn path(&self) -> &Path {
-        self.folder.path()
+        &self.bench
     }
 }
 
@@ -77,6 +81,13 @@ mod tests {
         fs::write(results.join("whole"), "whole").unwrap();
         drop(workshop);
         assert_eq!(fs::read_dir(&results).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn several_files_at_once_are_written_there() {
+        let dir = tempfile::tempdir().unwrap();
+        let workshop = Workshop::inside(dir.path()).unwrap();
+        assert!(super::super::write::alone_in(workshop.path()).is_some());
     }
 
     #[test]
