@@ -133,7 +133,7 @@ pub(super) fn diagnose_from(
     let beliefs = beliefs(around);
     sentence.extend(far(&broken(&beliefs, &decision)));
     sentence.extend(differs.first().and_then(Differs::instead_of_causes));
-    let mut ranking = ranking(&evidence, &held, &attribution, &gap);
+    let mut ranking = ranking(&evidence, &held, &attribution, decision.answer, &gap);
     stage("what would tell more")?;
     let rivals = rivals(&attribution, &decision);
     let next = match rivals.is_empty() || options.deadline.leaves_aside("the next experiment") {
@@ -312,11 +312,14 @@ fn rivals<'a>(a: &'a Attribution, decision: &Decision<'_>) -> Vec<&'a Trial> {
     }
 }
 
-fn ranking(evidence: &Evidence, held: &HeldOut, a: &Attribution, gap: &Gap) -> Vec<Candidate> {
-    let best = a.firsts.first();
-    a.firsts
+/// Single effects, the likeliest first; the answer's, where that is one alone, in the form and with the numbers of the answer.
+fn ranking(evidence: &Evidence, held: &HeldOut, a: &Attribution, answer: &Trial, gap: &Gap) -> Vec<Candidate> {
+    let firsts: Vec<&Trial> =
+        a.firsts.iter().map(|t| if t.effects() == answer.effects() { answer } else { t }).collect();
+    let best = firsts.first();
+    firsts
         .iter()
-        .map(|t| {
+        .map(|&t| {
             let effect = t.effects()[0];
             let after = held.rms_rad(&held.residuals(evidence, t));
             let (_, mut effects) = numbers(evidence, t);

@@ -63,6 +63,50 @@ impl<T: Real> TorqueLimit<T> {
     }
 }
 
+/// Small torques that do not arrive.
+#[derive(Clone, Copy, Debug)]
+pub struct DeadBand<T> {
+    /// \[N m\]
+    pub band_nm: T,
+    /// What arrives of a larger one.
+    pub beyond: Beyond,
+}
+
+/// What arrives of a torque beyond a dead band.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Beyond {
+    /// What it is larger.
+    #[default]
+    Rest,
+    /// All of it: within [`JUMP`] of the band it comes up from nothing.
+    Whole,
+}
+
+/// Half the width of a jump at the end of a dead band, as a share of the band: no log could tell it from a sharper one, and
+/// an integrator can follow it.
+const JUMP: f64 = 0.1;
+
+impl<T: Real> DeadBand<T> {
+    #[inline]
+    fn of(&self, torque_nm: T) -> T {
+        let sign = if torque_nm.re() < 0.0 { -1.0 } else { 1.0 };
+        let begins_nm = match self.beyond {
+            Beyond::Rest => self.band_nm,
+            Beyond::Whole => self.band_nm * (1.0 - JUMP),
+        };
+        let beyond_nm = torque_nm * sign - begins_nm;
+        if beyond_nm.re() <= 0.0 {
+            return T::nought();
+        }
+        let width_nm = self.band_nm * (2.0 * JUMP);
+        match self.beyond {
+            Beyond::Rest => beyond_nm * sign,
+            Beyond::Whole if beyond_nm.re() < width_nm.re() => torque_nm * beyond_nm / width_nm,
+            Beyond::Whole => torque_nm,
+        }
+    }
+}
+
 /// The controller with its motor: `a = kp (q_ref - q) + ki integral - kd dq`, then what the motor makes of it.
 ///
 /// The answer `a` of the law is a torque, or the duty of a motor fed by voltage: `kt (a supply - kt q') / resistance` with
@@ -77,8 +121,8 @@ pub struct Motor<T> {
     pub derivative_share: T,
     /// Its integral gain per stated one.
     pub integral_share: T,
-    /// Torques below this do not arrive, and larger ones arrive less this \[N m\].
-    pub dead_band_nm: Option<T>,
+    /// Torques that do not arrive.
+    pub dead_band: Option<DeadBand<T>>,
     /// A limit beyond those of the control law.
     pub torque_limit: Option<TorqueLimit<T>>,
     /// A torque-speed curve beyond that of the control law; it limits a motor that drives, not one that brakes.
@@ -99,7 +143,7 @@ impl<T: Real> Motor<T> {
             gain: as_stated,
             derivative_share: as_stated,
             integral_share: as_stated,
-            dead_band_nm: None,
+            dead_band: None,
             torque_limit: None,
             speed_line: None,
         }
@@ -145,9 +189,8 @@ impl<T: Real> Motor<T> {
     pub(crate) fn unlimited_nm(&self, command: T, rate_rad_s: T) -> T {
         let voltage = self.voltage();
         let mut torque_nm = voltage.map_or(command, |motor| command * motor.stall_nm());
-        if let Some(band_nm) = self.dead_band_nm {
-            let sign = if torque_nm.re() < 0.0 { -1.0 } else { 1.0 };
-            torque_nm = if torque_nm.re() * sign > band_nm.re() { torque_nm - band_nm * sign } else { T::nought() };
+        if let Some(band) = self.dead_band {
+            torque_nm = band.of(torque_nm);
         }
         if let Some(motor) = voltage {
             torque_nm -= rate_rad_s * motor.braking_nm_s_rad();
@@ -256,6 +299,18 @@ mod tests {
     fn derivative_on_the_error_feeds_the_setpoint_rate_forward() {
         let s = MotorSpec { derivative: Derivative::Error, hold: Hold::Linear, ..spec() };
         assert_relative_eq!(ask(s, 0.1, 2.0), 0.5, epsilon = 1e-15);
+    }
+
+    #[test]
+    fn beyond_a_dead_band_arrives_the_rest_or_the_whole() {
+        let arrives = |beyond, torque_nm: f64| DeadBand { band_nm: 0.1, beyond }.of(torque_nm);
+        for sign in [-1.0, 1.0] {
+            assert_eq!(arrives(Beyond::Rest, 0.099 * sign), 0.0);
+            assert_relative_eq!(arrives(Beyond::Rest, 0.3 * sign), 0.2 * sign, epsilon = 1e-15);
+            assert_eq!(arrives(Beyond::Whole, 0.089 * sign), 0.0);
+            assert_relative_eq!(arrives(Beyond::Whole, 0.1 * sign), 0.05 * sign, epsilon = 1e-15);
+            assert_eq!(arrives(Beyond::Whole, 0.111 * sign), 0.111 * sign);
+        }
     }
 
     #[test]

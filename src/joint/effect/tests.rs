@@ -1,7 +1,8 @@
 use super::*;
 use crate::joint::{Dual, Friction, Link, Motor};
 use crate::log::{Hold, MotorSpec};
-use crate::pendulum::{Input, Start, State, readings};
+use crate::pendulum::{Input, Start, State, readings, rollout};
+use proptest::prelude::*;
 
 fn reach() -> Reach {
     Reach {
@@ -216,5 +217,64 @@ fn a_form_starts_within_its_bounds_and_near_what_the_default_form_does() {
         let own = motion::<f64>(form, &form.from_other(&start, &reach()), false, 1.0);
         let moved = largest_difference(&default, &angles(None, false));
         assert!(largest_difference(&default, &own) <= within * moved.max(1e-3) + 1e-9, "{form}");
+    }
+}
+
+/// What the springs and weights of a joint hold between two angles \[J\], by Simpson's rule; stops at rest.
+fn stored_j(chain: &Chain<f64>, from_rad: f64, to_rad: f64) -> f64 {
+    const PARTS: usize = 16;
+    let width = (to_rad - from_rad) / PARTS as f64;
+    let torque_nm = |k: f64| chain.passive_nm(from_rad + k * width, 0.0);
+    let part = |k: usize| torque_nm(k as f64) + 4.0 * torque_nm(k as f64 + 0.5) + torque_nm(k as f64 + 1.0);
+    -(0..PARTS).map(part).sum::<f64>() * width / 6.0
+}
+
+proptest! {
+    /// A joint that nothing drives never gains energy, whatever is wrong with it and however much of that.
+    #[test]
+    fn energy_never_grows_without_drive_with_any_effect(
+        (angle_rad, rate_rad_s) in (-1.5..1.5f64, -5.0..5.0f64),
+        at in prop::collection::vec(0.0..1.0f64, 6),
+        coulomb_nm in 0.0..0.05f64,
+        viscous_nm_s_rad in 0.0..0.01f64,
+    ) {
+        let t: Vec<f64> = (0..400).map(|k| f64::from(k) * 0.005).collect();
+        for effect in EffectId::ALL.iter().flat_map(|id| id.forms()) {
+            let starts = effect.starts(&reach());
+            let start = &starts[(at[5] * starts.len() as f64) as usize];
+            let value = |((p, at), start): ((&EffectParameter, &f64), &f64)| match p.scan {
+                Scan::Logarithm => p.lower * (p.upper / p.lower).powf(*at),
+                Scan::Linear(_) => p.lower + at * (p.upper - p.lower),
+                Scan::Held => *start,
+            };
+            let values: Vec<f64> = effect.parameters(&reach()).iter().zip(&at).zip(start).map(value).collect();
+            let friction = Friction::coulomb_viscous(coulomb_nm, viscous_nm_s_rad);
+            let mut chain = Chain::new(Link::new(0.011, 0.05, 0.0, 9.81), friction, None);
+            effect.apply(&values, 0.011, &mut chain);
+            // Where something gives between motor and link, only the link is seen: it may get back what the other side took,
+            // and what the spring between them held under gravity.
+            let sides = chain.two_sides();
+            let spring = sides.and_then(|sides| sides.compliance).map_or(0.0, |spring| {
+                chain.link.peak_gravity_nm().powi(2) / spring.stiffness_nm_rad
+            });
+            let seen_kg_m2 = chain.inertia_kg_m2() - sides.map_or(0.0, |sides| sides.motor_side_kg_m2);
+            let mut allowed_j = 0.5 * chain.inertia_kg_m2() * rate_rad_s * rate_rad_s + spring;
+            let unit_j = allowed_j + 2.0 * chain.link.peak_gravity_nm() + stored_j(&chain, 0.0, angle_rad).abs();
+            let start = Start { angle_rad, rate_rad_s, release_s: None };
+            let (mut held_j, mut before_rad, mut grown) = (0.0, None, None);
+            rollout(&chain, Input::Off, &t, start, |k, s| {
+                held_j += stored_j(&chain, before_rad.unwrap_or(s.angle_rad), s.angle_rad);
+                before_rad = Some(s.angle_rad);
+                let energy_j = held_j + 0.5 * seen_kg_m2 * s.rate_rad_s * s.rate_rad_s;
+                if energy_j > allowed_j + 1e-4 * unit_j {
+                    grown.get_or_insert((k, energy_j, allowed_j));
+                }
+                if sides.is_none() {
+                    allowed_j = allowed_j.min(energy_j);
+                }
+            })
+            .unwrap_or_else(|e| panic!("{effect} {values:?}: {e}"));
+            prop_assert!(grown.is_none(), "{effect} {values:?}: {grown:?} of {unit_j} J");
+        }
     }
 }
