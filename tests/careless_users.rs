@@ -293,7 +293,11 @@ fn sidecars_and_studies_that_cannot_be_are_refused_as_data() {
     }
     let sidecars: &[(&str, &str, &[&str])] = &[
         ("another log's", "schema = 1\n[[log]]\nfile = \"b.csv\"\n", &["good.toml", "\"good.csv\", the log beside it"]),
-        ("half a model", "schema = 1\n[joint]\ninertia = 1e-3\n", &["good.toml", "`[joint] moment` is missing"]),
+        (
+            "half a model",
+            "schema = 1\n[joint]\ninertia = 1e-3\n",
+            &["good.toml", "[joint] does not say moment (kg m), coulomb (N m)"],
+        ),
         ("unknown key", "schema = 1\nweight = 3\n", &["good.toml", "line 2", "weight"]),
         ("mass in grams", "schema = 1\n[[log]]\n[log.extra]\nmass = 220\ndistance = 0.1\n", &["good.toml", "grams"]),
     ];

@@ -456,7 +456,7 @@ fn sidecars_are_checked_like_studies() {
     let study = read_sidecar_for(&log).unwrap().unwrap();
     assert_eq!((study.joint.name.as_str(), study.joint.nominal, study.logs[0].path.clone()), ("a", None, log.clone()));
     for (what, text, parts) in [
-        ("half a model", "schema = 1\n[joint]\ninertia = 1e-3\n", &["`[joint] moment` is missing"][..]),
+        ("half a model", "schema = 1\n[joint]\ninertia = 1e-3\n", &["[joint] does not say moment (kg m)"][..]),
         ("another log", "schema = 1\n[[log]]\nfile = \"b.csv\"\n", &["`[[log]] 1 file`", "\"b.csv\"", "\"a.csv\""]),
         (
             "two logs",

@@ -134,6 +134,9 @@ const COMMANDS_OPENING: &str = "# Commands
 What `aibo-fit COMMAND --help` prints. Exit codes: 0 done; 1 the answer is no (nothing moved, a gate failed); 2 usage; 3 bad data; 4 did not
 converge or diverged; 5 could not read or write.
 
+The same input gives the same bytes on any number of threads and on any x86-64 processor. A run that is broken off, a full disk or a folder
+that cannot be written leave the old result as it was: see [what it withstands](robustness.md).
+
 ";
 
 /// A block of a document with a command and what it prints.
