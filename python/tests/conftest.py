@@ -1,5 +1,6 @@
 """What the tests of the wheel share: the repository's own data, and the program that came with the wheel."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -24,7 +25,8 @@ def program():
     assert path.exists(), "the wheel brings its program"
 
     def run(*words, code=0):
-        done = subprocess.run([path, *map(str, words)], cwd=ROOT, capture_output=True, text=True)
+        # Python's own list of the environment: readline, which pytest may load, puts COLUMNS behind its back.
+        done = subprocess.run([path, *map(str, words)], cwd=ROOT, capture_output=True, text=True, env=dict(os.environ))
         assert done.returncode == code, done.stderr
         return done
 
