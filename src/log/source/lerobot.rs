@@ -11,6 +11,7 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 
 use super::channel::{Channel, Source};
 use super::parquet_numbers::{is_unpacked, numbers};
+use super::parquet_pages::column as column_of;
 use crate::log::columns::{ColumnSpec, Unit};
 use crate::log::error::LogError;
 use crate::log::format::Format;
@@ -147,7 +148,7 @@ impl Frames {
                 .map_err(|_| "damaged: a negative count of rows".to_owned())?;
             let mut read = |at: usize| -> Result<Vec<f64>, String> {
                 is_unpacked(group.metadata().column(at).compression())?;
-                let values = numbers(group.get_column_reader(at).map_err(told)?, MOST_NUMBERS - self.numbers)?;
+                let values = numbers(column_of(&*group, at).map_err(told)?, MOST_NUMBERS - self.numbers)?;
                 self.numbers += values.len();
                 let is_even = if rows == 0 { values.is_empty() } else { values.len().is_multiple_of(rows) };
                 is_even.then_some(values).ok_or_else(|| {

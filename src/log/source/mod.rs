@@ -33,6 +33,8 @@ mod npz;
 mod packed;
 #[cfg(feature = "parquet")]
 mod parquet_numbers;
+#[cfg(feature = "parquet")]
+mod parquet_pages;
 mod plotjuggler;
 mod read;
 mod roles;
