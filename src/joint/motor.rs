@@ -78,7 +78,7 @@ pub enum Beyond {
     /// What it is larger.
     #[default]
     Rest,
-    /// All of it: within [`JUMP`] of the band it comes up from nothing.
+    /// All of it: within a tenth of the band it comes up from nothing.
     Whole,
 }
 
