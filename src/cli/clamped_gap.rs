@@ -70,9 +70,7 @@ pub(super) fn run(args: &GapArgs, study: &Path, deadline: Deadline) -> Result<u8
     write_outputs(outputs, &inputs)?;
     drop(progress);
     if !args.common.quiet {
-        for (_, joint) in &report.joints {
-            joint.doubts.iter().for_each(|doubt| warn(&format!("{}: {doubt}", joint.diagnosis.joint)));
-        }
+        report.doubts().iter().for_each(|doubt| warn(doubt));
         print(&clamped_gap_text(&report));
         print(&format!("\nreport: {}\n", page.display()));
     }

@@ -18,6 +18,10 @@ const TORQUE: f64 = 10.0;
 const HOLD: f64 = 3.0;
 /// By so much a free swing may be slower or faster than stated.
 const FREQUENCY: f64 = 10.0;
+/// What is said of a servo on a joint that nothing slows down.
+const UNDAMPED: &str = "Nothing damps this joint as stated: kd, coulomb and viscous are 0, so the model as given rings about its \
+     setpoints without end. State kd or a friction, even as a guess.";
+
 /// From so many reversals on a swing has a frequency.
 const SWINGS: usize = 2;
 
@@ -27,7 +31,17 @@ impl Case {
     pub fn doubts(&self) -> Vec<String> {
         let crossed = self.crossed();
         // Columns that are wrong make every number look wrong.
-        if crossed.is_empty() { self.far_off() } else { crossed }
+        if crossed.is_empty() { self.far_off().into_iter().chain(self.undamped()).collect() } else { crossed }
+    }
+
+    /// A servo on a joint that nothing slows down: a model with a number left out, not a machine.
+    fn undamped(&self) -> Option<String> {
+        self.joint.nominal.filter(|n| n.coulomb_nm == 0.0 && n.viscous_nm_s_rad == 0.0)?;
+        let is_bare =
+            |motor: &MotorSpec| motor.model == MotorModel::Torque && motor.kd_nm_s_rad == 0.0 && motor.kp_nm_rad > 0.0;
+        let has =
+            |item: &Item| item.entry.drive == DriveMode::Position && item.entry.motor.as_ref().is_some_and(is_bare);
+        self.items.iter().any(has).then(|| UNDAMPED.to_owned())
     }
 
     fn far_off(&self) -> Vec<String> {
@@ -201,6 +215,19 @@ mod tests {
             };
             assert_eq!(with(study, guess), [""; 0], "{study}");
         }
+    }
+
+    #[test]
+    fn a_servo_without_any_damping_is_questioned() {
+        let undamped = |kd_nm_s_rad: f64| {
+            let mut case = Case::of_study(Path::new(DRIVEN)).unwrap();
+            let nominal = case.joint.nominal.as_mut().unwrap();
+            (nominal.coulomb_nm, nominal.viscous_nm_s_rad) = (0.0, 0.0);
+            case.items.iter_mut().for_each(|item| item.entry.motor.as_mut().unwrap().kd_nm_s_rad = kd_nm_s_rad);
+            case.doubts()
+        };
+        assert_eq!(undamped(0.0), [UNDAMPED]);
+        assert_eq!(undamped(0.1), [""; 0]);
     }
 
     #[test]

@@ -13,6 +13,9 @@ const LITTLE: f64 = 1.0;
 /// A number has a part in a combination from this share of it on.
 const PART: f64 = 0.25;
 
+/// What is said of numbers that the logs leave to one another, before what would help; the same for all of a study.
+const TOGETHER: &str = " apart: they can be changed together";
+
 /// What is searched whatever is believed of it counts as believed to a factor of e, or to this in its unit.
 const FREED: f64 = 1.0;
 
@@ -57,6 +60,20 @@ pub(crate) fn undetermined<M: JointModel>(
             sentences.push(said);
         }
     }
+    told_once(sentences)
+}
+
+/// What would help is told by the first of the sentences that it is true of.
+fn told_once(mut sentences: Vec<String>) -> Vec<String> {
+    let mut told = false;
+    for sentence in &mut sentences {
+        if let Some(at) = sentence.find(TOGETHER) {
+            if told {
+                sentence.replace_range(at.., " apart either.");
+            }
+            told = true;
+        }
+    }
     sentences
 }
 
@@ -99,11 +116,7 @@ fn sentence(experiments: &[Experiment], parts: &[&str]) -> String {
         (false, true) => "the torque's scale is only believed; weigh the link or hang on a known mass",
         (false, false) => "free swings show ratios of torques; weigh the link, or hang on a known mass",
     };
-    format!(
-        "These logs cannot tell {listed} apart: they can be changed together. {}{}.",
-        remedy[..1].to_uppercase(),
-        &remedy[1..]
-    )
+    format!("These logs cannot tell {listed}{TOGETHER}. {}{}.", remedy[..1].to_uppercase(), &remedy[1..])
 }
 
 fn alone(name: &str) -> &'static str {

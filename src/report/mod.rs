@@ -8,6 +8,7 @@ mod animation;
 mod assemble;
 mod beliefs;
 mod blind;
+mod by_joint;
 mod chances;
 mod check;
 mod clamped_gap;

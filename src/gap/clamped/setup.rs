@@ -173,7 +173,7 @@ pub enum ClampedCaseError {
         what: String,
     },
     /// Nobody says how setpoints become torques.
-    #[error("{}: joint {joint} is driven by position, and neither [joints.{joint}] nor [joints.default] states kp, nor has the description a position actuator", file.display())]
+    #[error("{}: joint {joint} is driven by position, and neither [joints.{joint}] nor [joints.default] states kp [N m/rad], nor has the description a position actuator; it is a known torque by the angle that the joint gives under it (`synth --robot`: give --servo KP,KD)", file.display())]
     NoGain {
         /// The study.
         file: PathBuf,

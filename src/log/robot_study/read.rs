@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use serde::Deserialize;
 use toml::Spanned;
 
 use super::raw::{RawControl, RawFloor, RawFriction, RawRobot, RawRobotLog, RawRobotSensor, RawRobotStudy, Triple};
@@ -25,6 +26,8 @@ use crate::log::types::Role;
 
 /// The robot that is compiled in.
 const EMBEDDED: &str = "ers7";
+/// What files of robots that others describe end in.
+const DESCRIBED: [&str; 2] = ["urdf", "xml"];
 /// Unless stated, the lowest foot hangs so high at first (4.2.2) [m].
 const DROP_HEIGHT_M: f64 = 0.02;
 
@@ -88,6 +91,7 @@ pub(in crate::log) fn robot_study_of(document: &Document<'_>) -> Result<RobotStu
         let joint = if table.contains_key("joint") { " (this is a joint study)" } else { "" };
         return Err(document.missing("[robot]", format!("the robot and its scenario{joint}")));
     }
+    of_a_described_robot(document)?;
     let raw: RawRobotStudy = document.parse_any()?;
     check_schema(document, &raw.schema)?;
     about(document, &raw.about)?;
@@ -122,6 +126,32 @@ pub(in crate::log) fn robot_study_of(document: &Document<'_>) -> Result<RobotStu
         columns,
         logs,
     })
+}
+
+/// Refuses a walk or a drop of a robot that somebody described, before keys that only its own studies have are called unknown.
+fn of_a_described_robot(document: &Document<'_>) -> Result<(), LogError> {
+    #[derive(Deserialize)]
+    struct Aim {
+        robot: Of,
+        joints: Option<toml::Table>,
+    }
+    #[derive(Deserialize)]
+    struct Of {
+        model: Option<String>,
+        scenario: Spanned<String>,
+    }
+    let Ok(Aim { robot, joints }) = toml::from_str(document.text()) else { return Ok(()) };
+    let is_described = |model: &String| {
+        let ending = Path::new(model).extension();
+        ending.is_some_and(|ending| DESCRIBED.iter().any(|of| ending.eq_ignore_ascii_case(of)))
+    };
+    if joints.is_none() && !robot.model.as_ref().is_some_and(is_described) {
+        return Ok(());
+    }
+    let found = format!("\"{}\" for a URDF or MJCF, or with [joints]", robot.scenario.get_ref());
+    let expected = "\"fixed\": robots that others describe are diagnosed with their base held, on a stand or clamped; on the \
+        floor, in the air and dropped only \"ers7\" and robot files of our own";
+    Err(document.wrong("[robot] scenario", robot.scenario.span(), found, expected))
 }
 
 /// Reads the logs of a robot study, in the study's order.

@@ -51,6 +51,16 @@ fn a_study_of_a_walk_is_read() {
 }
 
 #[test]
+fn a_walk_of_a_robot_that_others_describe_says_what_can_be_asked() {
+    let described = FLOOR.replace("\"ers7\"", "\"dog.xml\"");
+    let with_joints = format!("{FLOOR}[joints.default]\nkp = 60.0\n");
+    for text in [described, with_joints] {
+        let said = read(&text).unwrap_err().to_string();
+        assert!(said.contains("scenario") && said.contains("expected \"fixed\""), "{said}");
+    }
+}
+
+#[test]
 fn a_study_of_drops_is_read_and_its_robot_found_beside_it() {
     let study = read(
         "schema = 1\n[robot]\nmodel = \"my.toml\"\nscenario = \"drop\"\n[[log]]\nfile = \"a.csv\"\nrole = \"fit\"\n\

@@ -18,6 +18,21 @@ const HALF_BAR: f64 = 0.006;
 /// From a dot to its words \[px\].
 const BESIDE: f64 = 9.0;
 
+/// Height of a line of words \[px\].
+const LINE: f64 = 13.0;
+
+/// The height at which words from one x to another do not run into those that stand there already, which they join: at `y`,
+/// or lines away from the nearer of the two edges.
+fn beside_others(taken: &mut Vec<[f64; 3]>, [from, to]: [f64; 2], (top, bottom): (f64, f64), y: f64) -> f64 {
+    let step = if y < 0.5 * (top + bottom) { LINE } else { -LINE };
+    let mut y = y.clamp(top, bottom);
+    while taken.iter().any(|other| from < other[1] && other[0] < to && (y - other[2]).abs() < LINE) {
+        y += step;
+    }
+    taken.push([from, to, y]);
+    y
+}
+
 /// Draws the share of right answers against the stated probability, with 95 % intervals and the number of answers.
 pub(super) fn reliability(title: &str, bins: &[Bin]) -> Result<String, ReportError> {
     let (stated, right) = (Axis::between(0.0, 1.0), Axis::between(0.0, 1.0));
@@ -39,6 +54,7 @@ pub(super) fn reliability(title: &str, bins: &[Bin]) -> Result<String, ReportErr
             block(&mut chart, [(from, low), (to, high)], filled(EXTENSIVE, BAR_OPACITY))?;
             dots(&mut chart, &[(stated, share)], 4.0, filled(EXTENSIVE, 1.0))?;
         }
+        let mut taken: Vec<[f64; 3]> = Vec::new();
         for (stated, share, bin) in seen() {
             // The box of the chart: the y labels' room left, the x labels' below.
             let x = left() + stated * (width() - left() - RIGHT);
@@ -50,11 +66,26 @@ pub(super) fn reliability(title: &str, bins: &[Bin]) -> Result<String, ReportErr
                 true => (x + BESIDE, HPos::Left),
                 false => (x - BESIDE, HPos::Right),
             };
-            text(root, (x, y.clamp(top + 8.0, bottom - 52.0)), &words, Look { anchor, ..look })?;
+            let from = if matches!(anchor, HPos::Left) { x } else { x - look.width(&words) };
+            let y = beside_others(&mut taken, [from, from + look.width(&words)], (top + 8.0, bottom - 52.0), y);
+            text(root, (x, y), &words, Look { anchor, ..look })?;
         }
         if seen().next().is_none() {
             notice(root, "no answer stated a probability")?;
         }
         Ok(())
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_of_near_dots_stand_one_below_the_other() {
+        let mut taken = Vec::new();
+        let mut at = |x: f64, y: f64| beside_others(&mut taken, [x, x + 35.0], (50.0, 400.0), y);
+        assert_eq!([at(100.0, 40.0), at(120.0, 40.0), at(200.0, 40.0), at(130.0, 55.0)], [50.0, 63.0, 50.0, 81.0]);
+        assert_eq!([at(100.0, 500.0), at(110.0, 500.0)], [400.0, 387.0]);
+    }
 }

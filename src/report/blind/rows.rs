@@ -96,7 +96,9 @@ pub(super) fn stated(name: &str, s: &Stated) -> (String, String) {
     let text = match (s.brier, s.log_score, s.excess) {
         (Some(brier), Some(log), Some(excess)) => {
             let word = if excess >= 0.0 { "too sure" } else { "too modest" };
-            format!("Brier {brier:.3}, log score {log:.3}, {word} by {:.0} points", 100.0 * excess.abs())
+            let points = (100.0 * excess.abs()).round();
+            let unit = if points == 1.0 { "point" } else { "points" };
+            format!("Brier {brier:.3}, log score {log:.3}, {word} by {points:.0} {unit}")
         }
         _ => "none stated".to_owned(),
     };

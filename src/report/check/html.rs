@@ -2,7 +2,8 @@
 
 use minijinja::{Value, context};
 
-use super::{CheckReport, LEFT, NO_STUDY, left, plot, sizes};
+use super::summary::{COLUMNS, doubts, summary};
+use super::{CheckReport, LEFT, NO_STUDY, STILL, left, plot, sizes};
 use crate::gap::Checkup;
 use crate::report::beliefs::{believed, moved};
 use crate::report::gap::words;
@@ -19,10 +20,20 @@ use crate::report::{LogHealthRow, ReportError};
 /// [`ReportError`] from the figures or the template; none depends on the data.
 pub fn check_html(name: &str, reports: &[CheckReport], notes: &[String]) -> Result<String, ReportError> {
     let Some(provenance) = reports.first().map(|report| report.provenance.clone()) else { return Ok(String::new()) };
+    let joints: Vec<(&str, Option<&CheckReport>)> =
+        reports.iter().map(|report| (report.joint.as_str(), Some(report))).collect();
+    let is_study = reports.iter().any(|report| report.checkup.is_some());
     let values = context! {
         name,
+        doubts => match reports {
+            [only] => only.doubts.clone(),
+            _ => doubts(&joints),
+        },
+        summary => summary(&joints).map(|rows| rows.view()),
+        columns => COLUMNS,
         joints => reports.iter().map(view).collect::<Result<Vec<_>, _>>()?,
-        no_study => reports.iter().any(|report| report.checkup.is_none()).then(|| with_code(NO_STUDY)),
+        still => is_study.then_some(STILL),
+        no_study => (!is_study).then(|| with_code(NO_STUDY)),
         notes => notes.iter().map(|note| with_code(note)).collect::<Vec<_>>(),
         version => provenance.version,
         command => provenance.command,
@@ -43,7 +54,6 @@ fn view(report: &CheckReport) -> Result<Value, ReportError> {
         joint => report.joint.as_str(),
         health => report.health.iter().map(health_view).collect::<Vec<_>>(),
         motion => report.health.iter().map(motion_view).collect::<Vec<_>>(),
-        doubts => report.doubts.clone(),
         logs,
         folded,
         noise => figure_views(both(noise)?.each_ref()),

@@ -3,6 +3,7 @@
 mod html;
 mod json;
 mod plot;
+mod summary;
 mod text;
 
 pub use html::check_html;
@@ -20,6 +21,8 @@ const MUCH: f64 = 2.0;
 /// What is to be kept in mind where the recalibrated joint leaves a rest.
 const LEFT: &str = "The recalibrated joint leaves more than noise: these sizes hold beside what is still to be explained, once it \
      is; `gap` looks for it.";
+/// What stands for the numbers of a joint that the fitted logs do not move.
+const STILL: &str = "It moved in none of the logs to be fitted: they tell nothing of its numbers.";
 /// What a log without a study leaves open.
 const NO_STUDY: &str = "What these logs can determine depends on what is believed of the joint: give a study \
      (`aibo-fit init` writes one from the log, to be filled in), and `check` says it.";
@@ -84,9 +87,13 @@ impl CheckReport {
 /// How far the model is off.
 fn sizes(joint: &str, checkup: &Checkup) -> String {
     let [given, calibrated, floor] = [checkup.given_rad, checkup.calibrated_rad, checkup.floor_rad].map(mrad);
+    let given = if checkup.given_rad.is_finite() {
+        format!("leaves {given}, with its numbers refitted within their beliefs")
+    } else {
+        "runs away; with its numbers refitted within their beliefs it leaves".to_owned()
+    };
     format!(
-        "{joint}: over the logs to be fitted the model as given leaves {given}, with its numbers refitted within their \
-         beliefs {calibrated}; the sensor's own noise is {floor}."
+        "{joint}: over the logs to be fitted the model as given {given} {calibrated}; the sensor's own noise is {floor}."
     )
 }
 

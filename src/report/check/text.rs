@@ -1,6 +1,7 @@
 //! `check` as text for a terminal.
 
-use super::{CheckReport, LEFT, NO_STUDY, left, sizes};
+use super::summary::{COLUMNS, doubts, summary};
+use super::{CheckReport, LEFT, NO_STUDY, STILL, left, sizes};
 use crate::gap::Checkup;
 use crate::identify::BeliefFound;
 use crate::report::beliefs::belief_table;
@@ -12,8 +13,13 @@ use crate::report::text::wrap;
 /// Writes a check as plain text, at most 100 columns wide where file names allow it, ending in a newline.
 pub fn check_text(report: &CheckReport) -> String {
     // What makes all below it doubtful comes first.
-    let mut blocks: Vec<String> = report.doubts.iter().map(|doubt| paragraph(doubt)).collect();
-    blocks.extend([health_text(&report.health), motion_text(&report.health)]);
+    let doubts = report.doubts.iter().map(|doubt| paragraph(doubt) + "\n\n");
+    doubts.collect::<String>() + &told(report)
+}
+
+/// What a check has found, but for what is to be questioned of the study.
+fn told(report: &CheckReport) -> String {
+    let mut blocks = vec![health_text(&report.health), motion_text(&report.health)];
     match &report.checkup {
         None => blocks.push(paragraph(NO_STUDY)),
         Some(checkup) => {
@@ -31,21 +37,26 @@ pub fn check_text(report: &CheckReport) -> String {
     blocks.join("\n\n") + "\n"
 }
 
-/// The checks of several joints one after the other, each with its name above it; `None`: one that never moved.
+/// All joints at a glance, then the check of each with its name above it; `None`: one that never moved.
 pub fn checks_text(joints: &[(&str, Option<&CheckReport>)], notes: &[String]) -> String {
-    let mut text = String::new();
+    let is_study = joints.iter().any(|(_, report)| report.is_some_and(|report| report.checkup.is_some()));
+    let mut text: String = doubts(joints).iter().map(|doubt| paragraph(doubt) + "\n\n").collect();
+    if let Some(rows) = summary(joints) {
+        text += &format!("{}\n{}\n\n", rows.text(WIDTH), paragraph(COLUMNS));
+    }
     for (name, report) in joints {
         text += &format!("== {name} ==\n");
         text += &match report {
             None => "It never moved: nothing to check.\n".to_owned(),
             Some(CheckReport { health: rows, checkup: None, .. }) => {
-                health_text(rows) + "\n\n" + &motion_text(rows) + "\n"
+                let more = if is_study { format!("\n{STILL}\n") } else { String::new() };
+                health_text(rows) + "\n\n" + &motion_text(rows) + "\n" + &more
             }
-            Some(report) => check_text(report),
+            Some(report) => told(report),
         };
         text += "\n";
     }
-    if joints.iter().any(|(_, report)| report.is_some_and(|report| report.checkup.is_none())) {
+    if !is_study && joints.iter().any(|(_, report)| report.is_some()) {
         text += &paragraph(NO_STUDY);
         text += "\n";
     }

@@ -34,7 +34,7 @@ pub(super) fn animation(setup: &ClampedSetup, whole: &Whole, joints: &[&Diagnosi
     let name = &setup.description.name;
     let entry = setup.study.logs.get(whole.shown.log)?;
     let note = format!(
-        "{}: every part is the ellipsoid of its inertia. Framed: what the joints move that are farthest off.",
+        "{}: every part is the ellipsoid of its inertia. Framed: the parts whose joints are farthest off.",
         entry.file
     );
     let mut animation = Animation::new(format!("{name}: as given, as found and logged"), note)

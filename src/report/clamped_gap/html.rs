@@ -109,6 +109,7 @@ pub fn clamped_gap_html(report: &ClampedGapReport) -> Result<String, ReportError
         whole_joints => whole_joints(report),
         sure => if measure == ANGLE { RATE } else { REDRAWS },
         undetermined => report.undetermined(),
+        next => report.next(),
         notes => diagnosis.notes.iter().map(|note| with_code(note)).collect::<Vec<_>>(),
         version => provenance.version.as_str(),
         command => provenance.command.as_str(),

@@ -18,7 +18,9 @@ use crate::gap::clamped::{ClampedCase, ClampedDiagnosis, ClampedSetup};
 use crate::gap::inverse::{TorqueDiagnosis, TorqueTraces};
 use crate::gap::whole::{FoundRobot, LeftOut, Whole, found_robot, simulated};
 use crate::gap::{BeliefFound, Diagnosis, GapOptions, LogGap};
+use crate::report::by_joint::by_joint;
 use crate::report::data_health::health_rows_of_joint;
+use crate::report::gap::{NEXT_FILE, words};
 use crate::report::measure::Measure;
 use crate::report::number::significant;
 use std::path::PathBuf;
@@ -102,12 +104,28 @@ impl ClampedGapReport {
         self.joints.iter().map(|(_, report)| (report.diagnosis.joint.as_str(), &report.health[..])).collect()
     }
 
+    /// What is to be questioned of the study, each once, after the joints that it is true of.
+    pub fn doubts(&self) -> Vec<String> {
+        let told = self.joints.iter().map(|(_, report)| report);
+        by_joint(told.flat_map(|of| of.doubts.iter().map(|doubt| (of.diagnosis.joint.as_str(), doubt.as_str()))))
+    }
+
     /// What the logs leave open, joint by joint.
     fn undetermined(&self) -> Vec<String> {
-        let of = |diagnosis: &Diagnosis| -> Vec<String> {
-            diagnosis.undetermined.iter().map(|sentence| format!("{}: {sentence}", diagnosis.joint)).collect()
-        };
-        self.joints.iter().flat_map(|(_, report)| of(&report.diagnosis)).collect()
+        let told = self.joints.iter().map(|(_, report)| &report.diagnosis);
+        by_joint(told.flat_map(|of| of.undetermined.iter().map(|sentence| (of.joint.as_str(), sentence.as_str()))))
+    }
+
+    /// The next experiment: that of the joint with the most left, of those that have one.
+    fn next(&self) -> Option<String> {
+        let left = |report: &GapReport| report.diagnosis.gap.after;
+        let (folder, report) = self
+            .joints
+            .iter()
+            .filter(|(_, report)| report.diagnosis.next.is_some())
+            .max_by(|(_, a), (_, b)| left(a).total_cmp(&left(b)))?;
+        let words = words::next(report.diagnosis.next.as_ref()?, &format!("{folder}/{NEXT_FILE}"));
+        Some(format!("Next, on {}: {words}", report.diagnosis.joint))
     }
 
     /// What one simulation of the whole robot says.

@@ -51,14 +51,16 @@ pub(super) fn study(
     if is_driven {
         untold.push("the controller's gains: a log shows setpoints, not what the drive makes of them".to_owned());
         text += "\n[motor]\n\
-                 # kp = 0.0         # N m/rad: tau = kp (q_ref - q) - kd q'; from the drive's parameters and its torque constant\n\
+                 # kp = 0.0         # N m/rad: tau = kp (q_ref - q) - kd q'; from the drive's parameters and its torque\n\
+                 #                  # constant, or a known torque by the angle that the joint gives under it\n\
                  # kd = 0.0         # N m s/rad\n\
                  # torque_limit = 0.0   # N m, where you know it\n\
                  # armature = 0.0   # kg m^2, rotor inertia x gear ratio^2\n";
     }
     text += &told_columns(seen);
-    for (log, joint) in &of_joint {
-        let _ = write!(text, "\n[[log]]\nfile = {}\nrole = \"fit\"\n", toml_string(&relative(&log.path, folder)));
+    for (k, (log, joint)) in of_joint.iter().enumerate() {
+        let file = toml_string(&relative(&log.path, folder));
+        let _ = write!(text, "\n[[log]]\nfile = {file}\n{}\n", role(k, of_joint.len()));
         let _ = writeln!(text, "drive = \"{}\"{}", drive_word(joint.drive), why(joint));
         text += &notes(log);
         untold.extend(of_drive(log, joint));
@@ -123,6 +125,15 @@ pub(super) fn told_columns(seen: &[Seen]) -> String {
         String::new()
     } else {
         format!("\n# guess: by the columns' names and numbers; check units, signs and zeros\n{}", all.toml())
+    }
+}
+
+/// The role of a log, by its place among so many: of several the last may be the one to hold out.
+pub(super) fn role(k: usize, logs: usize) -> &'static str {
+    if logs > 1 && k + 1 == logs {
+        "role = \"fit\"   # or \"validate\": predicted only; hold a motion out that differs from the others"
+    } else {
+        "role = \"fit\""
     }
 }
 

@@ -1,11 +1,11 @@
 //! The study of a robot that somebody described.
 
-use super::joint::{notes, sensor, why};
+use super::joint::{notes, role, sensor, why};
 use super::match_joints::{How, pairs};
 use super::seen::{Seen, SeenJoint, drive_word, is_hand};
 use super::{DraftError, relative};
 use crate::log::{ColumnSpec, Columns, DriveMode, Unit, toml_string};
-use crate::robot::description::{ActuatorKind, Description, Mover};
+use crate::robot::description::{ActuatorKind, Description, LinkId, Mover};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -17,9 +17,7 @@ pub(super) fn study(
     robot: &Description,
     folder: &Path,
 ) -> Result<(String, Vec<String>, Vec<&'static str>), DraftError> {
-    let follows = |k: usize| robot.couplings.iter().any(|coupling| coupling.follower.0 == k);
-    let moving: Vec<&Mover> =
-        robot.joints.iter().enumerate().filter(|(k, _)| !follows(*k)).map(|(_, joint)| joint).collect();
+    let moving = leaders(robot);
     let names: Vec<String> = moving.iter().map(|joint| joint.name.clone()).collect();
     let mut untold = vec!["whether the robot's base was clamped: scenario = \"fixed\" says so".to_owned()];
     let mut to_fill = Vec::new();
@@ -82,9 +80,10 @@ pub(super) fn study(
         text += "# kp = 0.0         # N m/rad: tau = kp (q_ref - q) - kd q'; the description's position actuator where absent\n\
                  # kd = 0.0         # N m s/rad\n# torque_limit = 0.0   # N m\n";
         if servos < moving.len() {
-            to_fill.push("kp");
+            to_fill.extend(["kp", "kd"]);
             untold.push(
-                "the gains of joints without a position actuator in the description: state kp under [joints.default]"
+                "the gains of joints without a position actuator in the description: state kp and kd under \
+                 [joints.default]; kp is a known torque by the angle that the joint gives under it"
                     .to_owned(),
             );
         } else {
@@ -104,15 +103,32 @@ pub(super) fn study(
         text += "\n";
         comments.iter().for_each(|note| text += &format!("# {note}\n"));
     }
-    for log in seen {
+    for (k, log) in seen.iter().enumerate() {
         let strongest = [DriveMode::Position, DriveMode::Torque, DriveMode::Off];
         let joint = strongest.iter().find_map(|drive| log.joints.iter().find(|joint| joint.drive == *drive));
         let Some(joint) = joint else { continue };
-        let _ = write!(text, "\n[[log]]\nfile = {}\nrole = \"fit\"\n", toml_string(&relative(&log.path, folder)));
+        let _ =
+            write!(text, "\n[[log]]\nfile = {}\n{}\n", toml_string(&relative(&log.path, folder)), role(k, seen.len()));
         let _ = writeln!(text, "drive = \"{}\"{}", drive_word(joint.drive), why(joint));
         text += &notes(log);
     }
     Ok((text, untold, to_fill))
+}
+
+/// Joints that follow no other, in the file's order where it has parents before children, else in the tree's: many a URDF of
+/// an arm begins at its gripper, and nobody's log does.
+fn leaders(robot: &Description) -> Vec<&Mover> {
+    let above = |link: LinkId| std::iter::successors(robot.links[link.0].parent, |above| robot.links[above.0].parent);
+    let is_below = |(k, joint): (usize, &Mover)| {
+        above(joint.link).flat_map(|link| &robot.links[link.0].joints).all(|parent| parent.0 < k)
+    };
+    let order: Vec<usize> = if robot.joints.iter().enumerate().all(is_below) {
+        (0..robot.joints.len()).collect()
+    } else {
+        robot.links.iter().flat_map(|link| &link.joints).map(|joint| joint.0).collect()
+    };
+    let follows = |k: usize| robot.couplings.iter().any(|coupling| coupling.follower.0 == k);
+    order.into_iter().filter(|k| !follows(*k)).map(|k| &robot.joints[k]).collect()
 }
 
 /// The range that a joint's readings are a fraction of \[rad\], and a note: a gripper from 0 to 1, or from 0 to 100.

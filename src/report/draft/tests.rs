@@ -101,6 +101,27 @@ fn joints_of_a_folder_become_the_robots() {
 }
 
 #[test]
+fn other_names_are_paired_from_the_base_on_however_the_file_is_ordered() {
+    // The gripper first, as in the URDF of an SO-101.
+    let (links, joints) = ARM.split_at(ARM.find("<joint").unwrap());
+    let (elbow, gripper) = joints.split_at(joints.rfind("<joint").unwrap());
+    let turned = format!("{links}{}{elbow}</robot>", gripper.trim_end().trim_end_matches("</robot>"));
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("arm.urdf"), turned).unwrap();
+    let rows: String = (0..100)
+        .map(|k| (f64::from(k), (0.1 * f64::from(k)).sin()))
+        .fold(String::from("t,A.q,A.q_ref,B.q,B.q_ref\n"), |text, (k, q)| {
+            text + &format!("{:?},{q:?},{q:?},{:?},{:?}\n", 0.02 * k, 0.5 * q, 0.5 * q)
+        });
+    let logs = ["one.csv", "two.csv"].map(|name| dir.path().join(name));
+    logs.iter().for_each(|log| fs::write(log, &rows).unwrap());
+    let draft = draft_study(&logs, Some(&dir.path().join("arm.urdf")), None, dir.path()).unwrap();
+    assert!(draft.untold.iter().any(|told| told.contains("A is arm/elbow, B is gripper")), "{:?}", draft.untold);
+    // Of several logs one may be held out, which the last says.
+    assert_eq!(draft.text.matches("or \"validate\"").count(), 1, "{}", draft.text);
+}
+
+#[test]
 fn paths_are_relative_to_the_study() {
     assert_eq!(relative(Path::new("/home/a/logs/x.csv"), Path::new("/home/a/study")), "../logs/x.csv");
     assert_eq!(relative(Path::new("/home/a/x.csv"), Path::new("/home/a")), "x.csv");

@@ -10,7 +10,7 @@ use crate::gap::{Candidate, Detectable, Diagnosis, Gap, MapCell, Phase};
 use crate::report::chances::Chances;
 use crate::report::data_health::health_text;
 use crate::report::measure::Measure;
-use crate::report::number::{UNKNOWN, share, significant};
+use crate::report::number::{share, significant};
 use crate::report::rows::shorten;
 use crate::report::text::{cell, finish, number, one_line, parameter_table, table, wrap};
 
@@ -235,11 +235,7 @@ pub(in crate::report) fn detectable(all: &[Detectable]) -> Option<String> {
 }
 
 fn next(diagnosis: &Diagnosis) -> Option<String> {
-    let next = diagnosis.next.as_ref()?;
-    let power = if next.power.is_finite() { share(next.power) } else { UNKNOWN.to_owned() };
-    let is_untold = next.motion.is_some() && !next.what.contains(NEXT_FILE);
-    let file = if is_untold { format!(" The motion is in {NEXT_FILE}.") } else { String::new() };
-    Some(wrap(WIDTH, &format!("{} It would decide with probability {power}.{file}", next.what), "Next: ", "  "))
+    diagnosis.next.as_ref().map(|next| wrap(WIDTH, &words::next(next, NEXT_FILE), "Next: ", "  "))
 }
 
 fn notes(report: &GapReport) -> Option<String> {

@@ -1,11 +1,11 @@
 //! What the report says in words, the same on the page and in the terminal.
 
-use super::GapReport;
 use super::rows::{is_side, number_row};
-use crate::gap::{Answer, Candidate, Detectable, Diagnosis, MapCell, Number, Phase, Variable, Verdict, Where};
+use super::{GapReport, NEXT_FILE};
+use crate::gap::{Answer, Candidate, Detectable, Diagnosis, MapCell, Next, Number, Phase, Variable, Verdict, Where};
 use crate::joint::{EffectId, Stage};
 use crate::report::chances::{self, Chances};
-use crate::report::number::{between, quantity, share, shares, significant, spoken, stands_out};
+use crate::report::number::{UNKNOWN, between, quantity, share, shares, significant, spoken, stands_out};
 use crate::report::rows::ParameterCells;
 
 /// What stands beside intervals that cannot be believed.
@@ -24,6 +24,15 @@ pub(in crate::report) const UNDETERMINED: &str = "What these logs cannot determi
 
 /// Logs that a sentence names.
 const MOST_NAMED: usize = 4;
+
+/// The next experiment, whose motion is in that file.
+pub(in crate::report) fn next(next: &Next, file: &str) -> String {
+    let power = if next.power.is_finite() { share(next.power) } else { UNKNOWN.to_owned() };
+    let is_untold = next.motion.is_some() && !next.what.contains(NEXT_FILE);
+    let where_from = if is_untold { format!(" The motion is in {file}.") } else { String::new() };
+    let what = next.what.replace(NEXT_FILE, file);
+    format!("{what} It would decide with probability {power}.{where_from}")
+}
 
 /// A variable in a sentence.
 pub(in crate::report) fn variable(variable: Variable) -> &'static str {
