@@ -324,3 +324,27 @@ fn a_joint_that_follows_another_is_made_and_predicted_with_it() {
     let rms = told["logs"].as_array().unwrap().iter().map(|log| log["rms"].as_f64().unwrap());
     assert!(rms.fold(0.0, f64::max) < 2e-3, "{told:#}");
 }
+
+#[test]
+fn a_robot_that_is_free_in_its_description_is_held_in_its_study() {
+    let robot = |free: &str| {
+        format!(
+            r#"<mujoco model="leg"><worldbody><body name="trunk">{free}
+            <inertial pos="0 0 0" mass="3" diaginertia="0.02 0.03 0.03"/>
+            <body name="thigh"><inertial pos="0 0 -0.1" mass="0.5" diaginertia="0.002 0.002 0.0002"/>
+            <joint name="hip" axis="0 1 0" range="-1 1" damping="0.3" frictionloss="0.05"/>
+            </body></body></worldbody>
+            <actuator><position joint="hip" kp="20"/></actuator></mujoco>"#
+        )
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let logs = [("free", "<freejoint/>"), ("held", "")].map(|(name, free)| {
+        let file = format!("{name}.xml");
+        fs::write(folder.path().join(&file), robot(free)).expect("the robot");
+        let words = ["synth", "--robot", &file, "--logs", "2", "--seconds", "2", "--quiet", "--out", name];
+        let run = run_in(folder.path(), &words);
+        assert_eq!(run.status.code(), Some(0), "{}", String::from_utf8_lossy(&run.stderr));
+        fs::read_to_string(folder.path().join(name).join("log-00.csv")).expect("a log")
+    });
+    assert!(logs[0] == logs[1], "a robot that falls hangs in no gravity, and its legs push nothing but one another");
+}

@@ -59,7 +59,8 @@ impl ClampedSetup {
     pub fn of_study(study: ClampedStudy) -> Result<Self, ClampedCaseError> {
         let description =
             Description::read(&study.model_path).map_err(|error| ClampedCaseError::Description(Box::new(error)))?;
-        let description = description.with_equalities();
+        // The base is held by whoever took the logs, though a description of a robot that walks lets it go.
+        let description = Description { free_joint: None, ..description.with_equalities() };
         let of_tree = |source| ClampedCaseError::Tree { file: study.model_path.clone(), source };
         let mut tree = Tree::new(&description, TreeBase::Fixed).map_err(of_tree)?;
         if let Some([x, y, z]) = study.gravity_m_s2 {
