@@ -298,7 +298,7 @@ fn what_walk_cannot_move_is_named() {
         "schema = 1\n[robot]\nmodel = \"servo.xml\"\nscenario = \"air\"\n[[log]]\nfile = \"l.csv\"\nrole = \"fit\"\n",
     );
     write("l.csv", "t,j.q,j.q_ref\n0,0,0\n0.008,0,0\n0.016,0,0\n");
-    let of_study = (&["gap", "study.toml"][..], 3, "this is XML; URDF and MJCF are read by `dynamics --robot`");
+    let of_study = (&["gap", "study.toml"][..], 3, "expected \"fixed\"");
     for (words, code, expected) in cases.into_iter().chain([of_study]) {
         let output = run_in(out.path(), words);
         let said = stderr(&output);

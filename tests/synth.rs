@@ -340,11 +340,11 @@ fn a_robot_that_is_free_in_its_description_is_held_in_its_study() {
     let folder = tempfile::tempdir().expect("a folder");
     let logs = [("free", "<freejoint/>"), ("held", "")].map(|(name, free)| {
         let file = format!("{name}.xml");
-        fs::write(folder.path().join(&file), robot(free)).expect("the robot");
+        std::fs::write(folder.path().join(&file), robot(free)).expect("the robot");
         let words = ["synth", "--robot", &file, "--logs", "2", "--seconds", "2", "--quiet", "--out", name];
         let run = run_in(folder.path(), &words);
         assert_eq!(run.status.code(), Some(0), "{}", String::from_utf8_lossy(&run.stderr));
-        fs::read_to_string(folder.path().join(name).join("log-00.csv")).expect("a log")
+        std::fs::read_to_string(folder.path().join(name).join("log-00.csv")).expect("a log")
     });
     assert!(logs[0] == logs[1], "a robot that falls hangs in no gravity, and its legs push nothing but one another");
 }

@@ -107,13 +107,13 @@ impl ClampedGapReport {
     /// What is to be questioned of the study, each once, after the joints that it is true of.
     pub fn doubts(&self) -> Vec<String> {
         let told = self.joints.iter().map(|(_, report)| report);
-        by_joint(told.flat_map(|of| of.doubts.iter().map(|doubt| (of.diagnosis.joint.as_str(), doubt.as_str()))))
+        by_joint(told.flat_map(|of| of.doubts.iter().map(move |doubt| (of.diagnosis.joint.as_str(), doubt.as_str()))))
     }
 
     /// What the logs leave open, joint by joint.
     fn undetermined(&self) -> Vec<String> {
         let told = self.joints.iter().map(|(_, report)| &report.diagnosis);
-        by_joint(told.flat_map(|of| of.undetermined.iter().map(|sentence| (of.joint.as_str(), sentence.as_str()))))
+        by_joint(told.flat_map(|of| of.undetermined.iter().map(move |sentence| (of.joint.as_str(), sentence.as_str()))))
     }
 
     /// The next experiment: that of the joint with the most left, of those that have one.
