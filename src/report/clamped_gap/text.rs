@@ -10,7 +10,8 @@ use crate::report::measure::Measure;
 use crate::report::text::{finish, number, one_line, table, wrap};
 
 /// Writes a robot's diagnosis as plain text, as a rule at most 100 columns wide, ending in a newline: what was found in
-/// short, the joints at a glance, the next experiment, every joint's own sentence, the health of the logs, what cannot be determined, notes.
+/// short, the joints at a glance, the next experiment, every joint's own sentence, the health of the logs, what cannot be
+/// determined, notes.
 pub fn clamped_gap_text(report: &ClampedGapReport) -> String {
     let diagnosis = &report.diagnosis;
     let mut blocks = vec![paragraph(&diagnosis.answer.sentence)];
