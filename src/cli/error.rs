@@ -160,11 +160,6 @@ impl CliError {
                 TablesError::Rejected(_) | TablesError::Diverged(_) => NOT_CONVERGED,
                 _ => DATA,
             },
-            CliError::RobotCase(error) | CliError::Simulate(error)
-                if let SimulateError::File(error) | SimulateError::Robot(RobotError::File(error)) = error.as_ref() =>
-            {
-                of_file(error)
-            }
             CliError::ClampedCase(error) => match error.as_ref() {
                 ClampedCaseError::Log(error) => of_file(error),
                 ClampedCaseError::Description(error) if error.is_io() => IO,
@@ -176,9 +171,10 @@ impl CliError {
                 DraftError::NoJoint { .. } => USAGE,
                 _ => DATA,
             },
-            // All that a robot study is made of stands in files.
-            CliError::RobotCase(_) => DATA,
-            CliError::Simulate(error) => match error.as_ref() {
+            CliError::RobotCase(error) | CliError::Simulate(error) => match error.as_ref() {
+                SimulateError::File(error) | SimulateError::Robot(RobotError::File(error)) => of_file(error),
+                // All that a robot study is made of stands in files.
+                _ if matches!(self, CliError::RobotCase(_)) => DATA,
                 SimulateError::Value { .. } | SimulateError::NoSet { .. } => USAGE,
                 _ => DATA,
             },

@@ -14,6 +14,7 @@ use super::score::Measure;
 use super::sight::Sight;
 use super::trial::Trial;
 use crate::fit::Budget;
+use crate::identify::{BeliefFound, JointModel};
 use crate::joint::{EffectForm, EffectId};
 use crate::number::math;
 use crate::progress::{Progress, Step};
@@ -159,17 +160,26 @@ impl Growth<'_> {
         self.effects.iter().copied().filter(|e| !from.effects().contains(e)).collect()
     }
 
-    /// What effects would change, seen from a hypothesis and from the numbers as given.
+    /// What effects would change, seen from a hypothesis and, where what is missing may have bent its numbers, from those
+    /// as given.
     pub fn sights(&self, from: &Trial, effects: &[EffectId]) -> Vec<Sight> {
-        // What is missing may have bent the numbers; once a cause is found they are near the truth.
-        let also = if from.effects().is_empty() { vec![self.as_given.to_vec()] } else { Vec::new() };
+        let values = &from.found.values;
+        let bent = || BeliefFound::of(from.model.parameters(), values).iter().any(BeliefFound::is_finding);
+        let also = if from.effects().is_empty() || bent() {
+            let of_effects = &values[self.as_given.len()..];
+            vec![[self.as_given, of_effects].concat()]
+        } else {
+            Vec::new()
+        };
         Sight::from_each(self.evidence, from, &also, effects)
     }
 
-    fn lowers(&self, before: &Trial, after: &Trial) -> bool {
-        let (before, after) = (before.fit_loss(self.evidence), after.fit_loss(self.evidence));
+    fn lowers(&self, from: &Trial, to: &Trial) -> bool {
+        let (before, after) = (from.fit_loss(self.evidence), to.fit_loss(self.evidence));
         let samples: f64 = self.evidence.fit.iter().map(|e| counts(e).sum::<f64>()).sum();
-        after < STEP * before && samples / STEP_SAMPLES * math::ln(before / after.max(1e-300)) > STEP_DEVIANCE
+        let explained = samples / STEP_SAMPLES * math::ln(before / after.max(1e-300));
+        // Numbers that come back to what is believed of them speak for a cause as well.
+        after < STEP * before && explained + (from.strain() - to.strain()).max(0.0) > STEP_DEVIANCE
     }
 
     /// Without the members that others have made needless; and the same without each of those that stay.
