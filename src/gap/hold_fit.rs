@@ -10,6 +10,7 @@ use super::trial::Trial;
 use crate::fit::{Budget, Residuals};
 use crate::identify::{Found, Problem};
 use crate::joint::EffectId;
+use rayon::prelude::*;
 
 /// Steps either way of the fine scan, and their size as a share of what moves the last hold of the longest log by one.
 const FINE: i32 = 20;
@@ -49,7 +50,7 @@ fn scanned(evidence: &Evidence, model: &GapModel, at: usize, found: &Found) -> f
         values[at] = hold_s;
         problem.criterion(&problem.coordinates_from(&Found { values, ..found.clone() })).unwrap_or(f64::INFINITY)
     };
-    let times = (-FINE..=FINE).map(|n| found.values[at] * (1.0 + f64::from(n) * step));
+    let times = (-FINE..=FINE).into_par_iter().map(|n| found.values[at] * (1.0 + f64::from(n) * step));
     // From the middle outwards, so that the time as it stands wins a tie.
     let mut tried: Vec<(f64, f64)> = times.map(|hold_s| (criterion(hold_s), hold_s)).collect();
     tried.sort_by(|a, b| {

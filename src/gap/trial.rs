@@ -5,6 +5,7 @@ use super::model::{BASELINE, GapModel};
 use crate::fit::{Budget, Solution, approach};
 use crate::identify::{self, Experiment, Found, JointModel, Parameter, Problem};
 use crate::joint::{EffectForm, EffectId};
+use rayon::prelude::*;
 
 /// Distance from its optimum, in variances of the residuals, at which a fit is close enough to be judged.
 const CLOSE: f64 = 0.01;
@@ -139,12 +140,11 @@ impl Trial {
             return;
         }
         let known = std::mem::take(&mut self.held_starts);
-        for (k, e) in evidence.held.iter().enumerate() {
+        let of = |(k, e): (usize, &Experiment)| {
             let guess = known.get(k).copied().or_else(|| near.and_then(|t| t.held_starts.get(k).copied()));
-            let (start, residual) = predicted(&self.model, e, &self.found.values, guess);
-            self.held.push(residual);
-            self.held_starts.push(start);
-        }
+            predicted(&self.model, e, &self.found.values, guess)
+        };
+        (self.held_starts, self.held) = evidence.held.par_iter().enumerate().map(of).unzip();
     }
 
     /// The effects that were added.

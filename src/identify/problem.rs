@@ -142,8 +142,11 @@ impl<'a, M: JointModel> Problem<'a, M> {
                 ..=2 => self.pass::<2>(x, experiment, from, &mut block)?,
                 3..=4 => self.pass::<4>(x, experiment, from, &mut block)?,
                 5..=8 => self.pass::<8>(x, experiment, from, &mut block)?,
-                9..=12 => self.pass::<12>(x, experiment, from, &mut block)?,
-                _ => self.pass::<16>(x, experiment, from, &mut block)?,
+                9..=10 => self.pass::<10>(x, experiment, from, &mut block)?,
+                11..=12 => self.pass::<12>(x, experiment, from, &mut block)?,
+                // What is wider than 128 bytes is copied by calls: two passes cost no more than one twice as wide.
+                15..=22 => self.pass::<8>(x, experiment, from, &mut block)?,
+                _ => self.pass::<14>(x, experiment, from, &mut block)?,
             };
         }
         Ok(block)

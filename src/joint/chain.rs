@@ -203,7 +203,7 @@ impl<T: Real> Chain<T> {
     }
 
     /// Angular acceleration \[rad/s^2\] of a joint that slips in `direction` (3.12).
-    #[inline]
+    #[inline(always)]
     pub fn slip_rate_rad_s2(&self, t_s: T, angle_rad: T, rate_rad_s: T, direction: f64, motor_nm: T) -> T {
         self.with_link(t_s, |link, pushed_nm| {
             let (passive_nm, gravity_nm) = self.beside_drive_nm(link, pushed_nm, [t_s, angle_rad, rate_rad_s]);
@@ -215,7 +215,7 @@ impl<T: Real> Chain<T> {
     }
 
     /// What the encoder makes of a true angle and rate on its side of the gearing.
-    #[inline]
+    #[inline(always)]
     pub fn reading(&self, angle_rad: T, rate_rad_s: T) -> [T; 2] {
         let [angle_rad, rate_rad_s] = [angle_rad * self.sensor_gain, rate_rad_s * self.sensor_gain];
         let reading = match &self.eccentric {
@@ -269,7 +269,7 @@ impl<T: Real> Chain<T> {
 
     /// The same, where the motor turns at another rate than the side of the gearing that the controller sees; `seen` is
     /// true angle and rate there, and the integral of the angle error.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn turning_motor_nm(&self, setpoint: Setpoint<T>, seen: [T; 3], motor_rad_s: T) -> T {
         let Some(motor) = &self.motor else { return T::nought() };
         let [angle_rad, rate_rad_s, integral_rad_s] = seen;
@@ -278,7 +278,7 @@ impl<T: Real> Chain<T> {
     }
 
     /// The torque that arrives of one that a log commands, or of an answer of the law that is held \[N m\].
-    #[inline]
+    #[inline(always)]
     pub fn delivered_nm(&self, command: T, rate_rad_s: T) -> T {
         self.motor.as_ref().map_or(command, |motor| motor.delivered_nm(command, rate_rad_s))
     }

@@ -123,7 +123,7 @@ impl<T: Real> Friction<T> {
     }
 
     /// Torque that resists motion \[N m\], zero or above, at the speed of `at`.
-    #[inline]
+    #[inline(always)]
     pub fn resistance_nm(&self, at: &Contact<T>) -> T {
         let mut sum = self.coulomb_nm + self.viscous_nm_s_rad * at.speed_rad_s;
         if let Some(s) = &self.stribeck {

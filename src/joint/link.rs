@@ -55,7 +55,7 @@ impl<T: Real> Link<T> {
     }
 
     /// Gravity torque at a joint angle \[N m\].
-    #[inline]
+    #[inline(always)]
     pub fn gravity_nm(&self, angle_rad: T) -> T {
         let (sin, cos) = angle_rad.sin_cos();
         self.cosine_nm * cos - self.sine_nm * sin

@@ -161,7 +161,7 @@ impl<T: Real> Motor<T> {
 
     /// The answer of the control law, a torque \[N m\] or a duty; angle and rate as the controller sees them,
     /// `integral_rad_s` is the integral of the angle error.
-    #[inline]
+    #[inline(always)]
     pub fn command(&self, setpoint: Setpoint<T>, angle_rad: T, rate_rad_s: T, integral_rad_s: T) -> T {
         let Some(s) = &self.law else { return T::nought() };
         let mut torque = (setpoint.angle_rad - angle_rad) * s.kp_nm_rad;
@@ -185,7 +185,7 @@ impl<T: Real> Motor<T> {
     }
 
     /// What would arrive of an answer of the law \[N m\] if nothing were limited.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn unlimited_nm(&self, command: T, rate_rad_s: T) -> T {
         let voltage = self.voltage();
         let mut torque_nm = voltage.map_or(command, |motor| command * motor.stall_nm());
@@ -199,7 +199,7 @@ impl<T: Real> Motor<T> {
     }
 
     /// What arrives of an answer of the law \[N m\], at the true rate of the motor: dead band, gain, limits.
-    #[inline]
+    #[inline(always)]
     pub fn delivered_nm(&self, command: T, rate_rad_s: T) -> T {
         let command = self.voltage().map_or(command, |motor| saturated(command, T::constant(motor.duty_limit)));
         let mut torque_nm = self.unlimited_nm(command, rate_rad_s);

@@ -83,7 +83,7 @@ impl<T: Real> Mechanism<T> for OneBody<'_, T> {
     }
 
     fn seen(&self) -> State<T> {
-        let [angle_rad, rate_rad_s, _] = self.seen_at(self.t_s, &self.y);
+        let [angle_rad, rate_rad_s] = self.seen_at(self.t_s, self.y[0], self.y[1]);
         State { angle_rad, rate_rad_s }
     }
 
@@ -116,30 +116,41 @@ impl<T: Real> Mechanism<T> for OneBody<'_, T> {
 }
 
 impl<T: Real> OneBody<'_, T> {
-    /// Angle and rate as the encoder shows them, before its gain, and the integral of the angle error.
-    #[inline]
-    fn seen_at(&self, t_s: T, y: &[T; 3]) -> [T; 3] {
+    /// Angle and rate as the encoder shows them, before its gain.
+    #[inline(always)]
+    fn seen_at(&self, t_s: T, angle_rad: T, rate_rad_s: T) -> [T; 2] {
         match &self.history {
-            None => *y,
-            Some(history) => {
-                let [angle_rad, rate_rad_s] = history.at(t_s, [y[0], y[1]]);
-                [angle_rad, rate_rad_s, y[2]]
-            }
+            None => [angle_rad, rate_rad_s],
+            Some(history) => history.at(t_s, [angle_rad, rate_rad_s]),
         }
+    }
+
+    /// Torque of the motor \[N m\] in a state.
+    #[inline(always)]
+    fn motor_nm(&self, command: &Command<T>, t_s: T, [angle_rad, rate_rad_s]: &[T; 2], integral_rad_s: &T) -> T {
+        let [seen_rad, seen_rad_s] = self.seen_at(t_s, *angle_rad, *rate_rad_s);
+        command.turning_motor_nm(self.chain, t_s, &[seen_rad, seen_rad_s, *integral_rad_s], *rate_rad_s)
+    }
+
+    /// Acceleration while slipping \[rad/s^2\]. Dual numbers are large: nothing is handed in or out that is not needed.
+    #[inline(never)]
+    fn slip_rad_s2(&self, command: &Command<T>, direction: f64, t_s: T, y: &[T; 2], integral_rad_s: &T) -> T {
+        let motor_nm = self.motor_nm(command, t_s, y, integral_rad_s);
+        self.chain.slip_rate_rad_s2(t_s, y[0], y[1], direction, motor_nm)
     }
 
     /// Rate of angle, speed and error integral while slipping.
     #[inline]
     fn rate(&self, command: &Command<T>, direction: f64, t_s: T, y: &[T; 3]) -> [T; 3] {
-        let seen = self.seen_at(t_s, y);
-        let motor_nm = command.turning_motor_nm(self.chain, t_s, &seen, y[1]);
-        [y[1], self.chain.slip_rate_rad_s2(t_s, y[0], y[1], direction, motor_nm), self.error_rad(command, t_s, seen[0])]
+        let [angle, rate, integral] = y;
+        let acceleration = self.slip_rad_s2(command, direction, t_s, &[*angle, *rate], integral);
+        [*rate, acceleration, self.error_rad(command, t_s, y)]
     }
 
     /// What the integral of the angle error grows by, where it acts.
     #[inline]
-    fn error_rad(&self, command: &Command<T>, t_s: T, seen_rad: T) -> T {
-        if self.winds_up { command.error_rad(self.chain, t_s, seen_rad) } else { T::nought() }
+    fn error_rad(&self, command: &Command<T>, t_s: T, y: &[T; 3]) -> T {
+        if self.winds_up { command.error_rad(self.chain, t_s, self.seen_at(t_s, y[0], y[1])[0]) } else { T::nought() }
     }
 
     /// The state after `dt` of slipping, of which the rate at the beginning is known.
@@ -152,17 +163,14 @@ impl<T: Real> OneBody<'_, T> {
             return rk4(|t_s, y| self.rate(command, direction, t_s, y), self.t_s, &self.y, first, dt);
         }
         let [angle, rate, integral] = self.y;
-        let rates = |t_s: T, y: &[T; 2]| {
-            let [rate, acceleration, _] = self.rate(command, direction, t_s, &[y[0], y[1], integral]);
-            [rate, acceleration]
-        };
+        let rates = |t_s: T, y: &[T; 2]| [y[1], self.slip_rad_s2(command, direction, t_s, y, &integral)];
         let [angle, rate] = rk4(rates, self.t_s, &[angle, rate], &[first[0], first[1]], dt);
         [angle, rate, integral]
     }
 
     /// How far the torque on the resting joint is beyond breakaway \[N m\], and its direction.
     fn beyond_breakaway(&self, command: &Command<T>, t_s: T, y: &[T; 3]) -> (T, f64) {
-        let motor_nm = command.turning_motor_nm(self.chain, t_s, &self.seen_at(t_s, y), y[1]);
+        let motor_nm = self.motor_nm(command, t_s, &[y[0], y[1]], &y[2]);
         let net_nm = self.chain.drive_nm(t_s, y[0], motor_nm);
         let direction = if net_nm.re() < 0.0 { -1.0 } else { 1.0 };
         (net_nm * direction - self.chain.breakaway_nm(t_s, y[0], direction, motor_nm), direction)
@@ -171,7 +179,7 @@ impl<T: Real> OneBody<'_, T> {
     /// The state of a resting joint after `dt`: only the error integral moves.
     fn rested(&self, command: &Command<T>, dt: T) -> [T; 3] {
         let middle_s = self.t_s + dt * 0.5;
-        let error = self.error_rad(command, middle_s, self.seen_at(middle_s, &self.y)[0]);
+        let error = self.error_rad(command, middle_s, &self.y);
         [self.y[0], T::nought(), self.y[2] + error * dt]
     }
 

@@ -65,7 +65,7 @@ impl<T: Real> Command<T> {
 
     /// The same where the motor does not turn at the rate that the controller sees; `seen` is true angle and rate there,
     /// and the integral of the angle error.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn turning_motor_nm(&self, chain: &Chain<T>, t_s: T, seen: &[T; 3], motor_rad_s: T) -> T {
         let delivered_nm = match *self {
             Command::Off => T::nought(),
@@ -98,7 +98,7 @@ impl<T: Real> Command<T> {
     }
 
     /// The setpoint at an instant, where there is one.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn setpoint(&self, t_s: T) -> Option<Setpoint<T>> {
         let Command::Pid { setpoint_rad, slope_rad_s, from_s, curve } = *self else { return None };
         let elapsed_s = t_s - from_s;
