@@ -14,7 +14,6 @@ use super::score::Measure;
 use super::sight::Sight;
 use super::trial::Trial;
 use crate::fit::Budget;
-use crate::identify::{BeliefFound, JointModel};
 use crate::joint::{EffectForm, EffectId};
 use crate::number::math;
 use crate::progress::{Progress, Step};
@@ -160,17 +159,10 @@ impl Growth<'_> {
         self.effects.iter().copied().filter(|e| !from.effects().contains(e)).collect()
     }
 
-    /// What effects would change, seen from a hypothesis and, where what is missing may have bent its numbers, from those
-    /// as given.
+    /// What effects would change, seen from a hypothesis and from the numbers as given.
     pub fn sights(&self, from: &Trial, effects: &[EffectId]) -> Vec<Sight> {
-        let values = &from.found.values;
-        let bent = || BeliefFound::of(from.model.parameters(), values).iter().any(BeliefFound::is_finding);
-        let also = if from.effects().is_empty() || bent() {
-            let of_effects = &values[self.as_given.len()..];
-            vec![[self.as_given, of_effects].concat()]
-        } else {
-            Vec::new()
-        };
+        // What is missing may have bent the numbers; once a cause is found they are near the truth.
+        let also = if from.effects().is_empty() { vec![self.as_given.to_vec()] } else { Vec::new() };
         Sight::from_each(self.evidence, from, &also, effects)
     }
 
