@@ -4,6 +4,7 @@ use super::attained::Attained;
 use super::case::RobotCase;
 use super::cause::Change;
 use super::forward::{Predicted, floor_of, predict};
+use super::glance::Walks;
 use super::layout::{Channel, FORWARD_SD_M, Layout};
 use super::noise::Noise;
 use super::place::Place;
@@ -63,6 +64,8 @@ pub(super) struct Bench<'a> {
     /// Clamped: what numbers alone explain, within their beliefs.
     pub recalibrated: Option<Attained>,
     pub given_logs: Vec<Predicted>,
+    /// On the floor: where causes are screened.
+    walks: Option<Walks>,
     /// Joints that influence each other; one group where the trunk is free.
     pub groups: Vec<Vec<usize>>,
     /// By joint of the robot.
@@ -97,6 +100,7 @@ impl<'a> Bench<'a> {
         let sigma_rad = sigma_rad(case, &layout, &measured, &stated);
         let blank = || Noise::new(Vec::new(), Vec::new()).expect("nothing is finite");
         let body = Body { floor: floor_of(case), mass_kg: case.model().total_mass_kg() };
+        let walks = if case.is_clamped() { None } else { Some(Walks::new(case, &layout).ok_or(RanAway)?) };
         let mut bench = Self {
             case,
             deadline: deadline.clone(),
@@ -109,6 +113,7 @@ impl<'a> Bench<'a> {
             given_coarse,
             recalibrated: None,
             given_logs,
+            walks,
             groups,
             spreads: Spreads::of(case, &reach),
             reach,
@@ -180,7 +185,12 @@ impl<'a> Bench<'a> {
         if self.deadline.leaves_out("a look at some causes and joints") {
             return None;
         }
-        self.difference_at(&self.base, changes, PLAY_AT_A_GLANCE, until_s)
+        match (&self.walks, until_s) {
+            (Some(walks), Some(until_s)) if !has_play(changes) => {
+                walks.difference(self.case, &self.layout, &self.base, changes, until_s)
+            }
+            _ => self.difference_at(&self.base, changes, PLAY_AT_A_GLANCE, until_s),
+        }
     }
 
     /// At the coarse step against the coarse step, so that errors cancel; at that for play against the fine one.
@@ -193,9 +203,7 @@ impl<'a> Bench<'a> {
     ) -> Option<Vec<f64>> {
         let (step_s, given) =
             if has_play(changes) { (play_s, &self.given) } else { (self.steps.coarse, &self.given_coarse) };
-        let there = self.simulate(scatter, changes, step_s, until_s)?;
-        let pairs = there.iter().zip(given);
-        Some(pairs.map(|(there, given)| if there.is_finite() { there - given } else { 0.0 }).collect())
+        Some(less(&self.simulate(scatter, changes, step_s, until_s)?, given))
     }
 
     /// Measured less stated.
@@ -304,6 +312,12 @@ impl<'a> Bench<'a> {
         }
         column
     }
+}
+
+/// What readings differ from others by; 0 where they end.
+pub(super) fn less(there: &[f64], given: &[f64]) -> Vec<f64> {
+    let pairs = there.iter().zip(given);
+    pairs.map(|(there, given)| if there.is_finite() { there - given } else { 0.0 }).collect()
 }
 
 /// Whether a joint has free play.

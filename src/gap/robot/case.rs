@@ -110,6 +110,23 @@ impl CaseLog {
         self.log.t_s[self.log.len() - 1]
     }
 
+    /// What is asked from a time on, in the place of all of it, and how many samples come before that.
+    pub fn from(&self, from_s: f64) -> (Self, usize) {
+        let mut late = self.clone();
+        let lacks = late.log.t_s.partition_point(|t| *t < from_s);
+        late.log.t_s.drain(..lacks);
+        let setpoints = &mut late.scene.setpoints;
+        let before = setpoints.t_s.partition_point(|t| *t < from_s);
+        setpoints.t_s.drain(..before);
+        for column in setpoints.columns.iter_mut().flatten() {
+            column.angle_rad.drain(..before);
+            if let Some(on) = &mut column.on {
+                on.drain(..before);
+            }
+        }
+        (late, lacks)
+    }
+
     /// The same log with setpoints that go farther from where they begin.
     pub fn widened(&self, factor: f64) -> Self {
         let mut scene = self.scene.clone();

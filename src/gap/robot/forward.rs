@@ -20,6 +20,20 @@ pub(super) struct Predicted {
     pub base: Vec<BaseSample>,
 }
 
+impl Predicted {
+    /// The same after so many samples more at which nothing moves.
+    pub fn after(mut self, samples: usize) -> Self {
+        fn stand<T: Clone>(column: &mut Vec<T>, samples: usize) {
+            if let Some(first) = column.first().cloned() {
+                column.splice(0..0, std::iter::repeat_n(first, samples));
+            }
+        }
+        self.reading_rad.iter_mut().chain(&mut self.rate_rad_s).for_each(|column| stand(column, samples));
+        stand(&mut self.base, samples);
+        self
+    }
+}
+
 /// A robot of which something else is true.
 pub(super) struct Changed {
     pub joints: Joints,

@@ -18,6 +18,7 @@ mod decide;
 mod diagnose;
 mod diagnosis;
 mod forward;
+mod glance;
 mod layout;
 mod map;
 mod measure;

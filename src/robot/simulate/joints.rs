@@ -59,7 +59,9 @@ impl JointDrive {
     /// Torque of springs and stops \[N m\].
     #[inline]
     pub fn elastic_nm(&self, angle_rad: f64, rate_rad_s: f64) -> f64 {
-        let mut torque_nm = self.chain.passive_nm(angle_rad, rate_rad_s);
+        // The link has no gravity: a chain without spring and stop does nothing.
+        let is_elastic = self.chain.spring.is_some() || self.chain.stop.is_some() || self.chain.has_laws();
+        let mut torque_nm = if is_elastic { self.chain.passive_nm(angle_rad, rate_rad_s) } else { 0.0 };
         if let Some(s) = &self.spring {
             torque_nm += s.stiffness_nm_rad * (s.rest_rad - angle_rad) - s.damping_nm_s_rad * rate_rad_s;
         }

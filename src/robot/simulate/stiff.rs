@@ -1,8 +1,8 @@
 //! The project's own method: linearly implicit, of order 2, with joints that stick.
 //!
 //! A Rosenbrock-W method of two stages (ROS2, Verwer et al. 1999, g = 1 -+ 1/sqrt 2), which keeps its order whatever is
-//! put in for the Jacobian. Here that is what is stiff: stiffness K and damping B of each joint's own stages, found by
-//! nudging them, and those of contacts, seen through the Jacobian of their points. With `k = (k_q, k_v)`
+//! put in for the Jacobian. Here that is what is stiff: stiffness K and damping B of each joint's own stages, by nudges
+//! where those bend, and those of contacts, seen through the Jacobian of their points. With `k = (k_q, k_v)`
 //!
 //! ```text
 //! (M + D) k_v1 = tau(q, v) + g h tau_t - g h K v,            D = g h B + (g h)^2 K
@@ -214,10 +214,12 @@ impl<'a> Stiff<'a> {
             let motor_nm = drive.motor_nm(commands[j], at);
             self.motor_nm[j] = motor_nm;
             self.limited[j] = Limited::of(drive, commands[j], at).filter(|_| self.side_of[j].is_none());
-            let here_nm = self.limited[j].map_or(motor_nm, |limited| limited.asked_nm());
-            self.driven[j] = JointDrive::motor_slopes(commands[j], at, here_nm, |at| match self.limited[j] {
-                Some(_) => drive.unlimited_nm(commands[j], at),
-                None => drive.motor_nm(commands[j], at),
+            self.driven[j] = drive.straight_slopes(commands[j], self.limited[j].is_some()).unwrap_or_else(|| {
+                let here_nm = self.limited[j].map_or(motor_nm, |limited| limited.asked_nm());
+                JointDrive::motor_slopes(commands[j], at, here_nm, |at| match self.limited[j] {
+                    Some(_) => drive.unlimited_nm(commands[j], at),
+                    None => drive.motor_nm(commands[j], at),
+                })
             });
             self.elastic_nm[j] = drive.elastic_nm(at.angle_rad, at.rate_rad_s);
             self.elastic[j] = drive.elastic_slopes(at.angle_rad, at.rate_rad_s);

@@ -15,7 +15,7 @@ pub(super) struct At {
 }
 
 const MORE_THAN_ANY_MOTOR_NM: f64 = 1e12;
-/// Nudges for slopes; the stages are straight lines between their kinks.
+/// Nudges for slopes of what bends; the stages are straight lines between their kinks.
 const ANGLE_NUDGE_RAD: f64 = 1e-6;
 const RATE_NUDGE_RAD_S: f64 = 1e-6;
 const TIME_NUDGE_S: f64 = 1e-6;
@@ -75,7 +75,7 @@ impl JointDrive {
         Slopes { damping: -by / RATE_NUDGE_RAD_S, ..Slopes::default() }.kept()
     }
 
-    /// Slopes of a torque of the motor that is `motor_nm` there.
+    /// Slopes of a torque of the motor that is `motor_nm` there, by nudges.
     pub(super) fn motor_slopes(command: Command<f64>, at: At, motor_nm: f64, torque_nm: impl Fn(At) -> f64) -> Slopes {
         let by = |at: At| torque_nm(at) - motor_nm;
         Slopes {
@@ -84,6 +84,25 @@ impl JointDrive {
             per_time: if command.is_still() { 0.0 } else { by(At { t_s: at.t_s + TIME_NUDGE_S, ..at }) / TIME_NUDGE_S },
         }
         .kept()
+    }
+
+    /// Slopes of the motor's torque where that is a straight line in angle, rate and time, limits aside that are told
+    /// to be; `None` where something bends it.
+    pub(super) fn straight_slopes(&self, command: Command<f64>, is_limit_aside: bool) -> Option<Slopes> {
+        let chain = &self.chain;
+        let Some(motor) = &chain.motor else { return Some(Slopes::default()) };
+        let is_read_as_it_is = chain.sensor_gain == 1.0 && chain.eccentric.is_none() && chain.sensor_delay_s.is_none();
+        let is_bent = chain.has_laws() || motor.dead_band.is_some() || motor.is_limited() && !is_limit_aside;
+        if is_bent || !is_read_as_it_is {
+            return None;
+        }
+        let setpoint_rad_s = match command {
+            Command::Pid { curve: Some(_), .. } => return None,
+            Command::Pid { slope_rad_s, .. } => slope_rad_s,
+            Command::Off | Command::Torque(_) | Command::Held { .. } => 0.0,
+        };
+        let (stiffness, damping) = motor.stiffness_and_damping(command.driven());
+        Some(Slopes { stiffness, damping, per_time: stiffness * setpoint_rad_s }.kept())
     }
 
     /// Slopes of springs and stops.

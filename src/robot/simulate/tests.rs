@@ -1,11 +1,12 @@
 //! Promises of the simulation.
 
+use super::terms::At;
 use super::*;
 use crate::geometry::robot_file::Base;
 use crate::integrate::{self, Tolerance};
 use crate::joint::{Chain, EffectId, Link, Motor};
 use crate::log::{Hold, MotorSpec};
-use crate::pendulum::{Input as PendulumInput, Start, rollout};
+use crate::pendulum::{Command, Input as PendulumInput, Start, rollout};
 use crate::robot::{Dynamics, Gait, JointId, Model, State};
 use nalgebra::Vector3;
 use std::path::Path;
@@ -500,4 +501,33 @@ fn a_robot_that_stands_creeps_less_than_a_tenth_of_a_millimetre_in_a_minute_and_
     // Steeper than its friction it slides.
     let (_, slides) = stand(0.8, 1.0, 3.0);
     assert!(slides.diverged.is_none() && crept(&slides) > 0.3, "{}", crept(&slides));
+}
+
+#[test]
+fn straight_slopes_are_those_of_nudges_and_bent_ones_are_left_to_them() {
+    let model = rod();
+    let command = |slope_rad_s| Command::Pid { setpoint_rad: 0.3, slope_rad_s, from_s: 0.0, curve: None };
+    let at = At { t_s: 0.02, angle_rad: 0.1, rate_rad_s: 0.7, integral_rad_s: 0.0 };
+    let joint = model.joint_ids().next().unwrap();
+    for gain in [1.0, 0.6] {
+        let joints = rod_joints(&model, Some((EffectId::MotorGain, &[gain])));
+        let drive = joints.drive(joint);
+        for command in [command(0.0), command(2.0), Command::Torque(0.1), Command::Off] {
+            let straight = drive.straight_slopes(command, false).unwrap();
+            let nudged =
+                JointDrive::motor_slopes(command, at, drive.motor_nm(command, at), |at| drive.motor_nm(command, at));
+            for (a, b) in [
+                (straight.stiffness, nudged.stiffness),
+                (straight.damping, nudged.damping),
+                (straight.per_time, nudged.per_time),
+            ] {
+                approx::assert_relative_eq!(a, b, max_relative = 1e-7, epsilon = 1e-8);
+            }
+        }
+    }
+    let is_bent = |effect: EffectId, values: &[f64]| {
+        rod_joints(&model, Some((effect, values))).drive(joint).straight_slopes(command(2.0), false).is_none()
+    };
+    assert!(is_bent(EffectId::TorqueLimit, &[0.1]) && is_bent(EffectId::SensorGain, &[1.1]));
+    assert!(is_bent(EffectId::DeadBand, &[0.01]));
 }
