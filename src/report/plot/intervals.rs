@@ -35,7 +35,7 @@ pub(in crate::report) struct Group<'a> {
     pub beliefs: &'a [BeliefFound],
 }
 
-/// Draws all parameters of all models: the estimate as a dot, its robust 95 % interval as a line, the naive one as a box.
+/// Draws all parameters of all models: the estimate as a dot, its 95 % interval as a line, the naive one as a box.
 ///
 /// Parameters with a nominal value stand on a ruler of the difference from it, others on one of the difference from the estimate.
 /// Held parameters and those that the logs do not determine are named in words.
@@ -182,7 +182,7 @@ pub(in crate::report) fn interval_bars(title: &str, groups: &[Group<'_>]) -> Res
     let has = |kind: usize| parts.iter().any(|part| part.kind().0 == kind);
     let mut names: Vec<LegendEntry> = vec![
         (Sign::Dot, INK.to_rgba(), "estimate".to_owned()),
-        (Sign::Line, INK.to_rgba(), "robust interval".to_owned()),
+        (Sign::Line, INK.to_rgba(), "95 % interval".to_owned()),
         (Sign::Box, INK.mix(0.35), "naive interval (white residuals)".to_owned()),
     ];
     if has(0) {

@@ -89,7 +89,7 @@ pub(super) fn model_figures(report: &DropReport) -> Result<Vec<Figure>, ReportEr
         add("friction", "Friction against speed", caption, friction_curve(joint, &report.friction)?);
     }
     if !report.models.is_empty() {
-        let caption = "The robust interval allows for residuals that hang together in time, the naive one does not. Numbers of which \
+        let caption = "The 95 % interval allows for residuals that hang together in time, the naive one does not. Numbers of which \
                  something was believed are drawn from that, in its standard deviations: an interval that fills the band says no \
                  more than was believed, a short one beside it is a finding. An arrow is an end beyond the ruler.";
         let groups = report.models.iter();

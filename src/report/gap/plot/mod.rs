@@ -201,7 +201,7 @@ fn parameters(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
     if groups.is_empty() {
         return Ok(Vec::new());
     }
-    let caption = "The robust interval allows for residuals that hang together in time, the naive one does not. Numbers of which \
+    let caption = "The 95 % interval allows for residuals that hang together in time, the naive one does not. Numbers of which \
                  something was believed are drawn from that, in its standard deviations: an interval that fills the band says no \
                  more than was believed, a short one beside it is a finding. An arrow is an end beyond the ruler.";
     let svg = interval_bars(&format!("{} parameters with 95 % intervals", diagnosis.joint), &groups)?;
