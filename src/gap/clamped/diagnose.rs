@@ -176,8 +176,8 @@ pub(in crate::gap) fn concluded(
         .collect();
     if !chosen.is_empty() {
         notes.push(format!(
-            "The figures of {} are of logs that also had a say in their answers, or that no log was held out for; their own \
-             reports say which.",
+            "{}: these figures are from logs that also helped to choose the answer, or were held out only in turn; each \
+             joint's own report says which.",
             chosen.join(", ")
         ));
     }
