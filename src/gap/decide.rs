@@ -123,14 +123,18 @@ impl<'a> Judge<'a, '_> {
         let mut effects = answer.effects().to_vec();
         let (mut equivalent, margin) = equivalent_of(self.evidence, a, 0);
         let mut chosen = answer;
-        // Of single effects that stand equally well the one with the fewest parameters is named. A late setpoint is simpler
-        // than a late reading, which changes the loop as well.
-        let simplest = equivalent.iter().copied().min_by_key(|e| (e.searched_count(), *e == EffectId::SensorDelay));
-        if let ([only], Some(simplest)) = (&effects[..], simplest)
-            && simplest != *only
+        // Of single effects that stand equally well, with what they ask of the beliefs, the one with the fewest parameters is
+        // named. A late setpoint is simpler than a late reading, which changes the loop as well.
+        let as_well = |t: &&Trial| {
+            matches!(t.effects(), [e] if equivalent.contains(e)) && self.score(t) - self.score(answer) < EQUAL_DEVIANCE
+        };
+        let complexity = |t: &Trial| (t.effects()[0].searched_count(), t.effects()[0] == EffectId::SensorDelay);
+        let simplest = a.rivals.first().into_iter().flatten().filter(as_well).min_by_key(|t| complexity(t));
+        if let ([_], Some(trial)) = (&effects[..], simplest)
             && answer.model.only()[0].is_none()
-            && let Some(trial) = a.rivals[0].iter().find(|t| t.effects() == [simplest])
+            && complexity(trial) < complexity(answer)
         {
+            let simplest = trial.effects()[0];
             equivalent.sort_by_key(|e| *e != simplest);
             (effects, chosen) = (vec![simplest], trial);
         }
