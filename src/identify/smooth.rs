@@ -60,18 +60,26 @@ const HALF_FOLLOWED_S: f64 = 0.02;
 
 /// Smoothed angle, rate and acceleration at every sample \[rad, rad/s, rad/s^2\]; windows are cut short at either end.
 pub(crate) fn along(t_s: &[f64], q_rad: &[f64]) -> Vec<[f64; 3]> {
+    along_at(t_s, q_rad, t_s)
+}
+
+/// The same at other instants, which rise \[s\].
+pub(crate) fn along_at(t_s: &[f64], q_rad: &[f64], at_s: &[f64]) -> Vec<[f64; 3]> {
     let n = t_s.len();
-    let (mut low, mut high) = (0, 0);
-    (0..n)
-        .map(|k| {
-            while t_s[low] < t_s[k] - HALF_FOLLOWED_S {
+    let (mut near, mut low, mut high) = (0, 0, 0);
+    at_s.iter()
+        .map(|at| {
+            while near + 1 < n && (t_s[near + 1] - at).abs() <= (t_s[near] - at).abs() {
+                near += 1;
+            }
+            while t_s[low] < t_s[near] - HALF_FOLLOWED_S {
                 low += 1;
             }
-            while high + 1 < n && t_s[high + 1] <= t_s[k] + HALF_FOLLOWED_S {
+            while high + 1 < n && t_s[high + 1] <= t_s[near] + HALF_FOLLOWED_S {
                 high += 1;
             }
-            let (from, to) = (low.min(k.saturating_sub(FEWEST)), high.max((k + FEWEST).min(n - 1)));
-            quadratic(&t_s[from..=to], &q_rad[from..=to], t_s[k]).unwrap_or([q_rad[k], 0.0, 0.0])
+            let (from, to) = (low.min(near.saturating_sub(FEWEST)), high.max((near + FEWEST).min(n - 1)));
+            quadratic(&t_s[from..=to], &q_rad[from..=to], *at).unwrap_or([q_rad[near], 0.0, 0.0])
         })
         .collect()
 }

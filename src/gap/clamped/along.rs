@@ -1,6 +1,6 @@
 //! What every joint carries along the measured motion of all of them, by inverse dynamics.
 
-use crate::identify::smooth_along;
+use super::followed::{Followed, SimulatedMotion};
 use crate::joint::{Carriage, Carried};
 use crate::log::{Nominal, RobotLog};
 use crate::number::math;
@@ -26,6 +26,13 @@ struct Instant {
     pushed_nm: f64,
 }
 
+/// What acts on each joint of a tree along a log.
+struct AlongLog {
+    /// From the log's beginning \[s\].
+    t_s: Vec<f64>,
+    joints: Vec<Vec<Instant>>,
+}
+
 /// The joints of a robot along its logs.
 pub(super) struct Along<'t> {
     tree: &'t Tree,
@@ -41,14 +48,19 @@ impl<'t> Along<'t> {
     }
 
     /// The nominal link of each joint of the tree, and what it carries along each log: means of its inertia, and the
-    /// largest load, over all of them. `None` where a number is not finite.
-    pub fn links(&self, logs: &[RobotLog]) -> Vec<Option<(Nominal, Vec<Carriage>)>> {
-        let along: Vec<Vec<Vec<Instant>>> = logs.iter().map(|log| self.of_log(log)).collect();
-        (0..self.turns.len()).map(|joint| self.link(joint, logs, &along)).collect()
+    /// largest load, over all of them. `None` where a number is not finite. Each log has a place in `simulated`.
+    pub fn links(
+        &self,
+        logs: &[RobotLog],
+        simulated: &[Option<SimulatedMotion>],
+    ) -> Vec<Option<(Nominal, Vec<Carriage>)>> {
+        let followed = logs.iter().zip(simulated).map(|(log, simulated)| Followed::new(log, simulated.as_ref()));
+        let along: Vec<AlongLog> = followed.map(|followed| self.of_log(&followed)).collect();
+        (0..self.turns.len()).map(|joint| self.link(joint, &along)).collect()
     }
 
-    fn link(&self, joint: usize, logs: &[RobotLog], along: &[Vec<Vec<Instant>>]) -> Option<(Nominal, Vec<Carriage>)> {
-        let all = || along.iter().flat_map(|log| &log[joint]);
+    fn link(&self, joint: usize, along: &[AlongLog]) -> Option<(Nominal, Vec<Carriage>)> {
+        let all = || along.iter().flat_map(|log| &log.joints[joint]);
         let inertia_kg_m2 = all().map(|now| now.inertia_kg_m2).sum::<f64>() / all().count() as f64;
         let most_nm = all().map(|now| now.gravity_nm).fold(0.0, f64::max);
         let most_nm = if most_nm > NO_GRAVITY_NM { most_nm } else { 0.0 };
@@ -60,11 +72,9 @@ impl<'t> Along<'t> {
                 pushed_rad_s2: now.pushed_nm / inertia_kg_m2,
             }
         };
-        let carriage = |(log, along): (&RobotLog, &Vec<Vec<Instant>>)| {
-            let t_s: Vec<f64> = log.t_s.iter().map(|t| t - log.t_s[0]).collect();
-            Carriage::new(&t_s, &along[joint].iter().map(carried).collect::<Vec<_>>())
-        };
-        let carriages = logs.iter().zip(along).map(carriage).collect::<Option<_>>()?;
+        let carriage =
+            |along: &AlongLog| Carriage::new(&along.t_s, &along.joints[joint].iter().map(carried).collect::<Vec<_>>());
+        let carriages = along.iter().map(carriage).collect::<Option<_>>()?;
         let moment_kg_m = most_nm / self.gravity_m_s2();
         Some((Nominal { inertia_kg_m2, moment_kg_m, coulomb_nm: 0.0, viscous_nm_s_rad: 0.0 }, carriages))
     }
@@ -75,21 +85,18 @@ impl<'t> Along<'t> {
         if gravity_m_s2 > 0.0 { gravity_m_s2 } else { STANDARD_M_S2 }
     }
 
-    /// Each joint of the tree at each sample of a log. Joints without readings stand as drawn.
-    fn of_log(&self, log: &RobotLog) -> Vec<Vec<Instant>> {
+    /// Each joint of the tree along a log. Joints without readings stand as drawn.
+    fn of_log(&self, log: &Followed<'_>) -> AlongLog {
         let joints = self.turns.len();
         let mut state = TreeState::drawn(self.tree);
-        let motions: Vec<Option<Vec<[f64; 3]>>> = self
-            .tree
-            .joint_names()
-            .map(|name| log.joint(name).map(|joint| smooth_along(&log.t_s, &joint.q_rad)))
-            .collect();
+        let motions: Vec<Option<Vec<[f64; 3]>>> = self.tree.joint_names().map(|name| log.joint(name)).collect();
+        let t_s: Vec<f64> = log.t_s().iter().map(|t| t - log.t_s()[0]).collect();
         let mut dynamics = TreeDynamics::new(self.tree);
         let mut matrix = DMatrix::zeros(joints, joints);
         let mut acceleration = vec![0.0; joints];
         let (mut needed, mut level, mut turned) = (vec![0.0; joints], vec![0.0; joints], vec![0.0; joints]);
-        let mut all: Vec<Vec<Instant>> = vec![Vec::with_capacity(log.len()); joints];
-        for k in 0..log.len() {
+        let mut all: Vec<Vec<Instant>> = vec![Vec::with_capacity(t_s.len()); joints];
+        for k in 0..t_s.len() {
             for (j, motion) in motions.iter().enumerate() {
                 if let Some(motion) = motion {
                     [state.position[j], state.rate[j], acceleration[j]] = motion[k];
@@ -127,6 +134,6 @@ impl<'t> Along<'t> {
             }
             state.rate = rate;
         }
-        all
+        AlongLog { t_s, joints: all }
     }
 }

@@ -1,6 +1,7 @@
 //! A study of a robot with a clamped base, made ready: one bench case for each joint.
 
 use super::along::Along;
+use super::followed::SimulatedMotion;
 use super::setup::{ClampedCaseError, ClampedSetup};
 use crate::identify::Case;
 use crate::log::{ArrayLog, DriveMode, JointBeliefs, JointSpec, Nominal, RobotLog, Spread, Uncertain};
@@ -30,14 +31,17 @@ pub struct ClampedJoint {
 }
 
 impl ClampedCase {
-    /// The case of a robot and its logs.
+    /// The case of a robot and its logs, for each of which a simulation may help to follow the joints' motion.
     ///
     /// # Errors
     /// [`ClampedCaseError`] where a joint's logs make no case.
-    pub fn of(setup: &ClampedSetup) -> Result<Self, ClampedCaseError> {
+    pub(in crate::gap) fn along(
+        setup: &ClampedSetup,
+        simulated: &[Option<SimulatedMotion>],
+    ) -> Result<Self, ClampedCaseError> {
         let ClampedSetup { description, tree, logs, .. } = setup;
         let along = Along::new(description, tree);
-        let links = along.links(logs);
+        let links = along.links(logs, simulated);
         let mut joints = Vec::new();
         let mut unseen = Vec::new();
         for (at, link) in tree.joints().iter().zip(links) {

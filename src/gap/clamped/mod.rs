@@ -8,6 +8,7 @@ mod along;
 mod body;
 mod case;
 mod diagnose;
+mod followed;
 mod pooled;
 mod setup;
 #[cfg(test)]
@@ -18,5 +19,6 @@ pub use body::BodyCause;
 pub use case::{ClampedCase, ClampedJoint};
 pub use diagnose::{ClampedAnswer, ClampedDiagnosis, ClampedGap, JointAnswer, SharedCause, diagnose_clamped};
 pub(super) use diagnose::{concluded, diagnose_joints};
+pub(super) use followed::SimulatedMotion;
 pub use pooled::PooledNumber;
 pub use setup::{ClampedCaseError, ClampedSetup};

@@ -43,7 +43,7 @@ fn a_joint_of_a_robot_is_a_pendulum_with_a_load_that_time_changes() {
         ignored_columns: Vec::new(),
         notes: Vec::new(),
     };
-    let links = Along::new(&description, &tree).links(std::slice::from_ref(&log));
+    let links = Along::new(&description, &tree).links(std::slice::from_ref(&log), &[None]);
     let mut dynamics = TreeDynamics::new(&tree);
     for (j, link) in links.into_iter().enumerate() {
         let (nominal, carriages) = link.unwrap();

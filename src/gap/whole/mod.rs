@@ -5,6 +5,7 @@ mod masses;
 mod numbers;
 mod robot;
 mod simulated;
+mod stated;
 
 pub use numbers::{FoundRobot, found_robot};
 pub use robot::{PlacedCause, WholeRobot, placed_causes};

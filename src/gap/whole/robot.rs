@@ -85,6 +85,13 @@ impl WholeRobot {
     /// # Errors
     /// Why it cannot be, in words.
     pub fn readings(&mut self, setup: &ClampedSetup, log: &RobotLog) -> Result<Vec<Vec<f64>>, String> {
+        let period_s = (log.t_s[log.len() - 1] - log.t_s[0]) / (log.len() - 1) as f64;
+        let recording = self.motion(setup, log, period_s)?;
+        self.read(&recording, log)
+    }
+
+    /// The whole robot along a log, from its start under its setpoints; recorded every so often \[s\].
+    pub(super) fn motion(&mut self, setup: &ClampedSetup, log: &RobotLog, period_s: f64) -> Result<Recording, String> {
         let (t_s, hold) = (asked::times(log), setup.study.hold);
         let mut start = State::at_rest(&self.model);
         let mut columns = vec![None; self.model.joints().len()];
@@ -106,17 +113,21 @@ impl WholeRobot {
             self.joints.drive_mut(ids[one.follower]).is_rigid = self.joints.drive(ids[one.leader]).is_rigid;
         }
         let setpoints = Setpoints { t_s, columns, hold };
-        let period_s = (log.t_s[log.len() - 1] - log.t_s[0]) / (log.len() - 1) as f64;
         let (model, joints) = (&self.model, &self.joints);
         let scenario = Scenario { model, joints, setpoints: &setpoints, start: &start, surroundings: None, period_s };
         let recording = run(&scenario, Method::Stiff { step_s: STEP_S }).map_err(text)?;
-        if let Some(diverged) = &recording.diverged {
-            return Err(diverged.to_string());
+        match &recording.diverged {
+            Some(diverged) => Err(diverged.to_string()),
+            None => Ok(recording),
         }
+    }
+
+    /// What a log's joints read at its samples along a recorded motion \[rad\].
+    pub(super) fn read(&self, recording: &Recording, log: &RobotLog) -> Result<Vec<Vec<f64>>, String> {
         let readings = |joint: &crate::log::JointColumns| {
-            let id = model.joint(&joint.name).map_err(|error| error.to_string())?;
-            let drive = joints.drive(id);
-            Ok(log.t_s.iter().map(|t| drive.reading_rad(between(&recording, id.index(), *t))).collect())
+            let id = self.model.joint(&joint.name).map_err(|error| error.to_string())?;
+            let drive = self.joints.drive(id);
+            Ok(log.t_s.iter().map(|t| drive.reading_rad(between(recording, id.index(), *t))).collect())
         };
         log.joints.iter().map(readings).collect()
     }
