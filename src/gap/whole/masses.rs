@@ -1,7 +1,7 @@
 //! Masses that give every joint the moment that was found on it: a description has masses, not moments.
 
-use crate::gap::Diagnosis;
 use crate::gap::clamped::ClampedSetup;
+use crate::gap::{Diagnosis, Verdict};
 use crate::number::math;
 use crate::robot::description::{BodyChange, Description, LinkId};
 use crate::robot::tree::{Tree, TreeBase, TreeDynamics, TreeState};
@@ -37,10 +37,12 @@ pub(super) fn masses(
     let tree = tree.with_gravity(setup.tree.gravity_m_s2());
     let names: Vec<&str> = tree.joint_names().collect();
     let share = |name: &str| {
-        let moment = found.iter().find(|d| d.joint == name)?.parameters.iter().find(|p| p.name == "moment")?;
+        let own = found.iter().find(|d| d.joint == name)?;
+        let moment = own.parameters.iter().find(|p| p.name == "moment")?;
         let nominal = moment.nominal.filter(|nominal| *nominal > 0.0)?;
         let half = moment.interval.map(|[low, high]| 0.5 * (high - low) / nominal);
-        Some((moment.value / nominal, half))
+        // A joint that lacks nothing keeps its moment.
+        Some((if own.answer.verdict == Verdict::None { 1.0 } else { moment.value / nominal }, half))
     };
     let shares: Vec<Option<(f64, Option<f64>)>> = names.iter().map(|name| share(name)).collect();
     if shares.iter().flatten().all(|(share, _)| (share - 1.0).abs() < NEAR) {

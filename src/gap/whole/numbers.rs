@@ -2,7 +2,7 @@
 
 use super::masses::{masses, own_inertias};
 use crate::gap::clamped::{BodyCause, BodyKind, ClampedDiagnosis, ClampedSetup};
-use crate::gap::{CauseShare, Diagnosis};
+use crate::gap::{CauseShare, Diagnosis, Verdict};
 use crate::joint::EffectId;
 use crate::number::quantity;
 use crate::robot::description::{Description, FoundKey, FoundNumber, MoverId, NoSuchPart};
@@ -50,7 +50,8 @@ pub fn found_robot(setup: &ClampedSetup, diagnosis: Option<&ClampedDiagnosis>) -
     let inertias = own_inertias(setup, &setup.description.with_found(&found.numbers)?);
     for at in (0..setup.description.joints.len()).map(MoverId) {
         let name = &setup.description.joints[at.0].name;
-        let own = joints.iter().find(|diagnosis| diagnosis.joint == *name);
+        // A joint that lacks nothing keeps its numbers.
+        let own = joints.iter().find(|d| d.joint == *name && d.answer.verdict != Verdict::None);
         let links_kg_m2 = inertias.iter().find(|(joint, _)| joint == name).map(|(_, inertia)| *inertia);
         of_joint(setup, at, own.copied(), links_kg_m2, &mut found);
     }

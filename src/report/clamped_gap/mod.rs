@@ -17,9 +17,10 @@ use super::{Animation, GapReport, LogHealthRow, Provenance, percent_of_answer};
 use crate::gap::clamped::{ClampedCase, ClampedDiagnosis, ClampedSetup};
 use crate::gap::inverse::{TorqueDiagnosis, TorqueTraces};
 use crate::gap::whole::{FoundRobot, LeftOut, Whole, found_robot, simulated};
-use crate::gap::{BeliefFound, Diagnosis, GapOptions, LogGap};
+use crate::gap::{BeliefFound, Diagnosis, GapOptions, LogGap, Verdict};
 use crate::report::by_joint::by_joint;
 use crate::report::data_health::health_rows_of_joint;
+use crate::report::gap::waterfall::HARDLY;
 use crate::report::gap::{NEXT_FILE, words};
 use crate::report::measure::Measure;
 use crate::report::number::significant;
@@ -65,7 +66,7 @@ impl ClampedGapReport {
         let joints = found.filter_map(report).collect();
         let whole = simulated(setup, &diagnosis);
         if let Ok(whole) = &whole {
-            diagnosis.answer.sentence += &worse_words(whole);
+            diagnosis.answer.sentence += &worse_words(whole, &diagnosis);
         }
         let found = match &whole {
             Ok(whole) => whole.robot.clone(),
@@ -168,9 +169,17 @@ impl ClampedGapReport {
 }
 
 /// What of the answers the whole robot refutes; empty where it is better with all of them.
-fn worse_words(whole: &Whole) -> String {
+fn worse_words(whole: &Whole, diagnosis: &ClampedDiagnosis) -> String {
     use crate::report::number::mrad;
     let mut text = String::new();
+    if diagnosis.answer.verdict != Verdict::None && whole.before < HARDLY * diagnosis.gap.floor {
+        text += &format!(
+            " With all joints simulated at once nothing is missing: as stated the robot explains the held-out logs to their \
+             noise ({}). What is said of single joints comes of following their neighbours along samples that are too far \
+             apart.",
+            mrad(whole.before)
+        );
+    }
     if !whole.left_out.is_empty() {
         let what = |left: &LeftOut| {
             let change = left.joint.as_ref().map_or_else(
