@@ -22,8 +22,11 @@ pub(super) fn stale_share(t_s: &[f64], q_rad: &[f64], step_rad: f64, noise_rad: 
     let surely_rad = SURELY * step_rad.max(noise_rad);
     let (mut moving, mut stale) = (0, 0);
     for k in ABOUT + 1..q_rad.len().saturating_sub(ABOUT) {
-        let speed = (q_rad[k + ABOUT] - q_rad[k - 1 - ABOUT]) / (t_s[k + ABOUT] - t_s[k - 1 - ABOUT]);
-        if (speed * (t_s[k] - t_s[k - 1])).abs() > surely_rad {
+        let step_s = t_s[k] - t_s[k - 1];
+        let per_step = |from: usize, to: usize| (q_rad[to] - q_rad[from]) / (t_s[to] - t_s[from]) * step_s;
+        // On both sides, and one way: a joint that sets off from rest, or arrives there, repeats its readings rightly.
+        let (before, after) = (per_step(k - 1 - ABOUT, k - 1), per_step(k, k + ABOUT));
+        if before.abs().min(after.abs()) > surely_rad && (before > 0.0) == (after > 0.0) {
             moving += 1;
             stale += usize::from(q_rad[k] == q_rad[k - 1]);
         }
@@ -175,6 +178,14 @@ mod tests {
         let q = rounded(t.iter().map(|t| swing((t / 0.016).floor() * 0.016)), 0.0015);
         let share = stale_share(&t, &q, 0.0015, 0.0005);
         assert!((0.45..0.55).contains(&share), "{share}");
+    }
+
+    #[test]
+    fn a_joint_that_jumps_from_rest_to_rest_is_not_stale() {
+        let t: Vec<f64> = (0..1000).map(|k| 0.02 * k as f64).collect();
+        let jump = |t: f64| 0.3 * ((t / 0.4).floor() + (12.0 * (t % 0.4)).min(1.0));
+        let q = rounded(t.iter().map(|t| jump(*t)), 0.0015);
+        assert_eq!(stale_share(&t, &q, 0.0015, 0.0005), 0.0);
     }
 
     #[test]
