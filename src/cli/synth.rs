@@ -100,7 +100,11 @@ pub(super) fn run(args: &SynthArgs) -> Result<u8, CliError> {
         for log in &answer.logs {
             print(&format!("{}: {} samples\n", folder.join(&log.file).display(), log.samples));
         }
-        print(&format!("study: {}\ntruth: {}\n", answer.study, answer.truth));
+        let study = &answer.study;
+        print(&format!(
+            "study: {study}\ntruth: {}\n\nnext:\n  aibo-fit check {study}\n  aibo-fit gap {study}\n",
+            answer.truth
+        ));
     }
     Ok(0)
 }
