@@ -35,7 +35,7 @@ pub(super) fn map(report: &ClampedGapReport) -> Result<Option<String>, ReportErr
     let (percents, most) = (share_percents(&of_all), of_all.iter().copied().fold(0.0, f64::max));
     let rows: Vec<String> = joints.iter().map(|own| own.joint.clone()).collect();
     let mut columns: Vec<String> = phases.iter().map(|phase| phase.name().to_owned()).collect();
-    columns.push("all phases".to_owned());
+    columns.push("all".to_owned());
     let table = Heat {
         title: &format!("{}: where the gap lies, joint by phase", report.diagnosis.robot),
         rows: &rows,

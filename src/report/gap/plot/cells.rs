@@ -16,7 +16,7 @@ pub(super) fn map(diagnosis: &Diagnosis) -> Result<String, ReportError> {
     let mut rows = names_without_folder(&files);
     rows.push("all logs".to_owned());
     let mut columns: Vec<String> = phases.iter().map(|phase| phase.name().to_owned()).collect();
-    columns.push("all phases".to_owned());
+    columns.push("all".to_owned());
     let most = cells.iter().map(|cell| cell.share).filter(|share| share.is_finite()).fold(0.0, f64::max);
     let height = if rows.len() > 24 { 20.0 } else { 32.0 };
     let map = Heat {

@@ -34,7 +34,7 @@ fn figures_name_their_axes_with_units() {
             "waterfall",
             ["as given", "recalibrated", "stribeck (gaussian)", "floor", "closes", "alone", "last"].as_slice(),
         ),
-        ("map", &["swing-03-220g.csv", "reversal", "all phases"]),
+        ("map", &["swing-03-220g.csv", "reversal", "all"]),
         ("variables", &["speed", "share of its variance that each variable alone explains [%]"]),
         ("profile", &["speed [rad/s]", "missing torque [N m]"]),
         ("ranking", &["as given", "stribeck", "load_friction", "RMS of the angle error, held-out logs [mrad]"]),
