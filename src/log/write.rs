@@ -90,8 +90,12 @@ pub(super) fn make_folders(folder: &Path, made: &mut Vec<PathBuf>) -> io::Result
     let missing: Vec<&Path> =
         folder.ancestors().take_while(|f| !f.as_os_str().is_empty() && fs::symlink_metadata(f).is_err()).collect();
     for folder in missing.into_iter().rev() {
-        fs::create_dir(folder)?;
-        made.push(folder.to_path_buf());
+        match fs::create_dir(folder) {
+            Ok(()) => made.push(folder.to_path_buf()),
+            // Another run was faster.
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            Err(error) => return Err(error),
+        }
     }
     // A file in the way of the folder is found here.
     fs::create_dir_all(folder)
@@ -160,6 +164,23 @@ mod tests {
         assert!(error.to_string().contains("out.txt") && error.to_string().contains("disk full"), "{error}");
         assert_eq!(fs::read_to_string(&path).unwrap(), "old");
         assert_eq!(fs::read_dir(path.parent().unwrap()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn runs_that_make_the_same_folders_at_once_all_have_them_and_each_is_made_by_one() {
+        let dir = tempfile::tempdir().unwrap();
+        for round in 0..50 {
+            let folder = dir.path().join(format!("{round}/fits/run"));
+            let make = || {
+                let mut made = Vec::new();
+                make_folders(&folder, &mut made).map(|()| made.len())
+            };
+            let made: Vec<io::Result<usize>> = std::thread::scope(|scope| {
+                let runs: Vec<_> = (0..4).map(|_| scope.spawn(make)).collect();
+                runs.into_iter().map(|run| run.join().unwrap()).collect()
+            });
+            assert_eq!(made.into_iter().map(Result::unwrap).sum::<usize>(), 3);
+        }
     }
 
     #[test]
