@@ -54,6 +54,27 @@ fn a_sound_arm_that_its_samples_hardly_follow_is_accused_of_nothing() {
     assert!(found["effects"].as_array().unwrap().is_empty(), "{}", found["sentence"]);
 }
 
+/// What the elbow pushes the shoulder with is known once its delay is.
+#[test]
+fn a_late_elbow_that_its_samples_hardly_follow_is_late_and_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    std::fs::write(folder.join("arm.urdf"), support::arm::ARM).unwrap();
+    let made = Command::new(env!("CARGO_BIN_EXE_aibo-fit"))
+        .args(["synth", "--robot", "arm.urdf", "--servo", "12,0.2", "--effect", "arm/elbow.delay=0.03"])
+        .args(["--logs", "3", "--seconds", "8", "--quiet", "--out", "made"])
+        .current_dir(folder)
+        .output()
+        .expect("the program runs");
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    let found = gap(&folder.join("made"));
+    let effects = found["effects"].as_array().unwrap();
+    assert_eq!(effects.len(), 1, "{}", found["sentence"]);
+    assert_eq!((&effects[0]["id"], &effects[0]["joints"][0]), (&"delay".into(), &JOINTS[1].into()));
+    let late_s = effects[0]["parameters"]["T"]["value"].as_f64().unwrap();
+    assert!((late_s - 0.03).abs() < 0.002, "{late_s}");
+}
+
 /// Writes `data/examples/arm` anew: `cargo test --release --test gap_arm -- --ignored`.
 #[test]
 #[ignore = "writes files of the repository"]

@@ -50,6 +50,8 @@ pub struct Carriage {
     carried: Arc<[Carried]>,
     /// Samples per second, on average.
     rate_1_s: f64,
+    /// The longest step that follows what is known of the load.
+    longest_step_s: f64,
 }
 
 impl Carriage {
@@ -63,7 +65,19 @@ impl Carriage {
             && carried.iter().all(|c| finite(c) && c.inertia > 0.0);
         let span_s = t_s.last().zip(t_s.first()).map_or(0.0, |(last, first)| last - first);
         let rate_1_s = if span_s > 0.0 { (t_s.len() - 1) as f64 / span_s } else { 0.0 };
-        sound.then(|| Self { t_s: t_s.into(), carried: carried.into(), rate_1_s })
+        let longest_step_s = f64::INFINITY;
+        sound.then(|| Self { t_s: t_s.into(), carried: carried.into(), rate_1_s, longest_step_s })
+    }
+
+    /// The same known at every one of its instants, not as smoothed readings tell: no step may pass over two of them, so that
+    /// Runge and Kutta's stages are at them.
+    pub(crate) fn known_throughout(self) -> Self {
+        Self { longest_step_s: 2.0 / self.rate_1_s, ..self }
+    }
+
+    /// The longest step that follows what is known of the load \[s\].
+    pub(super) fn longest_step_s(&self) -> f64 {
+        self.longest_step_s
     }
 
     /// The first sample after an instant. Where samples come evenly it is looked for only beside where it should be.

@@ -327,6 +327,11 @@ impl<T: Real> Chain<T> {
         }
     }
 
+    /// The step \[s\] over which what other joints do is known.
+    pub(crate) fn longest_step_of_load_s(&self) -> f64 {
+        self.carriage.as_ref().map_or(f64::INFINITY, Carriage::longest_step_s)
+    }
+
     pub(super) fn stiffness_and_damping(&self, driven: Driven) -> (f64, f64) {
         self.motor.as_ref().map_or((0.0, 0.0), |motor| motor.stiffness_and_damping(driven))
     }

@@ -192,6 +192,8 @@ impl<T: Real> OneBody<'_, T> {
             return;
         }
         let steady = command.is_steady(self.chain) && !self.chain.changes_with_time();
+        let longest_s = self.chain.longest_step_of_load_s();
+        let until = if (until - self.t_s).re() > longest_s { self.t_s + longest_s } else { until };
         let whole = until - self.t_s;
         let later = |dt: T| {
             let y = self.rested(command, dt);
@@ -226,6 +228,7 @@ impl<T: Real> OneBody<'_, T> {
         let fastest_rad_s = if driven == Driven::ByLaw { self.driven_rad_s } else { self.swinging_rad_s };
         let [angle, rate, _] = self.y;
         let longest_s = self.chain.longest_step_s(fastest_rad_s, angle.re(), rate.re(), driven) / self.refinement;
+        let longest_s = longest_s.min(self.chain.longest_step_of_load_s());
         let parts = (whole.re() / longest_s).ceil().max(1.0);
         if !(parts <= self.steps_left as f64) {
             return Err(Diverged { at_s: self.t_s.re() });

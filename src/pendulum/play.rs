@@ -367,7 +367,8 @@ impl<T: Real> TwoBodies<'_, T> {
             let swing_rad_s = (spring.stiffness_nm_rad.re() * per_inertia).sqrt();
             longest_s = longest_s.min(1.0 / (4.0 * swing_rad_s).max(3.0 * spring.damping_nm_s_rad.re() * per_inertia));
         }
-        let parts = (whole.re() * self.refinement / longest_s).ceil().max(1.0);
+        let of_load = whole.re() / self.chain.longest_step_of_load_s();
+        let parts = (whole.re() * self.refinement / longest_s).max(of_load).ceil().max(1.0);
         if !(parts <= self.steps_left as f64) {
             return Err(Diverged { at_s: self.t_s.re() });
         }

@@ -30,6 +30,8 @@ struct Instant {
 struct AlongLog {
     /// From the log's beginning \[s\].
     t_s: Vec<f64>,
+    /// At every instant, not as smoothed readings tell.
+    is_known_throughout: bool,
     joints: Vec<Vec<Instant>>,
 }
 
@@ -72,8 +74,10 @@ impl<'t> Along<'t> {
                 pushed_rad_s2: now.pushed_nm / inertia_kg_m2,
             }
         };
-        let carriage =
-            |along: &AlongLog| Carriage::new(&along.t_s, &along.joints[joint].iter().map(carried).collect::<Vec<_>>());
+        let carriage = |along: &AlongLog| {
+            let carriage = Carriage::new(&along.t_s, &along.joints[joint].iter().map(carried).collect::<Vec<_>>())?;
+            Some(if along.is_known_throughout { carriage.known_throughout() } else { carriage })
+        };
         let carriages = along.iter().map(carriage).collect::<Option<_>>()?;
         let moment_kg_m = most_nm / self.gravity_m_s2();
         Some((Nominal { inertia_kg_m2, moment_kg_m, coulomb_nm: 0.0, viscous_nm_s_rad: 0.0 }, carriages))
@@ -134,6 +138,6 @@ impl<'t> Along<'t> {
             }
             state.rate = rate;
         }
-        AlongLog { t_s, joints: all }
+        AlongLog { t_s, is_known_throughout: log.is_simulated(), joints: all }
     }
 }

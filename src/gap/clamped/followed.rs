@@ -2,7 +2,7 @@
 //! as stated makes as well, as simulated and by as much as the readings differ from that.
 
 use crate::identify::{smooth_along, smooth_along_at};
-use crate::log::{JointColumns, RobotLog};
+use crate::log::RobotLog;
 
 /// What is read is followed by way of a simulation where that leaves less than this share of what stays without it.
 const FOLLOWS: f64 = 0.7;
@@ -18,6 +18,14 @@ pub struct SimulatedMotion {
     pub readings: Vec<Vec<f64>>,
 }
 
+impl SimulatedMotion {
+    /// Whether smoothing keeps more of any joint's motion by way of this simulation than by what is read, or by way of another.
+    pub(in crate::gap) fn follows_better(&self, log: &RobotLog, than: Option<&Self>) -> bool {
+        let rival = |place: usize| than.map_or(f64::INFINITY, |than| lost(log, place, Some(than)));
+        (0..log.joints.len()).any(|k| lost(log, k, Some(self)) < FOLLOWS * FOLLOWS * lost(log, k, None).min(rival(k)))
+    }
+}
+
 /// The motion of a log's joints at common instants.
 pub(super) struct Followed<'a> {
     log: &'a RobotLog,
@@ -27,10 +35,12 @@ pub(super) struct Followed<'a> {
 impl<'a> Followed<'a> {
     /// By way of a simulation only where that follows any joint better.
     pub fn new(log: &'a RobotLog, simulated: Option<&'a SimulatedMotion>) -> Self {
-        let follows = |simulated: &&SimulatedMotion| {
-            log.joints.iter().zip(&simulated.readings).any(|(joint, readings)| is_followed(log, joint, readings))
-        };
-        Self { log, simulated: simulated.filter(follows) }
+        Self { log, simulated: simulated.filter(|simulated| simulated.follows_better(log, None)) }
+    }
+
+    /// Whether any joint is followed by way of a simulation.
+    pub fn is_simulated(&self) -> bool {
+        self.simulated.is_some()
     }
 
     /// The instants \[s\].
@@ -41,28 +51,30 @@ impl<'a> Followed<'a> {
     /// Angle, rate and acceleration of a joint at each instant; `None` where the log does not have it.
     pub fn joint(&self, name: &str) -> Option<Vec<[f64; 3]>> {
         let place = self.log.joints.iter().position(|joint| joint.name == name)?;
-        let joint = &self.log.joints[place];
         let smooth = |q: &[f64]| smooth_along_at(&self.log.t_s, q, self.t_s());
-        let Some(simulated) = self.simulated else { return Some(smooth(&joint.q_rad)) };
-        let readings = &simulated.readings[place];
-        if !is_followed(self.log, joint, readings) {
-            return Some(smooth(&joint.q_rad));
+        let as_read = || smooth(&self.log.joints[place].q_rad);
+        let Some(simulated) = self.simulated else { return Some(as_read()) };
+        if lost(self.log, place, Some(simulated)) >= FOLLOWS * FOLLOWS * lost(self.log, place, None) {
+            return Some(as_read());
         }
-        let beyond = smooth(&differences(&joint.q_rad, readings));
+        let beyond = smooth(&beyond(self.log, place, Some(simulated)));
         let pairs = simulated.joints[place].iter().zip(beyond);
         Some(pairs.map(|(motion, beyond)| [0, 1, 2].map(|k| motion[k] + beyond[k])).collect())
     }
 }
 
-/// Whether smoothing keeps more of a joint's motion by way of a simulation.
-fn is_followed(log: &RobotLog, joint: &JointColumns, readings: &[f64]) -> bool {
-    let lost = |q: &[f64]| {
-        let smooth = smooth_along(&log.t_s, q);
-        q.iter().zip(smooth).map(|(q, [smooth, ..])| (q - smooth).powi(2)).sum::<f64>()
-    };
-    lost(&differences(&joint.q_rad, readings)) < FOLLOWS * FOLLOWS * lost(&joint.q_rad)
+/// Squares that smoothing takes from a joint's readings, or from what they are beyond a simulation \[rad^2\].
+fn lost(log: &RobotLog, place: usize, simulated: Option<&SimulatedMotion>) -> f64 {
+    let q = beyond(log, place, simulated);
+    let smooth = smooth_along(&log.t_s, &q);
+    q.iter().zip(smooth).map(|(q, [smooth, ..])| (q - smooth).powi(2)).sum()
 }
 
-fn differences(read: &[f64], simulated: &[f64]) -> Vec<f64> {
-    read.iter().zip(simulated).map(|(read, simulated)| read - simulated).collect()
+/// What a joint reads, beyond a simulation where there is one.
+fn beyond(log: &RobotLog, place: usize, simulated: Option<&SimulatedMotion>) -> Vec<f64> {
+    let read = &log.joints[place].q_rad;
+    match simulated {
+        None => read.clone(),
+        Some(simulated) => read.iter().zip(&simulated.readings[place]).map(|(q, simulated)| q - simulated).collect(),
+    }
 }

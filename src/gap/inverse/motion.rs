@@ -11,12 +11,17 @@ use crate::gap::clamped::{
     diagnose_joints,
 };
 use crate::gap::recalibrated::recalibrated_rms_rad;
-use crate::gap::{Diagnosis, GapOptions};
+use crate::gap::{Diagnosis, GapOptions, Verdict};
 use crate::joint::EffectId;
 use crate::progress::{Progress, Step};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
+/// Times that joints are followed anew along the robot as found, and what of the error another has to leave at most.
+const ROUNDS: usize = 2;
+const WORTH_A_ROUND: f64 = 0.9;
+/// What is left out where that is not.
+const AS_FOUND: &str = "joints along the robot as found";
 /// With a body changed the joints' error may be so much larger, relative.
 const NO_WORSE: f64 = 1.02;
 /// Numbers that moved by fewer of their standard deviations ask for nothing.
@@ -42,6 +47,7 @@ fn searched_within(
 ) -> Result<(ClampedCase, ClampedDiagnosis), TorqueError> {
     let case = ClampedCase::of(setup)?;
     let first = diagnose_clamped(&case, options, progress)?;
+    let (case, first) = followed(setup, options, progress, (case, first))?;
     let found = || first.joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
     if !options.only.is_empty() || !found().any(asks) || options.deadline.leaves_out(BODIES) {
         return Ok((case, first));
@@ -94,6 +100,30 @@ fn searched_within(
         return Ok((case, refused(first)));
     }
     Ok((with_it, diagnosis))
+}
+
+/// The joints along the robot as found, again and again, where that follows motions better which the logs hardly resolve: what
+/// joints push one another with is then known better, and so is what is missing.
+fn followed(
+    setup: &ClampedSetup,
+    options: &GapOptions,
+    progress: &dyn Progress,
+    (mut case, mut found): (ClampedCase, ClampedDiagnosis),
+) -> Result<(ClampedCase, ClampedDiagnosis), TorqueError> {
+    for _ in 0..ROUNDS {
+        let is_sound = found.answer.verdict == Verdict::None;
+        if is_sound || options.deadline.leaves_out(AS_FOUND) {
+            break;
+        }
+        let Some(again) = ClampedCase::as_found(setup, &found)? else { break };
+        progress.go_on(Step::stage(AS_FOUND))?;
+        let second = diagnose_clamped(&again, options, progress)?;
+        if second.gap.after >= WORTH_A_ROUND * found.gap.after {
+            break;
+        }
+        (case, found) = (again, second);
+    }
+    Ok((case, found))
 }
 
 fn root_of_mean_square(errors: &[f64]) -> f64 {

@@ -1,11 +1,11 @@
 //! What was found on a robot's joints and bodies, put back into the robot as a whole: as numbers of its description, and as
 //! one simulation of all joints at once.
 
+mod followed;
 mod masses;
 mod numbers;
 mod robot;
 mod simulated;
-mod stated;
 
 pub use numbers::{FoundRobot, found_robot};
 pub use robot::{PlacedCause, WholeRobot, placed_causes};

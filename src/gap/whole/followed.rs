@@ -1,0 +1,84 @@
+//! A robot's joints as cases of the bench, with the robot as stated, or as found, to follow motions by that its logs hardly
+//! resolve.
+
+use super::numbers::found_robot;
+use super::robot::{WholeRobot, placed_causes};
+use super::simulated::simulated;
+use crate::gap::clamped::{ClampedCase, ClampedCaseError, ClampedDiagnosis, ClampedSetup, SimulatedMotion};
+use crate::log::{DriveMode, RobotLog};
+
+/// Instants between which a load is taken as linear lie no further apart \[s\].
+const DENSE_S: f64 = 2.5e-3;
+
+impl ClampedCase {
+    /// The case of a robot and its logs.
+    ///
+    /// # Errors
+    /// [`ClampedCaseError`] where a joint's logs make no case.
+    pub fn of(setup: &ClampedSetup) -> Result<Self, ClampedCaseError> {
+        Self::along(setup, &as_stated(setup))
+    }
+
+    /// The same with joints followed along the robot as found, where that follows any of them better; `None` elsewhere.
+    ///
+    /// # Errors
+    /// [`ClampedCaseError`] where a joint's logs make no case.
+    pub fn as_found(setup: &ClampedSetup, diagnosis: &ClampedDiagnosis) -> Result<Option<Self>, ClampedCaseError> {
+        let (stated, found) = (as_stated(setup), as_found(setup, diagnosis));
+        let is_better = |(log, (found, stated)): (&RobotLog, (&Option<SimulatedMotion>, &Option<SimulatedMotion>))| {
+            found.as_ref().is_some_and(|found| found.follows_better(log, stated.as_ref()))
+        };
+        let better: Vec<bool> = setup.logs.iter().zip(found.iter().zip(&stated)).map(is_better).collect();
+        if !better.contains(&true) {
+            return Ok(None);
+        }
+        let both = found.into_iter().zip(stated).zip(better);
+        let motions: Vec<_> = both.map(|((found, stated), better)| if better { found } else { stated }).collect();
+        Self::along(setup, &motions).map(Some)
+    }
+}
+
+/// Each log as the robot as stated moves under its setpoints, where anything drives it so and it does not run away.
+fn as_stated(setup: &ClampedSetup) -> Vec<Option<SimulatedMotion>> {
+    let stated = found_robot(setup, None).map_err(|error| error.to_string());
+    motions(setup, stated.and_then(|stated| WholeRobot::of(setup, &stated.numbers, &[])))
+}
+
+/// The same of the robot with what was found, less what the whole robot refutes.
+fn as_found(setup: &ClampedSetup, diagnosis: &ClampedDiagnosis) -> Vec<Option<SimulatedMotion>> {
+    let robot = simulated(setup, diagnosis).and_then(|whole| {
+        let is_left_out = |joint: &String| whole.left_out.iter().any(|left| left.joint.as_ref() == Some(joint));
+        let mut causes = placed_causes(diagnosis);
+        causes.retain(|cause| !is_left_out(&cause.joint));
+        WholeRobot::of(setup, &whole.robot.numbers, &causes)
+    });
+    motions(setup, robot)
+}
+
+fn motions(setup: &ClampedSetup, robot: Result<WholeRobot, String>) -> Vec<Option<SimulatedMotion>> {
+    let Ok(mut robot) = robot else { return vec![None; setup.logs.len()] };
+    let logs = setup.study.logs.iter().zip(&setup.logs);
+    logs.map(|(entry, log)| match entry.drive {
+        DriveMode::Position => motion(&mut robot, setup, log),
+        _ => None,
+    })
+    .collect()
+}
+
+fn motion(robot: &mut WholeRobot, setup: &ClampedSetup, log: &RobotLog) -> Option<SimulatedMotion> {
+    let period_s = (log.t_s.last()? - log.t_s[0]) / (log.len() - 1) as f64;
+    let recording = robot.motion(setup, log, period_s / (period_s / DENSE_S).ceil()).ok()?;
+    let t_s: Vec<f64> = recording.t_s.clone();
+    let joints = log.joints.iter().map(|joint| {
+        let id = robot.model.joint(&joint.name).ok()?.index();
+        let (angle, rate) = (&recording.angle_rad[id], &recording.rate_rad_s[id]);
+        let acceleration = |k: usize| {
+            let (from, to) = (k.saturating_sub(1), (k + 1).min(t_s.len() - 1));
+            (rate[to] - rate[from]) / (t_s[to] - t_s[from])
+        };
+        Some((0..t_s.len()).map(|k| [angle[k], rate[k], acceleration(k)]).collect())
+    });
+    let joints: Vec<Vec<[f64; 3]>> = joints.collect::<Option<_>>()?;
+    let readings = robot.read(&recording, log).ok()?;
+    Some(SimulatedMotion { t_s, joints, readings })
+}
