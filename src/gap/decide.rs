@@ -70,7 +70,7 @@ impl Decision<'_> {
 /// Judges the hypotheses.
 pub(super) fn decide<'a>(evidence: &Evidence, held: &HeldOut, a: &'a Attribution) -> Decision<'a> {
     let judge = Judge { evidence, held, a };
-    if a.best.effects().is_empty() { judge.without_effects() } else { judge.with_effects() }
+    if a.best.effects().is_empty() || judge.has_no_gap() { judge.without_effects() } else { judge.with_effects() }
 }
 
 struct Judge<'a, 'e> {
@@ -112,6 +112,12 @@ impl<'a> Judge<'a, '_> {
             margin: a.firsts.first().map_or(f64::INFINITY, |t| self.score(t) - self.score(simple)),
             finding,
         }
+    }
+
+    /// Whether the joint as given is no more than an encoder's step off, and predicts held-out logs as well as the best.
+    fn has_no_gap(&self) -> bool {
+        let held_rad = |t: &Trial| self.held.rms_rad(&self.held.residuals(self.evidence, t));
+        !self.exceeds_a_step(&self.a.given) && held_rad(&self.a.given) <= held_rad(&self.a.best)
     }
 
     fn with_effects(&self) -> Decision<'a> {
