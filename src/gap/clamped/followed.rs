@@ -1,5 +1,5 @@
-//! How a robot's joints moved along a log: as read, or, where the samples are too far apart to follow a motion that the robot
-//! as stated makes as well, as simulated and by as much as the readings differ from that.
+//! How a robot's joints moved along a log: as read, or, where samples are too far apart to follow a motion that a simulation of
+//! the robot follows better, as simulated and by as much as the readings differ from that.
 
 use crate::identify::{smooth_along, smooth_along_at};
 use crate::log::RobotLog;
@@ -19,10 +19,15 @@ pub struct SimulatedMotion {
 }
 
 impl SimulatedMotion {
-    /// Whether smoothing keeps more of any joint's motion by way of this simulation than by what is read, or by way of another.
+    /// Whether any joint is followed better by way of this simulation than by what is read, or by way of another.
     pub(in crate::gap) fn follows_better(&self, log: &RobotLog, than: Option<&Self>) -> bool {
-        let rival = |place: usize| than.map_or(f64::INFINITY, |than| lost(log, place, Some(than)));
-        (0..log.joints.len()).any(|k| lost(log, k, Some(self)) < FOLLOWS * FOLLOWS * lost(log, k, None).min(rival(k)))
+        (0..log.joints.len()).any(|place| self.follows(log, place, than))
+    }
+
+    /// Whether smoothing keeps so much more of a joint's motion; not where a number is not finite.
+    fn follows(&self, log: &RobotLog, place: usize, than: Option<&Self>) -> bool {
+        let rival = than.map_or(f64::INFINITY, |than| lost(log, place, Some(than)));
+        lost(log, place, Some(self)) < FOLLOWS * FOLLOWS * lost(log, place, None).min(rival)
     }
 }
 
@@ -52,11 +57,9 @@ impl<'a> Followed<'a> {
     pub fn joint(&self, name: &str) -> Option<Vec<[f64; 3]>> {
         let place = self.log.joints.iter().position(|joint| joint.name == name)?;
         let smooth = |q: &[f64]| smooth_along_at(&self.log.t_s, q, self.t_s());
-        let as_read = || smooth(&self.log.joints[place].q_rad);
-        let Some(simulated) = self.simulated else { return Some(as_read()) };
-        if lost(self.log, place, Some(simulated)) >= FOLLOWS * FOLLOWS * lost(self.log, place, None) {
-            return Some(as_read());
-        }
+        let Some(simulated) = self.simulated.filter(|simulated| simulated.follows(self.log, place, None)) else {
+            return Some(smooth(&self.log.joints[place].q_rad));
+        };
         let beyond = smooth(&beyond(self.log, place, Some(simulated)));
         let pairs = simulated.joints[place].iter().zip(beyond);
         Some(pairs.map(|(motion, beyond)| [0, 1, 2].map(|k| motion[k] + beyond[k])).collect())

@@ -9,6 +9,8 @@ use crate::log::{DriveMode, RobotLog};
 
 /// Instants between which a load is taken as linear lie no further apart \[s\].
 const DENSE_S: f64 = 2.5e-3;
+/// But no more of them between two samples: slow logs would take more steps than a motion may.
+const MOST_PER_SAMPLE: f64 = 40.0;
 
 impl ClampedCase {
     /// The case of a robot and its logs.
@@ -67,8 +69,9 @@ fn motions(setup: &ClampedSetup, robot: Result<WholeRobot, String>) -> Vec<Optio
 
 fn motion(robot: &mut WholeRobot, setup: &ClampedSetup, log: &RobotLog) -> Option<SimulatedMotion> {
     let period_s = (log.t_s.last()? - log.t_s[0]) / (log.len() - 1) as f64;
-    let recording = robot.motion(setup, log, period_s / (period_s / DENSE_S).ceil()).ok()?;
-    let t_s: Vec<f64> = recording.t_s.clone();
+    let per_sample = (period_s / DENSE_S).ceil().min(MOST_PER_SAMPLE);
+    let recording = robot.motion(setup, log, period_s / per_sample).ok()?;
+    let t_s = &recording.t_s;
     let joints = log.joints.iter().map(|joint| {
         let id = robot.model.joint(&joint.name).ok()?.index();
         let (angle, rate) = (&recording.angle_rad[id], &recording.rate_rad_s[id]);
@@ -80,5 +83,5 @@ fn motion(robot: &mut WholeRobot, setup: &ClampedSetup, log: &RobotLog) -> Optio
     });
     let joints: Vec<Vec<[f64; 3]>> = joints.collect::<Option<_>>()?;
     let readings = robot.read(&recording, log).ok()?;
-    Some(SimulatedMotion { t_s, joints, readings })
+    Some(SimulatedMotion { t_s: recording.t_s, joints, readings })
 }

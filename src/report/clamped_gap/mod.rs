@@ -66,7 +66,7 @@ impl ClampedGapReport {
         let joints = found.filter_map(report).collect();
         let whole = simulated(setup, &diagnosis);
         if let Ok(whole) = &whole {
-            diagnosis.answer.sentence += &worse_words(whole, &diagnosis);
+            diagnosis.answer.sentence += &whole_words(whole, &diagnosis);
         }
         let found = match &whole {
             Ok(whole) => whole.robot.clone(),
@@ -168,8 +168,8 @@ impl ClampedGapReport {
     }
 }
 
-/// What of the answers the whole robot refutes; empty where it is better with all of them.
-fn worse_words(whole: &Whole, diagnosis: &ClampedDiagnosis) -> String {
+/// What the whole robot says against the answers; empty where it is better with all of them.
+fn whole_words(whole: &Whole, diagnosis: &ClampedDiagnosis) -> String {
     use crate::report::number::mrad;
     let mut text = String::new();
     if diagnosis.answer.verdict != Verdict::None && whole.before < HARDLY * diagnosis.gap.floor {
