@@ -239,6 +239,13 @@ impl Attribution {
                 *alone = first.clone();
             }
         }
+        // What numbers explain as well without causes, once these have shown them the way, is theirs.
+        let bare = self.without.iter().filter(|t| t.effects().is_empty());
+        if let Some(bare) = bare.min_by(|a, b| a.criterion().total_cmp(&b.criterion()))
+            && bare.criterion() < self.calibrated.criterion()
+        {
+            self.calibrated = bare.clone();
+        }
         self.in_order(evidence);
         let all: Vec<&Trial> =
             [&self.given, &self.calibrated, &self.best].into_iter().chain(&self.law).chain(&self.firsts).collect();

@@ -70,7 +70,11 @@ impl Decision<'_> {
 /// Judges the hypotheses.
 pub(super) fn decide<'a>(evidence: &Evidence, held: &HeldOut, a: &'a Attribution) -> Decision<'a> {
     let judge = Judge { evidence, held, a };
-    if a.best.effects().is_empty() || judge.has_no_gap() { judge.without_effects() } else { judge.with_effects() }
+    if a.best.effects().is_empty() || judge.has_hardly_a_cause() {
+        judge.without_effects()
+    } else {
+        judge.with_effects()
+    }
 }
 
 struct Judge<'a, 'e> {
@@ -114,10 +118,12 @@ impl<'a> Judge<'a, '_> {
         }
     }
 
-    /// Whether the joint as given is no more than an encoder's step off, and predicts held-out logs as well as the best.
-    fn has_no_gap(&self) -> bool {
+    /// Whether the joint is no more than an encoder's step off, and predicts held-out logs as well as the best as it is given, or
+    /// hardly worse recalibrated: less may be noise of any colour.
+    fn has_hardly_a_cause(&self) -> bool {
         let held_rad = |t: &Trial| self.held.rms_rad(&self.held.residuals(self.evidence, t));
-        !self.exceeds_a_step(&self.a.given) && held_rad(&self.a.given) <= held_rad(&self.a.best)
+        let stands = |t: &Trial, times: f64| !self.exceeds_a_step(t) && held_rad(t) <= times * held_rad(&self.a.best);
+        stands(&self.a.given, 1.0) || stands(&self.a.calibrated, HARDLY_A_GAP)
     }
 
     fn with_effects(&self) -> Decision<'a> {

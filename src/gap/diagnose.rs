@@ -1,5 +1,6 @@
 //! A diagnosis from beginning to end.
 
+use super::as_given::AsGiven;
 use super::attribute::Attribution;
 use super::decide::{Decision, decide};
 use super::demands::{in_words, resolved};
@@ -9,7 +10,7 @@ use super::diagnosis::{
 };
 use super::differs::{Differs, differing};
 use super::evidence::Evidence;
-use super::held_out::{HeldOut, closed, rms};
+use super::held_out::{HeldOut, closed};
 use super::law_found::law_found;
 use super::model::GAIN;
 use super::next::next;
@@ -63,12 +64,11 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &dyn Progress) -> R
     diagnose_from(case, options, None, progress)
 }
 
-/// The same of a joint that carries bodies which are other than described; what it is as given is taken from `described`, the
-/// diagnosis without them.
+/// The same of a joint that carries bodies which are other than described: what it is as given is that of the robot as described.
 pub(super) fn diagnose_from(
     case: &Case,
     options: &GapOptions,
-    described: Option<&Diagnosis>,
+    described: Option<&AsGiven>,
     progress: &dyn Progress,
 ) -> Result<Diagnosis, GapError> {
     let stage = |stage| progress.go_on(Step::stage(stage));
@@ -93,7 +93,7 @@ pub(super) fn diagnose_from(
     let decision = decide(&evidence, &held, &attribution);
     let mut gap = gap(&evidence, &held, &attribution, &decision);
     if let Some(described) = described {
-        gap.begin_at(&described.gap);
+        described.begin(&mut gap);
     }
     stage("what these logs could have shown")?;
     let found = !decision.answer.effects().is_empty() || decision.answer.model.law().is_some();
@@ -154,10 +154,8 @@ pub(super) fn diagnose_from(
     stage("where the gap lies")?;
     let (location, torques) = place(&evidence, &attribution, &decision);
     let mut traces = traces(&evidence, &attribution, &decision, torques);
-    for (own, first) in traces.iter_mut().zip(described.iter().flat_map(|described| &described.traces)) {
-        if (&own.file, &own.t_s) == (&first.file, &first.t_s) {
-            own.before_rad.clone_from(&first.before_rad);
-        }
+    if let Some(described) = described {
+        described.show(&mut traces);
     }
     let mut notes = notes(&evidence, &attribution, &decision, intervals_trusted, &differs);
     let budget = options.deadline.spent();
@@ -276,26 +274,11 @@ fn gap(evidence: &Evidence, held: &HeldOut, a: &Attribution, decision: &Decision
     }
 }
 
-/// One line for each held-out log; parts of one log are put together again.
-fn per_log(held: &HeldOut, [given, calibrated, answer]: [&Vec<Vec<f64>>; 3], floor: f64) -> Vec<LogGap> {
-    let mut files: Vec<&str> = Vec::new();
-    for e in &held.experiments {
-        if !files.contains(&e.file.as_str()) {
-            files.push(&e.file);
-        }
-    }
-    let of = |file: &str, residuals: &[Vec<f64>]| {
-        rms(held.experiments.iter().zip(residuals).filter(|(e, _)| e.file == file).flat_map(|(_, r)| r))
-    };
-    files
-        .iter()
-        .map(|file| LogGap {
-            file: (*file).to_owned(),
-            before: of(file, given),
-            calibrated: of(file, calibrated),
-            after: of(file, answer),
-            floor,
-        })
+/// One line for each held-out log.
+fn per_log(held: &HeldOut, residuals: [&Vec<Vec<f64>>; 3], floor: f64) -> Vec<LogGap> {
+    let [given, calibrated, answer] = residuals.map(|residuals| held.rms_by_file(residuals));
+    let logs = given.into_iter().zip(calibrated).zip(answer);
+    logs.map(|(((file, before), (_, calibrated)), (_, after))| LogGap { file, before, calibrated, after, floor })
         .collect()
 }
 

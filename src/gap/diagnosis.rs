@@ -280,21 +280,6 @@ pub struct Gap {
     pub per_log: Vec<LogGap>,
 }
 
-impl Gap {
-    /// Tells it from what another was as given.
-    pub(super) fn begin_at(&mut self, described: &Gap) {
-        self.before = described.before;
-        self.closed = (self.before > self.floor).then(|| 1.0 - (self.after - self.floor) / (self.before - self.floor));
-        // of the redraws of other readings
-        self.closed_interval = None;
-        for row in &mut self.per_log {
-            if let Some(own) = described.per_log.iter().find(|own| own.file == row.file) {
-                row.before = own.before;
-            }
-        }
-    }
-}
-
 /// The gap of one held-out log \[rad RMS\].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LogGap {

@@ -84,6 +84,21 @@ impl HeldOut {
         rms(residuals.iter().flatten())
     }
 
+    /// The same of each log; parts of one log are put together again.
+    pub fn rms_by_file(&self, residuals: &[Vec<f64>]) -> Vec<(String, f64)> {
+        let mut files: Vec<&str> = Vec::new();
+        for e in &self.experiments {
+            if !files.contains(&e.file.as_str()) {
+                files.push(&e.file);
+            }
+        }
+        let of = |file: &str| {
+            let own = self.experiments.iter().zip(residuals).filter(|(e, _)| e.file == file);
+            (file.to_owned(), rms(own.flat_map(|(_, r)| r)))
+        };
+        files.into_iter().map(of).collect()
+    }
+
     /// How much worse `a` predicts than `b`.
     pub fn difference(&self, a: &[Vec<f64>], b: &[Vec<f64>]) -> Difference {
         Difference::of(&blocks(&self.experiments, a, b).collect::<Vec<f64>>())

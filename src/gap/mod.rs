@@ -6,6 +6,7 @@
 //! without looking at any effect.
 
 mod along;
+mod as_given;
 mod attribute;
 mod binned;
 mod blocks;

@@ -38,7 +38,7 @@ pub use problem::Problem;
 pub use run::{Found, Prediction, predict, prediction, search};
 pub(crate) use run::{candidates, ranked};
 pub use scale::Scale;
-pub(crate) use smooth::{along as smooth_along, along_at as smooth_along_at};
+pub(crate) use smooth::{along as smooth_along, along_at as smooth_along_at, best_window};
 pub(crate) use undetermined::undetermined;
 pub(crate) use unit::{correlation_length, counts, unit_rad2_s};
 pub use with_laws::WithLaws;

@@ -9,6 +9,11 @@ const FEWEST: usize = 3;
 
 /// Angle, speed and acceleration of a quadratic fitted to samples, at `at_s`.
 fn quadratic(t_s: &[f64], q_rad: &[f64], at_s: f64) -> Option<[f64; 3]> {
+    fitted(t_s, q_rad, at_s).map(|(motion, _)| motion)
+}
+
+/// The same with what a sample at `at_s` weighs in its angle.
+fn fitted(t_s: &[f64], q_rad: &[f64], at_s: f64) -> Option<([f64; 3], f64)> {
     let span = t_s.last()? - t_s.first()?;
     if t_s.len() < 3 || span <= 0.0 {
         return None;
@@ -22,8 +27,9 @@ fn quadratic(t_s: &[f64], q_rad: &[f64], at_s: f64) -> Option<[f64; 3]> {
         a += row * row.transpose();
         b += row * *q;
     }
-    let c = a.lu().solve(&b)?;
-    Some([c[0], c[1] / span, 2.0 * c[2] / (span * span)])
+    let inverse = a.try_inverse()?;
+    let c = inverse * b;
+    Some(([c[0], c[1] / span, 2.0 * c[2] / (span * span)], inverse[(0, 0)]))
 }
 
 /// Smoothed motion at one sample.
@@ -57,14 +63,38 @@ pub(super) fn motion(t_s: &[f64], q_rad: &[f64], from: usize, stride: usize) -> 
 
 /// Half the width of the window along which a motion is followed \[s\]: narrower, so that turns are not cut.
 const HALF_FOLLOWED_S: f64 = 0.02;
+/// Times that it may be wider, each twice as wide as the one before, and samples that are left out to choose.
+const WIDER: i32 = 5;
+const LEFT_OUT: usize = 500;
+
+/// Half the width of the window that predicts samples best which are left out \[s\], and the mean square by which it misses
+/// them. Accelerations would bear a wider one.
+pub(crate) fn best_window(t_s: &[f64], q_rad: &[f64]) -> (f64, f64) {
+    let stride = t_s.len().div_ceil(LEFT_OUT);
+    let missed = |half_s: f64| {
+        let inner = (FEWEST..t_s.len().saturating_sub(FEWEST)).step_by(stride);
+        let squares: Vec<f64> = inner
+            .filter_map(|k| {
+                let from = t_s.partition_point(|t| *t < t_s[k] - half_s).min(k - FEWEST);
+                let to = t_s.partition_point(|t| *t <= t_s[k] + half_s).max(k + FEWEST + 1);
+                let ([angle, ..], weight) = fitted(&t_s[from..to], &q_rad[from..to], t_s[k])?;
+                Some(((q_rad[k] - angle) / (1.0 - weight)).powi(2))
+            })
+            .collect();
+        squares.iter().sum::<f64>() / squares.len().max(1) as f64
+    };
+    let windows = (0..WIDER).map(|k| HALF_FOLLOWED_S * 2f64.powi(k));
+    let tried = windows.map(|half_s| (half_s, missed(half_s)));
+    tried.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((HALF_FOLLOWED_S, f64::INFINITY))
+}
 
 /// Smoothed angle, rate and acceleration at every sample \[rad, rad/s, rad/s^2\]; windows are cut short at either end.
 pub(crate) fn along(t_s: &[f64], q_rad: &[f64]) -> Vec<[f64; 3]> {
-    along_at(t_s, q_rad, t_s)
+    along_at(t_s, q_rad, t_s, HALF_FOLLOWED_S)
 }
 
-/// The same at other instants, which rise \[s\].
-pub(crate) fn along_at(t_s: &[f64], q_rad: &[f64], at_s: &[f64]) -> Vec<[f64; 3]> {
+/// The same at other instants, which rise, along windows of this half width \[s\].
+pub(crate) fn along_at(t_s: &[f64], q_rad: &[f64], at_s: &[f64], half_s: f64) -> Vec<[f64; 3]> {
     let n = t_s.len();
     let (mut near, mut low, mut high) = (0, 0, 0);
     at_s.iter()
@@ -72,10 +102,10 @@ pub(crate) fn along_at(t_s: &[f64], q_rad: &[f64], at_s: &[f64]) -> Vec<[f64; 3]
             while near + 1 < n && (t_s[near + 1] - at).abs() <= (t_s[near] - at).abs() {
                 near += 1;
             }
-            while t_s[low] < t_s[near] - HALF_FOLLOWED_S {
+            while t_s[low] < t_s[near] - half_s {
                 low += 1;
             }
-            while high + 1 < n && t_s[high + 1] <= t_s[near] + HALF_FOLLOWED_S {
+            while high + 1 < n && t_s[high + 1] <= t_s[near] + half_s {
                 high += 1;
             }
             let (from, to) = (low.min(near.saturating_sub(FEWEST)), high.max((near + FEWEST).min(n - 1)));

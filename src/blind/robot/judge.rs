@@ -54,7 +54,8 @@ impl RobotJudgement {
                 missed: (!is_nothing).then_some(true),
             };
         };
-        let verdict = answer.verdict == truth.verdict;
+        let is_within = truth.is_within() && answer.verdict == Verdict::Calibration;
+        let verdict = is_within || answer.verdict == truth.verdict;
         let mut there: Vec<Cause> = truth.causes.clone();
         let mut named: Vec<Cause> = answer.named().map(|stated| stated.cause).collect();
         let few = named.len() <= there.len();
@@ -82,8 +83,8 @@ impl RobotJudgement {
             in_set: has_cause.then_some(is_named || in_set),
             place: has_joint.then_some(is_placed),
             overlaps: has_joint.then_some(overlaps),
-            top: verdict && (!in_catalogue || is_named && is_placed),
-            set: verdict && (!in_catalogue || (is_named || in_set) && placed_in_set),
+            top: verdict && (is_within || !in_catalogue || is_named && is_placed),
+            set: verdict && (is_within || !in_catalogue || (is_named || in_set) && placed_in_set),
             false_alarm: is_nothing.then_some(!verdict),
             missed: (!is_nothing).then_some(answer.verdict == Verdict::None),
         }

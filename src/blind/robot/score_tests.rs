@@ -86,6 +86,17 @@ fn an_answer_is_right_where_kind_cause_and_joints_are() {
 }
 
 #[test]
+fn numbers_of_an_arm_that_were_drawn_off_may_be_recalibrated() {
+    let arm = RobotTruth { scenario: "arm", ..truth(Verdict::None, &[]) };
+    let judge = |truth: &RobotTruth, answer| RobotJudgement::of(&trial(truth.clone(), answer));
+    let right = judge(&arm, answered(Verdict::Calibration, &[(Cause::Viscous, &["lf1"])]));
+    assert!(right.top && right.set && right.false_alarm == Some(false));
+    assert_eq!(judge(&arm, answered(Verdict::Effect, &[(DELAY, &["lf1"])])).false_alarm, Some(true));
+    let exact = RobotTruth { scatter: 0.0, friction_scatter: 0.0, ..arm };
+    assert_eq!(judge(&exact, answered(Verdict::Calibration, &[])).false_alarm, Some(true));
+}
+
+#[test]
 fn two_causes_are_right_in_any_order_and_three_are_too_many() {
     let there: &[(Cause, &[&str])] = &[(DELAY, &["lf2"]), (Cause::Payload, &[])];
     let judge = |answer| RobotJudgement::of(&trial(truth(Verdict::Effect, there), answer));

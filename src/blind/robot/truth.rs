@@ -1,6 +1,7 @@
 //! The sealed answer of a made robot study.
 
 use super::cause::RobotOutside;
+use super::setting::Setting;
 use crate::blind::truth::TrueNumber;
 use crate::gap::Verdict;
 use crate::gap::robot::Cause;
@@ -53,6 +54,13 @@ pub struct RobotTruth {
 }
 
 impl RobotTruth {
+    /// Whether nothing is the matter but numbers that were drawn off within what is believed of them: of an arm, all of whose
+    /// numbers are fitted joint by joint, `calibration` is as right as `none` then.
+    pub fn is_within(&self) -> bool {
+        let is_off = self.scatter.max(self.friction_scatter) > 0.0;
+        self.verdict == Verdict::None && self.scenario == Setting::Arm.word() && is_off
+    }
+
     /// Joints of the catalogue's causes, one list for each.
     pub fn places(&self) -> impl Iterator<Item = (Cause, &[String])> {
         self.causes.iter().copied().zip(self.faults.iter().map(|fault| fault.joints.as_slice()))

@@ -5,7 +5,7 @@ use super::followed::SimulatedMotion;
 use super::setup::{ClampedCaseError, ClampedSetup};
 use crate::identify::Case;
 use crate::log::{ArrayLog, DriveMode, JointBeliefs, JointSpec, Nominal, RobotLog, Spread, Uncertain};
-use crate::robot::description::{Mover, MoverId};
+use crate::robot::description::{FoundNumber, Mover, MoverId};
 use std::collections::BTreeMap;
 
 /// A robot and its logs.
@@ -28,20 +28,30 @@ pub struct ClampedJoint {
     pub name: String,
     /// Its logs, each with what it carries along it.
     pub case: Case,
+    /// The same of the robot as described, where bodies have other masses in `case`.
+    pub as_described: Option<Case>,
 }
 
 impl ClampedCase {
-    /// The case of a robot and its logs, for each of which a simulation may help to follow the joints' motion.
+    /// The case of a robot and its logs, for each of which a simulation may help to follow the joints' motion. What joints push
+    /// one another with is that of `masses`, where there are any; the joints' own numbers are as described.
     ///
     /// # Errors
     /// [`ClampedCaseError`] where a joint's logs make no case.
     pub(in crate::gap) fn along(
         setup: &ClampedSetup,
+        masses: &[FoundNumber],
         simulated: &[Option<SimulatedMotion>],
     ) -> Result<Self, ClampedCaseError> {
         let ClampedSetup { description, tree, logs, .. } = setup;
         let along = Along::new(description, tree);
-        let links = along.links(logs, simulated);
+        let mut links = along.links(logs, simulated);
+        if !masses.is_empty() {
+            let weighed = setup.with_masses(masses)?;
+            let with_them = Along::new(&weighed.description, &weighed.tree).links(logs, simulated);
+            let pairs = links.into_iter().zip(with_them);
+            links = pairs.map(|(own, weighed)| Some((own?.0, weighed?.1))).collect();
+        }
         let mut joints = Vec::new();
         let mut unseen = Vec::new();
         for (at, link) in tree.joints().iter().zip(links) {
@@ -59,7 +69,7 @@ impl ClampedCase {
                     e.carriage = Some(carriage.clone());
                 }
             }
-            joints.push(ClampedJoint { name: mover.name.clone(), case });
+            joints.push(ClampedJoint { name: mover.name.clone(), case, as_described: None });
         }
         let mut notes = Vec::new();
         if !unseen.is_empty() {

@@ -4,12 +4,14 @@ use super::body::BodyCause;
 use super::case::{ClampedCase, ClampedJoint};
 use super::pooled::{PooledNumber, one_size, pooled};
 use crate::deadline::{Deadline, Spent};
+use crate::gap::as_given::AsGiven;
 use crate::gap::diagnose::diagnose_from;
 use crate::gap::sentence::words;
 use crate::gap::{CauseShare, Diagnosis, GapError, GapOptions, Number, Verdict};
 use crate::joint::EffectId;
 use crate::number::{mrad, newton_metres, quantity};
 use crate::progress::{Progress, Step};
+use crate::robot::description::FoundNumber;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -27,6 +29,9 @@ pub struct ClampedDiagnosis {
     /// What is other than described about bodies, found over all joints that carry them.
     #[serde(skip)]
     pub bodies: Vec<BodyCause>,
+    /// Masses of bodies within what is believed of them, weighed by what all joints' motion asks for at once; empty where that
+    /// follows the logs no better than masses as described.
+    pub masses: Vec<FoundNumber>,
     /// Causes with all joints that have them, the one that closes most first.
     pub causes: Vec<SharedCause>,
     /// Numbers that groups of joints have elsewhere alike.
@@ -131,8 +136,9 @@ pub(in crate::gap) fn diagnose_joints(
         let still = case.joints.len() - begun.fetch_add(1, Ordering::Relaxed);
         let own = GapOptions { deadline: options.deadline.part(still), ..options.clone() };
         let first = described.iter().find(|first| first.joint == joint.name);
-        let first = first.and_then(|first| first.diagnosis.as_ref());
-        let found = match diagnose_from(&joint.case, &own, first, &counted) {
+        let first = first.and_then(|first| first.diagnosis.as_ref()).map(AsGiven::of);
+        let first = first.or_else(|| joint.as_described.as_ref().and_then(AsGiven::simulated));
+        let found = match diagnose_from(&joint.case, &own, first.as_ref(), &counted) {
             Ok(diagnosis) => Ok(Some(diagnosis)),
             Err(GapError::NeverMoved) => Ok(None),
             Err(other) => Err(other),
@@ -182,10 +188,24 @@ pub(in crate::gap) fn concluded(
         ));
     }
     let robot = robot.to_owned();
-    ClampedDiagnosis { robot, answer, gap, bodies, causes, pooled, joints, notes, budget: None }
+    ClampedDiagnosis { robot, answer, gap, bodies, masses: Vec::new(), causes, pooled, joints, notes, budget: None }
 }
 
 impl ClampedDiagnosis {
+    /// The same of joints that push one another as bodies of these masses do.
+    pub(in crate::gap) fn weighed(mut self, masses: Vec<FoundNumber>) -> Self {
+        let told = masses.iter().map(|mass| format!("{}: {}", mass.name, mass.words()));
+        let told: Vec<String> = told.collect();
+        if !told.is_empty() {
+            self.notes.push(format!(
+                "What joints push one another with is that of masses which the torques of all of them ask for, within what is                  believed: {}.",
+                told.join("; ")
+            ));
+        }
+        self.masses = masses;
+        self
+    }
+
     /// The same, with what became of its time.
     pub(in crate::gap) fn within(mut self, deadline: &Deadline) -> Self {
         self.budget = deadline.spent();

@@ -1,11 +1,12 @@
-//! How a robot's joints moved along a log: as read, or, where samples are too far apart to follow a motion that a simulation of
-//! the robot follows better, as simulated and by as much as the readings differ from that.
+//! How a robot's joints moved along a log: as read, or, where a simulation of the robot follows samples better which are left
+//! out, as simulated and by as much as the readings differ from that: smoothed along wider windows, because it moves less, and
+//! because samples may be too far apart for what moves more.
 
-use crate::identify::{smooth_along, smooth_along_at};
+use crate::identify::{best_window, smooth_along_at};
 use crate::log::RobotLog;
 
-/// What is read is followed by way of a simulation where that leaves less than this share of what stays without it.
-const FOLLOWS: f64 = 0.7;
+/// What is read is followed by way of a simulation where that misses samples by less than this share of the squares.
+const FOLLOWS: f64 = 0.9;
 
 /// The motion of a log's joints as a simulation makes it, at instants of its own.
 #[derive(Clone, Debug)]
@@ -24,10 +25,11 @@ impl SimulatedMotion {
         (0..log.joints.len()).any(|place| self.follows(log, place, than))
     }
 
-    /// Whether smoothing keeps so much more of a joint's motion; not where a number is not finite.
+    /// Whether a joint is followed so much better; not where a number is not finite.
     fn follows(&self, log: &RobotLog, place: usize, than: Option<&Self>) -> bool {
-        let rival = than.map_or(f64::INFINITY, |than| lost(log, place, Some(than)));
-        lost(log, place, Some(self)) < FOLLOWS * FOLLOWS * lost(log, place, None).min(rival)
+        let missed = |simulated| best_window(&log.t_s, &beyond(log, place, simulated)).1;
+        let rival = than.map_or(f64::INFINITY, |than| missed(Some(than)));
+        missed(Some(self)) < FOLLOWS * missed(None).min(rival)
     }
 }
 
@@ -56,7 +58,7 @@ impl<'a> Followed<'a> {
     /// Angle, rate and acceleration of a joint at each instant; `None` where the log does not have it.
     pub fn joint(&self, name: &str) -> Option<Vec<[f64; 3]>> {
         let place = self.log.joints.iter().position(|joint| joint.name == name)?;
-        let smooth = |q: &[f64]| smooth_along_at(&self.log.t_s, q, self.t_s());
+        let smooth = |q: &[f64]| smooth_along_at(&self.log.t_s, q, self.t_s(), best_window(&self.log.t_s, q).0);
         let Some(simulated) = self.simulated.filter(|simulated| simulated.follows(self.log, place, None)) else {
             return Some(smooth(&self.log.joints[place].q_rad));
         };
@@ -64,13 +66,6 @@ impl<'a> Followed<'a> {
         let pairs = simulated.joints[place].iter().zip(beyond);
         Some(pairs.map(|(motion, beyond)| [0, 1, 2].map(|k| motion[k] + beyond[k])).collect())
     }
-}
-
-/// Squares that smoothing takes from a joint's readings, or from what they are beyond a simulation \[rad^2\].
-fn lost(log: &RobotLog, place: usize, simulated: Option<&SimulatedMotion>) -> f64 {
-    let q = beyond(log, place, simulated);
-    let smooth = smooth_along(&log.t_s, &q);
-    q.iter().zip(smooth).map(|(q, [smooth, ..])| (q - smooth).powi(2)).sum()
 }
 
 /// What a joint reads, beyond a simulation where there is one.

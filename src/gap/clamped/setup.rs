@@ -6,7 +6,7 @@ use crate::log::{
     ClampedStudy, JointBeliefs, LogError, MotorSpec, RobotLog, read_clamped_study, read_clamped_study_logs,
 };
 use crate::robot::description::{
-    Actuator, ActuatorKind, BodyChange, Description, DescriptionError, LinkId, Mover, MoverId,
+    Actuator, ActuatorKind, BodyChange, Description, DescriptionError, FoundNumber, LinkId, Mover, MoverId, NoSuchPart,
 };
 use crate::robot::tree::{Tree, TreeBase, TreeError};
 use nalgebra::Vector3;
@@ -112,7 +112,22 @@ impl ClampedSetup {
     /// # Errors
     /// [`ClampedCaseError::Tree`], which does not depend on the change.
     pub fn with_change(&self, link: LinkId, change: &BodyChange) -> Result<Self, ClampedCaseError> {
-        let description = self.description.with_change(link, change);
+        self.with_description(self.description.with_change(link, change))
+    }
+
+    /// The same with masses as found.
+    ///
+    /// # Errors
+    /// [`ClampedCaseError`] where they are of another robot.
+    pub(in crate::gap) fn with_masses(&self, masses: &[FoundNumber]) -> Result<Self, ClampedCaseError> {
+        let other = |error: NoSuchPart| ClampedCaseError::NotSimulated {
+            file: self.study.model_path.clone(),
+            what: error.to_string(),
+        };
+        self.with_description(self.description.with_found(masses).map_err(other)?)
+    }
+
+    fn with_description(&self, description: Description) -> Result<Self, ClampedCaseError> {
         let of_tree = |source| ClampedCaseError::Tree { file: self.study.model_path.clone(), source };
         let tree = Tree::new(&description, TreeBase::Fixed).map_err(of_tree)?.with_gravity(self.tree.gravity_m_s2());
         Ok(Self { description, tree, ..self.clone() })

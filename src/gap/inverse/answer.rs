@@ -5,6 +5,7 @@ use super::numbers::Which;
 use super::parameters::{Estimated, HALF_95, detectable, law, named};
 use super::search::{Choice, Found, values};
 use super::sure::Redraws;
+use crate::gap::as_given::AsGiven;
 use crate::gap::sentence::words;
 use crate::gap::{
     Answer, Candidate, CauseShare, Detectable, Diagnosis, Gap, LawFound, LogGap, Number, Variable, Verdict, Where,
@@ -94,7 +95,7 @@ pub(super) fn diagnosis(
         per_log: per_log(logs, floor, &[before_logs, calibrated_logs, after_logs]),
     };
     if let Some(described) = described {
-        gap.begin_at(&described.gap);
+        AsGiven::of(described).begin(&mut gap);
     }
     let redraws = Redraws::new(found);
     let (probability, probability_source) = redraws.of_answer(verdict, causes.first().map(|cause| cause.effect));

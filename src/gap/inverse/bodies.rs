@@ -134,7 +134,7 @@ pub(super) fn find(
 }
 
 /// What every hypothesis is tried on.
-struct Bench<'a> {
+pub(super) struct Bench<'a> {
     setup: &'a ClampedSetup,
     case: &'a TorqueCase,
     founds: &'a [Found],
@@ -148,10 +148,10 @@ struct Bench<'a> {
 }
 
 /// Columns by unknown, log and joint.
-type Shared = Vec<Vec<Vec<Vec<f64>>>>;
+pub(super) type Shared = Vec<Vec<Vec<Vec<f64>>>>;
 
 impl<'a> Bench<'a> {
-    fn new(setup: &'a ClampedSetup, case: &'a TorqueCase, founds: &'a [Found]) -> Result<Self, ClampedCaseError> {
+    pub fn new(setup: &'a ClampedSetup, case: &'a TorqueCase, founds: &'a [Found]) -> Result<Self, ClampedCaseError> {
         let tree = bare_tree(setup, &setup.description)?;
         let names: Vec<&str> = tree.joint_names().collect();
         let place = |name: &str| names.iter().position(|own| *own == name);
@@ -177,10 +177,9 @@ impl<'a> Bench<'a> {
         self.setup.description.links[link.0].name.clone()
     }
 
-    /// All joints as one problem, each with a choice of its own columns, and shared ones behind them.
-    fn system(&self, choice: &dyn Fn(usize) -> Choice, shared: &Shared, unknowns: &[Unknown]) -> System {
-        let own: Vec<Vec<usize>> =
-            self.founds.iter().enumerate().map(|(joint, found)| choice(joint).columns(&found.design)).collect();
+    /// All joints as one problem, each with columns of its own, and shared ones behind them.
+    pub fn system(&self, own: &dyn Fn(usize) -> Vec<usize>, shared: &Shared, unknowns: &[Unknown]) -> System {
+        let own: Vec<Vec<usize>> = (0..self.founds.len()).map(own).collect();
         let count: usize = own.iter().map(Vec::len).sum();
         let (mut all, mut blocks, mut offset) = (Vec::new(), Vec::<Block>::new(), 0);
         for (joint, found) in self.founds.iter().enumerate() {
@@ -214,13 +213,13 @@ impl<'a> Bench<'a> {
     }
 
     fn criterion(&self, choice: &dyn Fn(usize) -> Choice) -> f64 {
-        let system = self.system(choice, &Vec::new(), &[]);
+        let system = self.system(&|joint| choice(joint).columns(&self.founds[joint].design), &Vec::new(), &[]);
         let all: Vec<usize> = (0..system.unknowns.len()).collect();
         system.criterion(&system.fit(&all, |block| block.is_fit))
     }
 
     /// Torques of the joints along the logs with a changed description.
-    fn torques(&self, description: &Description) -> Result<Vec<Vec<Vec<f64>>>, ClampedCaseError> {
+    pub fn torques(&self, description: &Description) -> Result<Vec<Vec<Vec<f64>>>, ClampedCaseError> {
         let tree = bare_tree(self.setup, description)?;
         let of_log = |(log, motion): (usize, &Motion)| {
             let needed = motion.needed(&tree);
@@ -275,7 +274,7 @@ impl<'a> Bench<'a> {
                 .collect();
             // Its factor is one, and nobody may say otherwise.
             unknowns.push(Unknown { sd: 1.0, bounds: [1.0, 1.0] });
-            let system = self.system(&|_| Choice::default(), &shared, &unknowns);
+            let system = self.system(&|joint| self.founds[joint].design.baseline(), &shared, &unknowns);
             let all: Vec<usize> = (0..system.unknowns.len()).collect();
             let first = all.len() - unknowns.len();
             let solved = system.fit(&all, |block| block.is_fit);
@@ -343,7 +342,7 @@ impl<'a> Bench<'a> {
 }
 
 /// Differences by log and joint, per step.
-fn differences(there: &[Vec<Vec<f64>>], here: &[Vec<Vec<f64>>], step: f64) -> Vec<Vec<Vec<f64>>> {
+pub(super) fn differences(there: &[Vec<Vec<f64>>], here: &[Vec<Vec<f64>>], step: f64) -> Vec<Vec<Vec<f64>>> {
     let column = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| (a - b) / step).collect();
     there.iter().zip(here).map(|(there, here)| there.iter().zip(here).map(column).collect()).collect()
 }
@@ -354,14 +353,8 @@ fn bare_tree(setup: &ClampedSetup, description: &Description) -> Result<Tree, Cl
     Ok(Tree::new(&bare, TreeBase::Fixed).map_err(of_tree)?.with_gravity(setup.tree.gravity_m_s2()))
 }
 
-/// Bodies that may be other than described: the heaviest link of each that moves, and the tip.
-fn hypotheses(setup: &ClampedSetup) -> Vec<Hypothesis> {
-    let robot = &setup.description;
-    let moved_kg: f64 = (0..robot.links.len())
-        .filter(|k| !robot.carriers(LinkId(*k)).is_empty())
-        .map(|k| robot.links[k].inertia.mass_kg)
-        .sum();
-    // Links that no joint parts are one body.
+/// The heaviest link of each body that moves: links that no joint parts are one body.
+pub(super) fn heaviest(robot: &Description) -> Vec<LinkId> {
     let mut heaviest: Vec<(Vec<usize>, LinkId)> = Vec::new();
     for k in 0..robot.links.len() {
         let carriers: Vec<usize> = robot.carriers(LinkId(k)).iter().map(|joint| joint.0).collect();
@@ -376,15 +369,26 @@ fn hypotheses(setup: &ClampedSetup) -> Vec<Hypothesis> {
             None => heaviest.push((carriers, LinkId(k))),
         }
     }
+    heaviest.into_iter().map(|(_, link)| link).collect()
+}
+
+/// Bodies that may be other than described: the heaviest link of each that moves, and the tip.
+fn hypotheses(setup: &ClampedSetup) -> Vec<Hypothesis> {
+    let robot = &setup.description;
+    let moved_kg: f64 = (0..robot.links.len())
+        .filter(|k| !robot.carriers(LinkId(*k)).is_empty())
+        .map(|k| robot.links[k].inertia.mass_kg)
+        .sum();
+    let heaviest = heaviest(robot);
     let named = setup.study.tip.as_ref().and_then(|tip| robot.link(tip));
     let tip = named.or_else(|| robot.tip());
     let mut all = Vec::new();
-    for link in heaviest.iter().map(|(_, link)| *link).chain(tip) {
+    for link in heaviest.iter().copied().chain(tip) {
         let centre = robot.links[link.0].inertia.centre_m();
         let place_m = (PLACE_SHARE * centre.norm()).max(LEAST_PLACE_M);
         let centre_m = (CENTRE_SD_SHARE * centre.norm()).max(LEAST_CENTRE_M);
         let is_tip = Some(link) == tip;
-        if is_tip || heaviest.iter().any(|(_, own)| *own == link) {
+        if is_tip || heaviest.contains(&link) {
             let sd = [MASS_SHARE * moved_kg, place_m, place_m, place_m].to_vec();
             all.push(Hypothesis { kind: BodyKind::Payload, link, origin_m: centre, sd });
         }

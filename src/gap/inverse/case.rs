@@ -4,7 +4,7 @@ use super::design::{JointData, LogData};
 use super::numbers::{Values, believed};
 use super::signals::{Motion, Signals, TorqueOf, cutoff_hz, logged, without_armature};
 use crate::gap::clamped::{ClampedCaseError, ClampedSetup};
-use crate::log::{Derivative, DriveMode, MotorModel, RobotLog, Role};
+use crate::log::{Derivative, DriveMode, Hold, MotorModel, RobotLog, Role};
 use crate::robot::tree::{Tree, TreeBase};
 use std::collections::BTreeMap;
 
@@ -58,7 +58,11 @@ impl TorqueCase {
                     return (columns.drive.is_none()).then(|| vec![0.0; angle_rad.len()]);
                 }
                 let (kp, kd) = (said.kp_nm_rad?, said.kd_nm_s_rad.unwrap_or(0.0));
-                let setpoint_rad = grid.late(log, columns.q_ref_rad.as_ref()?, late_s.get(&columns.name).copied());
+                // A value that is held acts half a period later, on average.
+                let held_s =
+                    if study.hold == Hold::Step { 0.5 * study.sample_period_s.unwrap_or(grid.period_s) } else { 0.0 };
+                let late_s = held_s + late_s.get(&columns.name).copied().unwrap_or(0.0);
+                let setpoint_rad = grid.late(log, columns.q_ref_rad.as_ref()?, late_s);
                 let most_nm = said.torque_limit_nm.unwrap_or(f64::INFINITY);
                 let is_torque = said.model.is_none_or(|model| model == MotorModel::Torque);
                 let torque = |k: usize| {

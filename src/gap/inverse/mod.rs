@@ -18,6 +18,7 @@ mod search;
 mod signals;
 mod sure;
 mod system;
+mod weigh;
 
 pub use answer::TorqueTraces;
 pub use case::TorqueCase;

@@ -6,6 +6,7 @@
 use super::bodies::{BODIES, find};
 use super::case::TorqueCase;
 use super::diagnose::{TorqueError, searched};
+use super::weigh::weighed_case;
 use crate::gap::clamped::{
     BodyCause, ClampedCase, ClampedDiagnosis, ClampedJoint, ClampedSetup, JointAnswer, concluded, diagnose_clamped,
     diagnose_joints,
@@ -45,8 +46,8 @@ fn searched_within(
     options: &GapOptions,
     progress: &dyn Progress,
 ) -> Result<(ClampedCase, ClampedDiagnosis), TorqueError> {
-    let case = ClampedCase::of(setup)?;
-    let first = diagnose_clamped(&case, options, progress)?;
+    let (case, masses) = weighed_case(setup, options, progress)?;
+    let first = diagnose_clamped(&case, options, progress)?.weighed(masses);
     let (case, first) = followed(setup, options, progress, (case, first))?;
     let found = || first.joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
     if !options.only.is_empty() || !found().any(asks) || options.deadline.leaves_out(BODIES) {
@@ -55,7 +56,11 @@ fn searched_within(
     progress.go_on(Step::stage("payload and masses"))?;
     let late_s: BTreeMap<String, f64> = found().filter_map(|d| Some((d.joint.clone(), late_s(d)?))).collect();
     let commanded = TorqueCase::commanded(setup, &late_s)?;
-    let (_, founds, moving) = searched(&commanded, &[], &|effect| is_asked(effect, options));
+    let (_, mut founds, moving) = searched(&commanded, &[], &|effect| is_asked(effect, options));
+    for (own, data) in founds.iter_mut().zip(&moving.joints) {
+        let simulated = found().find(|d| d.joint == data.name);
+        own.with_causes(simulated.iter().flat_map(|d| &d.causes).map(|cause| cause.effect));
+    }
     let without = &options.without_bodies;
     let body = (!founds.is_empty())
         .then(|| find(setup, &moving, &founds, &[], without, &options.deadline))
@@ -63,7 +68,7 @@ fn searched_within(
         .flatten();
     let Some(body) = body else { return Ok((case, first)) };
     let changed = setup.with_change(body.link, &body.change)?;
-    let mut with_it = ClampedCase::of(&changed)?;
+    let (mut with_it, masses) = weighed_case(&changed, options, progress)?;
     let refused = |mut first: ClampedDiagnosis| {
         first.notes.push(format!(
             "Along the measured motion the servos' torques ask for {}; simulated with it, the joints predict held-out logs \
@@ -96,6 +101,7 @@ fn searched_within(
     notes.push(with_body(&body));
     let named = vec![body.clone()];
     let diagnosis = concluded(&case.robot, &case.groups, joints, named, Some(&first.joints), notes);
+    let diagnosis = diagnosis.weighed(masses);
     if diagnosis.gap.after > NO_WORSE * first.gap.after {
         return Ok((case, refused(first)));
     }
@@ -115,9 +121,12 @@ fn followed(
         if is_sound || options.deadline.leaves_out(AS_FOUND) {
             break;
         }
-        let Some(again) = ClampedCase::as_found(setup, &found)? else { break };
+        let Some(mut again) = ClampedCase::as_found(setup, &found)? else { break };
+        for (joint, before) in again.joints.iter_mut().zip(&case.joints) {
+            joint.as_described.clone_from(&before.as_described);
+        }
         progress.go_on(Step::stage(AS_FOUND))?;
-        let second = diagnose_clamped(&again, options, progress)?;
+        let second = diagnose_clamped(&again, options, progress)?.weighed(found.masses.clone());
         if second.gap.after >= WORTH_A_ROUND * found.gap.after {
             break;
         }

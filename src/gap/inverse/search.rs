@@ -57,6 +57,26 @@ impl Choice {
     }
 }
 
+impl Found {
+    /// Takes causes that are known otherwise, each in the shape that explains most.
+    pub fn with_causes(&mut self, known: impl Iterator<Item = EffectId>) {
+        for effect in known {
+            let families = || self.design.families.iter().enumerate().filter(|(_, family)| family.effect == effect);
+            if families().any(|(k, _)| self.causes.contains(&k)) {
+                continue;
+            }
+            let criterion = |k: usize| {
+                let columns = self.choice().with(k).columns(&self.design);
+                self.system.criterion(&self.system.fit(&columns, |block| block.is_fit))
+            };
+            let shapes = families().map(|(k, _)| (k, criterion(k)));
+            if let Some((best, _)) = shapes.min_by(|a, b| a.1.total_cmp(&b.1)) {
+                self.causes.push(best);
+            }
+        }
+    }
+}
+
 /// Looks for the causes of one joint.
 pub(super) fn search(joint: &JointData, logs: &[LogData], allows: &dyn Fn(EffectId) -> bool) -> Found {
     let mut now = joint.believed.values;

@@ -97,9 +97,9 @@ impl Grid {
     }
 
     /// A column of the log on the grid, late by some time.
-    pub fn late(&self, log: &RobotLog, column: &[f64], late_s: Option<f64>) -> Vec<f64> {
+    pub fn late(&self, log: &RobotLog, column: &[f64], late_s: f64) -> Vec<f64> {
         let own = self.of(log, column);
-        let samples = late_s.unwrap_or(0.0) / self.period_s;
+        let samples = late_s / self.period_s;
         let at = |k: usize| {
             let place = (k as f64 - samples).clamp(0.0, (own.len() - 1) as f64);
             let from = (place.floor() as usize).min(own.len().saturating_sub(2));

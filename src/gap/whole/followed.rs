@@ -6,6 +6,7 @@ use super::robot::{WholeRobot, placed_causes};
 use super::simulated::simulated;
 use crate::gap::clamped::{ClampedCase, ClampedCaseError, ClampedDiagnosis, ClampedSetup, SimulatedMotion};
 use crate::log::{DriveMode, RobotLog};
+use crate::robot::description::FoundNumber;
 
 /// Instants between which a load is taken as linear lie no further apart \[s\].
 const DENSE_S: f64 = 2.5e-3;
@@ -18,7 +19,15 @@ impl ClampedCase {
     /// # Errors
     /// [`ClampedCaseError`] where a joint's logs make no case.
     pub fn of(setup: &ClampedSetup) -> Result<Self, ClampedCaseError> {
-        Self::along(setup, &as_stated(setup))
+        Self::with_masses(setup, &[])
+    }
+
+    /// The same where joints push one another as bodies of these masses do.
+    ///
+    /// # Errors
+    /// [`ClampedCaseError`] where a joint's logs make no case, or masses are of another robot.
+    pub(in crate::gap) fn with_masses(setup: &ClampedSetup, masses: &[FoundNumber]) -> Result<Self, ClampedCaseError> {
+        Self::along(setup, masses, &as_stated(setup, masses))
     }
 
     /// The same with joints followed along the robot as found, where that follows any of them better; `None` elsewhere.
@@ -26,7 +35,7 @@ impl ClampedCase {
     /// # Errors
     /// [`ClampedCaseError`] where a joint's logs make no case.
     pub fn as_found(setup: &ClampedSetup, diagnosis: &ClampedDiagnosis) -> Result<Option<Self>, ClampedCaseError> {
-        let (stated, found) = (as_stated(setup), as_found(setup, diagnosis));
+        let (stated, found) = (as_stated(setup, &diagnosis.masses), as_found(setup, diagnosis));
         let is_better = |(log, (found, stated)): (&RobotLog, (&Option<SimulatedMotion>, &Option<SimulatedMotion>))| {
             found.as_ref().is_some_and(|found| found.follows_better(log, stated.as_ref()))
         };
@@ -36,14 +45,16 @@ impl ClampedCase {
         }
         let both = found.into_iter().zip(stated).zip(better);
         let motions: Vec<_> = both.map(|((found, stated), better)| if better { found } else { stated }).collect();
-        Self::along(setup, &motions).map(Some)
+        Self::along(setup, &diagnosis.masses, &motions).map(Some)
     }
 }
 
-/// Each log as the robot as stated moves under its setpoints, where anything drives it so and it does not run away.
-fn as_stated(setup: &ClampedSetup) -> Vec<Option<SimulatedMotion>> {
+/// Each log as the robot as stated, but for these masses, moves under its setpoints, where anything drives it so and it does not
+/// run away.
+fn as_stated(setup: &ClampedSetup, masses: &[FoundNumber]) -> Vec<Option<SimulatedMotion>> {
     let stated = found_robot(setup, None).map_err(|error| error.to_string());
-    motions(setup, stated.and_then(|stated| WholeRobot::of(setup, &stated.numbers, &[])))
+    let numbers = stated.map(|stated| [stated.numbers, masses.to_vec()].concat());
+    motions(setup, numbers.and_then(|numbers| WholeRobot::of(setup, &numbers, &[])))
 }
 
 /// The same of the robot with what was found, less what the whole robot refutes.

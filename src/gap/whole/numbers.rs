@@ -30,7 +30,12 @@ pub fn found_robot(setup: &ClampedSetup, diagnosis: Option<&ClampedDiagnosis>) -
     let with_bodies = setup.description.with_found(&found.numbers)?;
     let joints: Vec<&Diagnosis> =
         diagnosis.iter().flat_map(|d| &d.joints).filter_map(|joint| joint.diagnosis.as_ref()).collect();
-    let (masses, missed) = masses(setup, &with_bodies, &joints);
+    let weighed = diagnosis.map_or(&[][..], |diagnosis| &diagnosis.masses);
+    found.numbers.extend_from_slice(weighed);
+    let (masses, missed) = match weighed.is_empty() {
+        true => masses(setup, &with_bodies, &joints),
+        false => Default::default(),
+    };
     for mass in masses {
         let link = &with_bodies.links[mass.link.0];
         let (was, value) = (link.inertia.mass_kg, mass.factor * link.inertia.mass_kg);

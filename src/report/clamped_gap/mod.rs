@@ -182,10 +182,10 @@ fn whole_words(whole: &Whole, diagnosis: &ClampedDiagnosis) -> String {
     }
     if !whole.left_out.is_empty() {
         let what = |left: &LeftOut| {
-            let change = left.joint.as_ref().map_or_else(
-                || "the masses that the moments ask for".to_owned(),
-                |joint| format!("what was found on {joint}"),
-            );
+            let change = left
+                .joint
+                .as_ref()
+                .map_or_else(|| "masses as found".to_owned(), |joint| format!("what was found on {joint}"));
             let with_it =
                 if left.with_it.is_finite() { mrad(left.with_it) } else { "nothing: it runs away".to_owned() };
             format!("{change} ({with_it} with it, {} without)", mrad(left.without_it))

@@ -1,0 +1,137 @@
+//! Masses of a robot's bodies within what the study believes of them: what the torques of all joints ask for at once.
+//!
+//! A joint's own inertia and moment say what it carries, but not what the joints push one another with: that is linear in the
+//! masses of single bodies, which no joint tells alone. Here they are unknowns that all joints share, beside each joint's
+//! friction, gain and causes, but instead of its inertia and moment.
+
+use super::bodies::{Bench, differences, heaviest};
+use super::case::TorqueCase;
+use super::diagnose::{TorqueError, searched};
+use super::numbers::Which;
+use super::parameters::{Estimated, HALF_95};
+use super::search::{Choice, Found};
+use super::system::{Block, System, Unknown};
+use crate::gap::GapOptions;
+use crate::gap::clamped::{ClampedCase, ClampedCaseError, ClampedSetup};
+use crate::gap::recalibrated::recalibrated_rms_rad;
+use crate::number::math;
+use crate::progress::{Progress, Step};
+use crate::robot::description::{BodyChange, FoundKey, FoundNumber, LinkId};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// What of their errors recalibrated joints have to leave on average with masses that all of them ask for.
+const WORTH_WEIGHING: f64 = 0.98;
+/// What is left out where these are not looked for.
+const MASSES: &str = "masses that all joints ask for";
+/// Share of a mass by which its column is told: it is linear.
+const NUDGE: f64 = 0.01;
+/// Standard deviations within which a mass is as believed: beyond them it is a cause.
+const BELIEVED: f64 = 3.0;
+/// A mass is not below this share of what is described.
+const LEAST: f64 = 0.05;
+/// Times that logs are weighed by what they leave.
+const SETTLES: usize = 4;
+
+/// The case of a robot, with masses that all joints ask for where recalibrated joints predict better so.
+pub(super) fn weighed_case(
+    setup: &ClampedSetup,
+    options: &GapOptions,
+    progress: &dyn Progress,
+) -> Result<(ClampedCase, Vec<FoundNumber>), TorqueError> {
+    let described = ClampedCase::of(setup)?;
+    if options.deadline.leaves_out(MASSES) {
+        return Ok((described, Vec::new()));
+    }
+    progress.go_on(Step::stage(MASSES))?;
+    let commanded = TorqueCase::commanded(setup, &BTreeMap::new())?;
+    let (_, founds, moving) = searched(&commanded, &[], &|effect| !options.without.contains(&effect));
+    if founds.is_empty() {
+        return Ok((described, Vec::new()));
+    }
+    let masses = weighed(setup, &moving, &founds)?;
+    let mut case = ClampedCase::with_masses(setup, &masses)?;
+    let left = |case: &ClampedCase| -> Vec<Option<f64>> {
+        case.joints.par_iter().map(|joint| recalibrated_rms_rad(&joint.case, options)).collect()
+    };
+    let pairs = left(&described).into_iter().zip(left(&case));
+    let ratios: Vec<f64> = pairs.filter_map(|(described, weighed)| Some(math::ln(weighed? / described?))).collect();
+    let mean = ratios.iter().sum::<f64>() / ratios.len().max(1) as f64;
+    if !(mean < math::ln(WORTH_WEIGHING)) {
+        return Ok((described, Vec::new()));
+    }
+    for (joint, described) in case.joints.iter_mut().zip(described.joints) {
+        joint.as_described = Some(described.case);
+    }
+    Ok((case, masses))
+}
+
+/// The mass of each body that moves and is believed to be uncertain. `founds` are the joints' own answers, in the case's order.
+fn weighed(setup: &ClampedSetup, case: &TorqueCase, founds: &[Found]) -> Result<Vec<FoundNumber>, ClampedCaseError> {
+    let robot = &setup.description;
+    let believed = |link: LinkId| {
+        let carrier = robot.carriers(link).last().map_or("", |joint| robot.joints[joint.0].name.as_str());
+        setup.study.uncertain.mass.of(carrier)
+    };
+    let links: Vec<(LinkId, f64)> = heaviest(robot).into_iter().map(|link| (link, believed(link))).collect();
+    let links: Vec<(LinkId, f64)> = links.into_iter().filter(|(_, sd)| *sd > 0.0).collect();
+    let bench = Bench::new(setup, case, founds)?;
+    let described = bench.torques(robot)?;
+    let column = |(link, _): &(LinkId, f64)| {
+        let heavier = robot.with_change(*link, &BodyChange::Mass { factor: 1.0 + NUDGE });
+        Ok(differences(&bench.torques(&heavier)?, &described, NUDGE))
+    };
+    let shared = links.iter().map(column).collect::<Result<_, ClampedCaseError>>()?;
+    let unknown =
+        |(_, sd): &(LinkId, f64)| Unknown { sd: *sd, bounds: [(-BELIEVED * sd).max(LEAST - 1.0), BELIEVED * sd] };
+    let unknowns: Vec<Unknown> = links.iter().map(unknown).collect();
+    // What a body's mass says is not said again by what a joint carries.
+    let own = |joint: usize| {
+        let found = &founds[joint];
+        let columns = Choice { curve: None, ..found.choice() }.columns(&found.design);
+        let is_load = |k: &usize| matches!(found.design.numbers.get(*k), Some(Which::Inertia | Which::Moment));
+        columns.into_iter().filter(|k| !is_load(k)).collect()
+    };
+    let mut system = bench.system(&own, &shared, &unknowns);
+    let all: Vec<usize> = (0..system.unknowns.len()).collect();
+    settle(&mut system, &all, case, founds);
+    let (solved, refits) = (system.fit(&all, |block| block.is_fit), system.refits(&all));
+    let first = all.len() - unknowns.len();
+    let mass = |(k, (link, _)): (usize, &(LinkId, f64))| {
+        let (body, share) = (&robot.links[link.0], Estimated::new(first + k, &solved, &refits));
+        let was = body.inertia.mass_kg;
+        let value = (1.0 + share.value) * was;
+        let half = HALF_95 * share.sd * was;
+        FoundNumber {
+            name: body.name.clone(),
+            key: FoundKey::Mass,
+            was: Some(was),
+            value,
+            interval: half.is_finite().then_some([value - half, value + half]),
+            unit: "kg".to_owned(),
+            place_m: None,
+        }
+    };
+    Ok(links.iter().enumerate().map(mass).collect())
+}
+
+/// Weighs every log of every joint by what it leaves: some motions the samples hardly resolve.
+fn settle(system: &mut System, all: &[usize], case: &TorqueCase, founds: &[Found]) {
+    for _ in 0..SETTLES {
+        let solved = system.fit(all, |block| block.is_fit);
+        let mut from = 0;
+        for found in founds {
+            let own = &mut system.blocks[from..from + found.system.blocks.len()];
+            from += own.len();
+            for (log, data) in case.logs.iter().enumerate() {
+                let of_log = |block: &&Block| block.log == log;
+                let squares: f64 = own.iter().filter(of_log).map(|block| block.squares(&solved.x)).sum();
+                let samples: usize = own.iter().filter(of_log).map(|block| block.samples).sum();
+                let times = (squares * data.tied / samples.max(1) as f64).sqrt();
+                if times > 0.0 {
+                    own.iter_mut().filter(|block| block.log == log).for_each(|block| block.rescale(times));
+                }
+            }
+        }
+    }
+}
