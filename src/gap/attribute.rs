@@ -239,8 +239,9 @@ impl Attribution {
                 *alone = first.clone();
             }
         }
-        // What numbers explain as well without causes, once these have shown them the way, is theirs.
-        let bare = self.without.iter().filter(|t| t.effects().is_empty());
+        // What numbers explain as well without causes, once these have shown them the way, is theirs: along the motion of
+        // neighbours the search for them is rugged.
+        let bare = self.without.iter().filter(|t| evidence.is_carried() && t.effects().is_empty());
         if let Some(bare) = bare.min_by(|a, b| a.criterion().total_cmp(&b.criterion()))
             && bare.criterion() < self.calibrated.criterion()
         {

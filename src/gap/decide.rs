@@ -118,12 +118,12 @@ impl<'a> Judge<'a, '_> {
         }
     }
 
-    /// Whether the joint is no more than an encoder's step off, and predicts held-out logs as well as the best as it is given, or
-    /// hardly worse recalibrated: less may be noise of any colour.
+    /// Whether the joint is no more than an encoder's step off, and predicts held-out logs as well as the best as it is given; or,
+    /// where other joints push it, hardly worse recalibrated: their motion is read in such steps.
     fn has_hardly_a_cause(&self) -> bool {
         let held_rad = |t: &Trial| self.held.rms_rad(&self.held.residuals(self.evidence, t));
         let stands = |t: &Trial, times: f64| !self.exceeds_a_step(t) && held_rad(t) <= times * held_rad(&self.a.best);
-        stands(&self.a.given, 1.0) || stands(&self.a.calibrated, HARDLY_A_GAP)
+        stands(&self.a.given, 1.0) || self.evidence.is_carried() && stands(&self.a.calibrated, HARDLY_A_GAP)
     }
 
     fn with_effects(&self) -> Decision<'a> {

@@ -42,6 +42,11 @@ pub(super) struct Evidence {
 const RUN_COUNTS: f64 = 12.0;
 
 impl Evidence {
+    /// Whether other joints push this one: what is known of their motion is known to an encoder's step.
+    pub fn is_carried(&self) -> bool {
+        self.fit.iter().any(|e| e.carriage.is_some())
+    }
+
     /// The evidence of a case; `None` where no log to be fitted moves.
     pub fn of(case: &Case, nominal: Nominal) -> Option<Self> {
         let mut fit = case.experiments(Role::Fit);
