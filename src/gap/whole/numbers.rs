@@ -123,7 +123,10 @@ fn of_joint(
     if let Some(kp) = said.kp_nm_rad {
         push(FoundKey::Kp, described.as_ref().map(|servo| servo.gain), times * kp, around(kp), "N m/rad");
         let kd = said.kd_nm_s_rad.unwrap_or(0.0);
-        push(FoundKey::Kd, described.as_ref().map(|servo| -servo.bias[2]), times * kd, around(kd), "N m s/rad");
+        let of_kd = estimate("kd");
+        let share = of_kd.map_or(1.0, |e| e.value);
+        let interval = of_kd.and_then(|e| e.interval).map(|range| range.map(|end| end * times * kd)).or(around(kd));
+        push(FoundKey::Kd, described.as_ref().map(|servo| -servo.bias[2]), times * share * kd, interval, "N m s/rad");
         let of = |cause: &CauseShare| cause.effect == EffectId::TorqueLimit;
         let limit =
             own.and_then(|d| d.causes.iter().find(|cause| of(cause))).and_then(|cause| cause.parameters.first());
