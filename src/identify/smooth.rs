@@ -66,11 +66,13 @@ const HALF_FOLLOWED_S: f64 = 0.02;
 /// Times that it may be wider, each twice as wide as the one before, and samples that are left out to choose.
 const WIDER: i32 = 5;
 const LEFT_OUT: usize = 500;
+/// Of fast logs neighbouring samples are put together until a window has no more than this.
+const MOST: usize = 64;
 
 /// Half the width of the window that predicts samples best which are left out \[s\], and the mean square by which it misses
 /// them. Accelerations would bear a wider one.
 pub(crate) fn best_window(t_s: &[f64], q_rad: &[f64]) -> (f64, f64) {
-    let stride = t_s.len().div_ceil(LEFT_OUT);
+    let stride = t_s.len().div_ceil(LEFT_OUT).max(1);
     let missed = |half_s: f64| {
         let inner = (FEWEST..t_s.len().saturating_sub(FEWEST)).step_by(stride);
         let squares: Vec<f64> = inner
@@ -95,6 +97,15 @@ pub(crate) fn along(t_s: &[f64], q_rad: &[f64]) -> Vec<[f64; 3]> {
 
 /// The same at other instants, which rise, along windows of this half width \[s\].
 pub(crate) fn along_at(t_s: &[f64], q_rad: &[f64], at_s: &[f64], half_s: f64) -> Vec<[f64; 3]> {
+    let span_s = t_s.last().zip(t_s.first()).map_or(0.0, |(last, first)| last - first);
+    let in_window = 2.0 * half_s / span_s * t_s.len() as f64;
+    if span_s > 0.0 && in_window >= 2.0 * MOST as f64 {
+        let together = (in_window / MOST as f64) as usize;
+        let means = |of: &[f64]| -> Vec<f64> {
+            of.chunks(together).map(|some| some.iter().sum::<f64>() / some.len() as f64).collect()
+        };
+        return along_at(&means(t_s), &means(q_rad), at_s, half_s);
+    }
     let n = t_s.len();
     let (mut near, mut low, mut high) = (0, 0, 0);
     at_s.iter()
@@ -128,6 +139,22 @@ pub(super) fn at_start(t_s: &[f64], q_rad: &[f64]) -> (f64, f64) {
 mod tests {
     use super::*;
     use approx::assert_relative_eq;
+
+    /// Noise alone is best told by the widest window, and what turns fast by the narrowest; of fast logs samples are put together.
+    #[test]
+    fn the_window_is_as_wide_as_the_motion_bears() {
+        let t: Vec<f64> = (0..2000).map(|i| f64::from(i) * 1e-3).collect();
+        let noise = |i: usize| 1e-3 * ((i * 7919 % 1009) as f64 / 1009.0 - 0.5);
+        let of = |q: &dyn Fn(f64) -> f64| -> Vec<f64> { t.iter().enumerate().map(|(i, t)| q(*t) + noise(i)).collect() };
+        let (still, quick) = (of(&|t| 0.2 * t), of(&|t| (40.0 * t).sin()));
+        let wide_s = HALF_FOLLOWED_S * 2f64.powi(WIDER - 1);
+        assert_eq!(best_window(&t, &still).0, wide_s);
+        assert!(best_window(&t, &quick).0 <= 2.0 * HALF_FOLLOWED_S);
+        for [angle, rate, acceleration] in along_at(&t, &still, &[0.9, 1.1], wide_s) {
+            assert!((rate - 0.2).abs() < 1e-3 && acceleration.abs() < 0.02, "{angle} {rate} {acceleration}");
+        }
+        assert_eq!(best_window(&[0.0, 0.1], &[0.0, 0.0]).0, HALF_FOLLOWED_S);
+    }
 
     #[test]
     fn a_parabola_on_uneven_samples_is_reproduced() {
