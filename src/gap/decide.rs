@@ -119,11 +119,14 @@ impl<'a> Judge<'a, '_> {
     }
 
     /// Whether the joint is no more than an encoder's step off, and predicts held-out logs as well as the best as it is given; or,
-    /// where other joints push it, hardly worse recalibrated: their motion is read in such steps.
+    /// where other joints push it, hardly worse recalibrated, whose motion is read in such steps; or whether numbers alone stand as
+    /// well as causes of no size, which only led them to their place.
     fn has_hardly_a_cause(&self) -> bool {
         let held_rad = |t: &Trial| self.held.rms_rad(&self.held.residuals(self.evidence, t));
         let stands = |t: &Trial, times: f64| !self.exceeds_a_step(t) && held_rad(t) <= times * held_rad(&self.a.best);
-        stands(&self.a.given, 1.0) || self.evidence.is_carried() && stands(&self.a.calibrated, HARDLY_A_GAP)
+        let numbers_do =
+            || stands(&self.a.calibrated, HARDLY_A_GAP) || self.score(&self.a.calibrated) <= self.score(&self.a.best);
+        stands(&self.a.given, 1.0) || self.evidence.is_carried() && numbers_do()
     }
 
     fn with_effects(&self) -> Decision<'a> {
