@@ -5,11 +5,12 @@
 //! stays above the noise is small beside what was closed, and which other effects would do as well.
 
 use super::attribute::Attribution;
-use super::diagnosis::Verdict;
+use super::diagnosis::{Number, Verdict};
 use super::evidence::Evidence;
 use super::floor::rough_rad;
 use super::held_out::{HeldOut, closed};
 use super::model::{BASELINE, GAIN};
+use super::numbers::numbers;
 use super::score::Measure;
 use super::trial::Trial;
 use crate::identify::JointModel;
@@ -19,6 +20,8 @@ use crate::joint::EffectId;
 const RECALIBRATES: f64 = 24.0;
 /// Share of the noise's square sum that it must take away.
 const MATTERS: f64 = 0.008;
+/// A size that is so near to none, in its own unit, is none.
+const NO_SIZE: f64 = 1e-6;
 /// A held-out error below the noise times this is hardly a gap.
 const HARDLY_A_GAP: f64 = 1.1;
 /// Deviance that makes something even of that.
@@ -119,14 +122,26 @@ impl<'a> Judge<'a, '_> {
     }
 
     /// Whether the joint is no more than an encoder's step off, and predicts held-out logs as well as the best as it is given; or,
-    /// where other joints push it, hardly worse recalibrated, whose motion is read in such steps; or whether numbers alone stand as
-    /// well as causes of no size, which only led them to their place.
+    /// where other joints push it, hardly worse recalibrated, whose motion is read in such steps, or where causes have no size
+    /// and only led the numbers to their place.
     fn has_hardly_a_cause(&self) -> bool {
         let held_rad = |t: &Trial| self.held.rms_rad(&self.held.residuals(self.evidence, t));
         let stands = |t: &Trial, times: f64| !self.exceeds_a_step(t) && held_rad(t) <= times * held_rad(&self.a.best);
-        let numbers_do =
-            || stands(&self.a.calibrated, HARDLY_A_GAP) || self.score(&self.a.calibrated) <= self.score(&self.a.best);
+        let numbers_do = || {
+            let times = if self.has_causes_of_no_size() { f64::INFINITY } else { HARDLY_A_GAP };
+            stands(&self.a.calibrated, times)
+        };
         stands(&self.a.given, 1.0) || self.evidence.is_carried() && numbers_do()
+    }
+
+    /// Whether every cause was found where there is none of it.
+    fn has_causes_of_no_size(&self) -> bool {
+        let (_, causes) = numbers(self.evidence, &self.a.best);
+        let is_none = |(effect, own): &(EffectId, Vec<Number>)| {
+            let none = effect.named_parameters().first().map(|size| size.zero);
+            own.first().zip(none).is_some_and(|(size, none)| (size.value - none).abs() < NO_SIZE)
+        };
+        causes.iter().all(is_none)
     }
 
     fn with_effects(&self) -> Decision<'a> {
