@@ -41,6 +41,11 @@ impl Uncertainty {
         quantile_95(self.freedom_robust)
     }
 
+    /// Makes the robust variances no smaller than those of another covariance, of all coordinates or of the first ones.
+    pub fn widen_to(&mut self, least: &DMatrix<f64>) {
+        widen(&mut self.robust, least);
+    }
+
     /// Half-width of the naive 95 % interval of a coordinate.
     pub fn half_width_naive(&self, i: usize) -> f64 {
         self.quantile_naive() * self.naive[(i, i)].max(0.0).sqrt()
@@ -49,6 +54,24 @@ impl Uncertainty {
     /// Half-width of the robust 95 % interval of a coordinate.
     pub fn half_width_robust(&self, i: usize) -> f64 {
         self.quantile_robust() * self.robust[(i, i)].max(0.0).sqrt()
+    }
+}
+
+/// Makes variances no smaller than those of another covariance, of all coordinates or of the first ones; correlations stay.
+fn widen(covariance: &mut DMatrix<f64>, least: &DMatrix<f64>) {
+    for i in 0..least.nrows() {
+        if !(least[(i, i)] > 0.0) {
+            continue;
+        }
+        let factor = (least[(i, i)] / covariance[(i, i)]).max(1.0).sqrt();
+        if !factor.is_finite() {
+            covariance.view_mut((0, 0), least.shape()).copy_from(least);
+            break;
+        }
+        for k in 0..covariance.nrows() {
+            covariance[(i, k)] *= factor;
+            covariance[(k, i)] *= factor;
+        }
     }
 }
 
@@ -104,17 +127,7 @@ pub fn uncertainty(problem: &dyn Residuals, blocks: &[Block]) -> Result<Uncertai
     let mut naive = &inverse * (criterion / freedom);
     let mut robust = &inverse * middle * &inverse * (n / freedom);
     // Short records underestimate their own correlation: the robust variance is never below the naive one.
-    for &i in &answering {
-        let widen = (naive[(i, i)] / robust[(i, i)]).max(1.0).sqrt();
-        if !widen.is_finite() {
-            robust = naive.clone();
-            break;
-        }
-        for k in 0..p {
-            robust[(i, k)] *= widen;
-            robust[(k, i)] *= widen;
-        }
-    }
+    widen(&mut robust, &naive);
     let unbounded_step = -(&inverse * &normal.jtr);
     for i in (0..p).filter(|i| !answering.contains(i)) {
         naive[(i, i)] = f64::INFINITY;

@@ -13,6 +13,7 @@ use super::model::{BASELINE, GAIN};
 use super::numbers::numbers;
 use super::score::Measure;
 use super::trial::Trial;
+use crate::fit::Budget;
 use crate::identify::JointModel;
 use crate::joint::EffectId;
 
@@ -33,9 +34,11 @@ const NO_ALARM: f64 = 0.3;
 /// Share of the recalibrated gap that the causes must close to be called its causes while something is left.
 const CLOSES: f64 = 0.75;
 /// Deviance within which hypotheses count as equally good, and standard deviations of their difference.
-const EQUAL_DEVIANCE: f64 = 9.0;
+pub(super) const EQUAL_DEVIANCE: f64 = 9.0;
 const EQUAL_Z: f64 = 1.7;
 
+/// Evaluations of a fit that begins near its end.
+const AGAIN: Budget = Budget { evaluations: 24 };
 /// Standard deviations from which on the drive's gain has clearly moved.
 const GAIN_SD: f64 = 1.5;
 
@@ -92,12 +95,7 @@ impl<'a> Judge<'a, '_> {
         let pays = self.recalibration_pays();
         let simple = if pays { &a.calibrated } else { &a.given };
         let excess = a.excess(evidence, simple);
-        // What has no shape is noise, however large: no model could take it up.
-        let shape = (1.0 + excess) * (a.noise_rad / rough_rad(evidence, simple).max(a.noise_rad)).powi(2) - 1.0;
-        // A rest that does not show where the joint has to be predicted is no alarm either.
-        let alarm = shape >= NO_ALARM
-            && self.held.rms_rad(&self.held.residuals(evidence, simple)) > a.noise_rad
-            && self.exceeds_a_step(simple);
+        let alarm = self.is_alarming(simple);
         let verdict = match (pays, alarm) {
             (false, false) => Verdict::None,
             (true, false) => Verdict::Calibration,
@@ -105,7 +103,8 @@ impl<'a> Judge<'a, '_> {
         };
         let finding = if pays { moved_most(simple) } else { None };
         // The gain of the drive as a number is the effect of a motor that delivers more or less than commanded.
-        let is_gain = verdict == Verdict::Calibration && finding == Some(GAIN);
+        let is_gain = verdict == Verdict::Calibration && (finding == Some(GAIN) || self.needs_another_gain());
+        let finding = if is_gain { Some(GAIN) } else { finding };
         let effects = if is_gain { vec![EffectId::MotorGain] } else { Vec::new() };
         let answer = if alarm { a.law.as_ref().unwrap_or(simple) } else { simple };
         Decision {
@@ -119,6 +118,34 @@ impl<'a> Judge<'a, '_> {
             margin: a.firsts.first().map_or(f64::INFINITY, |t| self.score(t) - self.score(simple)),
             finding,
         }
+    }
+
+    /// Whether a hypothesis leaves what is worth an alarm.
+    fn is_alarming(&self, trial: &Trial) -> bool {
+        let noise_rad = self.a.noise_rad;
+        // What has no shape is noise, however large: no model could take it up.
+        let rough_rad = rough_rad(self.evidence, trial).max(noise_rad);
+        let shape = (1.0 + self.a.excess(self.evidence, trial)) * (noise_rad / rough_rad).powi(2) - 1.0;
+        // A rest that does not show where the joint has to be predicted is no alarm either.
+        shape >= NO_ALARM
+            && self.held.rms_rad(&self.held.residuals(self.evidence, trial)) > noise_rad
+            && self.exceeds_a_step(trial)
+    }
+
+    /// Whether the numbers of the joint cannot do what a refitted gain of the drive does: with the gain as stated they leave what is
+    /// worth an alarm.
+    fn needs_another_gain(&self) -> bool {
+        let calibrated = &self.a.calibrated;
+        if calibrated.model.parameters()[GAIN].fixed {
+            return false;
+        }
+        let mut values = calibrated.found.values.clone();
+        values[GAIN] = 1.0;
+        let model = calibrated.model.clone().holding(&[GAIN], &values);
+        let starts = calibrated.found.starts.clone();
+        let mut as_stated = Trial::solved(self.evidence, model, &values, starts, AGAIN);
+        as_stated.predict(self.evidence, Some(calibrated));
+        self.is_alarming(&as_stated)
     }
 
     /// Whether the joint is no more than an encoder's step off, and predicts held-out logs as well as the best as it is given; or,

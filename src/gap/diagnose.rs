@@ -14,7 +14,7 @@ use super::held_out::{HeldOut, closed};
 use super::law_found::law_found;
 use super::model::GAIN;
 use super::next::next;
-use super::numbers::numbers;
+use super::numbers::{numbers, numbers_beside};
 use super::place::place;
 use super::rates::{Rates, probability, share_out, standing};
 use super::refuted::soundly_believed;
@@ -111,7 +111,7 @@ pub(super) fn diagnose_from(
         true => Vec::new(),
         false => detectable(&evidence, noise, named, &effects),
     };
-    let (parameters, mut effect_parameters) = numbers(&evidence, around);
+    let (parameters, mut effect_parameters) = numbers_beside(&evidence, around, &effects);
     if around.effects().is_empty() && decision.effect() == Some(EffectId::MotorGain) {
         effect_parameters.push((EffectId::MotorGain, vec![gain_as_effect(&parameters)]));
     }

@@ -69,6 +69,7 @@ mod strength;
 mod torque_seen;
 mod trial;
 mod twins;
+mod unnamed;
 mod variables;
 mod waterfall;
 #[cfg(feature = "robots")]

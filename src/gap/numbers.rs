@@ -4,6 +4,7 @@ use super::diagnosis::Number;
 use super::evidence::Evidence;
 use super::model::{BASELINE, COULOMB};
 use super::trial::Trial;
+use super::unnamed::{between_logs, by_the_unnamed};
 use crate::fit::{Residuals, Uncertainty, uncertainty};
 use crate::identify::{Estimate, JointModel, Problem, Status};
 use crate::joint::EffectId;
@@ -11,9 +12,21 @@ use nalgebra::DMatrix;
 
 /// Estimates of the four numbers and of the rest angle, which is held, and of each effect's parameters.
 pub(super) fn numbers(evidence: &Evidence, trial: &Trial) -> (Vec<Estimate>, Vec<(EffectId, Vec<Number>)>) {
+    numbers_beside(evidence, trial, &[])
+}
+
+/// The same with intervals that allow for what effects which are not named, of those that are considered, would move.
+pub(super) fn numbers_beside(
+    evidence: &Evidence,
+    trial: &Trial,
+    effects: &[EffectId],
+) -> (Vec<Estimate>, Vec<(EffectId, Vec<Number>)>) {
     let problem = Problem::new(&trial.model, &evidence.fit);
     let x = problem.coordinates_from(&trial.found);
-    let sure = problem.linearise(&x).ok().and_then(|blocks| uncertainty(&problem, &blocks).ok());
+    let mut sure = problem.linearise(&x).ok().and_then(|blocks| uncertainty(&problem, &blocks).ok());
+    if let Some(sure) = sure.as_mut().filter(|_| !effects.is_empty()) {
+        widened(evidence, trial, effects, sure);
+    }
     let spread = Spread { trial, free: free(trial), x, sure };
     let parameters = trial.model.parameters()[..BASELINE].iter().enumerate();
     let joint = parameters
@@ -67,6 +80,17 @@ pub(super) fn spread_of(
         interval.map(|[low, high]| 0.5 * (high - low) / quantile)
     };
     (0..count).map(sd).collect()
+}
+
+/// Intervals that allow for what differs between logs and for what nobody named.
+fn widened(evidence: &Evidence, trial: &Trial, effects: &[EffectId], sure: &mut Uncertainty) {
+    if let Some(between) = between_logs(evidence, trial) {
+        sure.widen_to(&between);
+    }
+    if let Some(unnamed) = by_the_unnamed(evidence, trial, effects) {
+        let mut numbers = sure.robust.view_mut((0, 0), unnamed.shape());
+        numbers += unnamed;
+    }
 }
 
 fn free(trial: &Trial) -> Vec<usize> {

@@ -68,6 +68,17 @@ impl Projector {
         Some(left)
     }
 
+    /// How far the shared coordinates move to take up what they can of residuals, everything else refitted.
+    pub(super) fn taken_up(&self, residuals: &[DVector<f64>]) -> Option<DVector<f64>> {
+        self.taken_up_by_each(residuals).map(|each| each.into_iter().sum())
+    }
+
+    /// The same for each log's residuals alone.
+    pub(super) fn taken_up_by_each(&self, residuals: &[DVector<f64>]) -> Option<Vec<DVector<f64>>> {
+        let gram = self.gram.as_ref()?;
+        Some(self.logs.iter().zip(residuals).map(|((_, columns), rest)| gram.solve(&columns.tr_mul(rest))).collect())
+    }
+
     /// Square sum of residuals after the trial's own columns have taken up what they can.
     pub(super) fn left(&self, residuals: &[DVector<f64>]) -> f64 {
         self.project(residuals).map_or(f64::INFINITY, |left| left.iter().map(|r| r.norm_squared()).sum())
