@@ -134,7 +134,7 @@ fn joint_view(report: &ClampedGapReport, folder: &str, joint: &GapReport) -> Val
 
 /// An error in mrad; of a joint that stands where it stood it is rounding.
 fn at_least(rad: f64) -> String {
-    if rad < LEAST_RAD { format!("< {}", ANGLE.number(LEAST_RAD)) } else { ANGLE.number(rad) }
+    if rad < LEAST_RAD { "< 0.001".to_owned() } else { ANGLE.number(rad) }
 }
 
 /// Less than this is no error of an angle [rad].
