@@ -130,6 +130,11 @@ impl Spent {
         format!("The search was ended by its time of {} and is not finished. So far: {sentence}", seconds(self.asked_s))
     }
 
+    /// The sentence without what [`Self::before`] put before it: where many are told it is said once.
+    pub(crate) fn bare<'a>(&self, sentence: &'a str) -> &'a str {
+        sentence.strip_prefix(self.before("").as_str()).unwrap_or(sentence)
+    }
+
     /// In a note: what was asked and used, and what was left out for it.
     pub fn words(&self) -> String {
         let [asked, used] = [self.asked_s, self.used_s].map(seconds);

@@ -155,9 +155,10 @@ impl<'a> Check<'a> {
             checkup => checkup?,
         };
         let report = CheckReport::new(case, checkup, self.provenance.clone());
-        // Only the page draws the samples.
+        // Only the page draws the samples, and where nothing is stated nothing of it can be questioned.
         let series = if self.args.common.out.is_some() { report.series } else { Vec::new() };
-        Ok(CheckReport { series, ..report })
+        let doubts = if self.is_study { report.doubts } else { Vec::new() };
+        Ok(CheckReport { series, doubts, ..report })
     }
 }
 

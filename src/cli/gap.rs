@@ -178,6 +178,13 @@ fn options_without(args: &GapArgs, without: &[Named], deadline: Deadline) -> Res
     })
 }
 
+/// Whether a path is a log by its ending, or a folder of one: what is read of it as text says nothing that helps.
+fn is_recording(path: &Path) -> bool {
+    const ENDINGS: [&str; 9] = ["db3", "mcap", "bag", "zstd", "zst", "npz", "npy", "parquet", "json"];
+    let is_log = |ending: &std::ffi::OsStr| ENDINGS.iter().any(|of| ending.eq_ignore_ascii_case(of));
+    path.is_dir() || (path.is_file() && path.extension().is_some_and(is_log))
+}
+
 /// Runs the command.
 pub(super) fn run(args: &GapArgs) -> Result<u8, CliError> {
     if let Some(both) = args.only.iter().find(|effect| args.without.contains(effect)) {
@@ -187,6 +194,12 @@ pub(super) fn run(args: &GapArgs) -> Result<u8, CliError> {
     if let Some(robot) = &args.robot {
         let study = drafted(&args.study, robot, &args.common)?;
         return clamped_gap::run(args, &study, deadline);
+    }
+    if is_recording(&args.study) {
+        let log = args.study.display();
+        return Err(CliError::Usage(format!(
+            "{log}: this is a log, not a study; `aibo-fit init {log}` writes one to fill in, and --robot FILE takes a log as it is"
+        )));
     }
     match study_kind(&args.study)? {
         StudyKind::Robot if args.mcap.is_some() => {

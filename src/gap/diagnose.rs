@@ -383,7 +383,12 @@ fn notes(
         );
     }
     let law = a.law_refuted.then_some("a law");
-    let refuted: Vec<&str> = a.refuted.iter().map(|e| e.id()).chain(law).collect();
+    let mut refuted: Vec<&str> = Vec::new();
+    for name in a.refuted.iter().map(|e| e.id()).chain(law) {
+        if !refuted.contains(&name) {
+            refuted.push(name);
+        }
+    }
     if !refuted.is_empty() {
         notes.push(format!(
             "The fitted logs ask for {} as well, but with that the held-out logs are predicted no better, or worse: it was \

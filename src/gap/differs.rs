@@ -65,7 +65,7 @@ impl Differs {
         let (number, by, values) = (&self.number, self.by.name(), self.values_in_words());
         self.instead.then(|| {
             format!(
-                " But the logs are explained better, and without them, where the {number} differs by {by}: {values}."
+                " But without any cause the logs are explained better by a {number} that differs by {by}: {values}."
             )
         })
     }

@@ -79,6 +79,18 @@ pub(super) fn far(broken: &[&BeliefFound]) -> Option<String> {
     (!broken.is_empty()).then(|| format!(" Numbers of the study would have to move far: {}.", moved(broken)))
 }
 
+/// A number of a joint in a sentence, by the name of its key.
+pub(crate) fn number_words(name: &str) -> &str {
+    match name {
+        "coulomb" => "Coulomb friction",
+        "viscous" => "viscous friction",
+        other => other,
+    }
+}
+
+/// A law that closes less than this share has told next to nothing.
+const NEXT_TO_NOTHING: f64 = 0.05;
+
 /// What a law is, and what it closes.
 fn unnamed(law: &LawFound) -> String {
     let table = &law.table;
@@ -88,7 +100,10 @@ fn unnamed(law: &LawFound) -> String {
         LawActs::Reading => "a shift of the reading",
     };
     let of: Vec<&str> = table.variables.iter().map(|variable| variable.words()).collect();
-    let closed = |closed: f64| format!("; it closes {} of what refitted numbers leave", share(closed.max(0.0)));
+    let closed = |closed: f64| match closed < NEXT_TO_NOTHING {
+        true => "; it closes next to nothing of what refitted numbers leave".to_owned(),
+        false => format!("; it closes {} of what refitted numbers leave", share(closed)),
+    };
     let closed = table.closed.map_or(String::new(), closed);
     format!("there is {what} that depends on the {} ({}){closed}.", of.join(" and the "), table.looks_like)
 }
@@ -106,7 +121,23 @@ const MOST_BY_NUMBERS: f64 = 0.7;
 /// With what the error is told that causes close.
 pub(super) const REFITTED: &str = "refitted numbers";
 /// The same of a joint that carries bodies which are other than described.
-const WITH_BODIES: &str = "refitted numbers and bodies as found";
+const WITH_BODIES: &str = "refitted numbers and masses";
+
+/// Where causes leave more than so many times the sensor's noise they are a part of the gap, not all of it.
+const MUCH_LEFT: f64 = 3.0;
+/// What closes less than this share of the whole gap above the noise is not most of it: refitted numbers may have closed more.
+const MOST: f64 = 0.5;
+
+/// How much of the gap causes are, and what they leave where that is much; errors as [`closing`] has them.
+fn of_the_gap([before, calibrated, after, floor]: [f64; 4]) -> (&'static str, String) {
+    if !(after > MUCH_LEFT * floor) {
+        return ("the gap is", String::new());
+    }
+    let closes_most = before.min(calibrated) - after >= MOST * (before - floor);
+    let [after, floor] = [after, floor].map(mrad);
+    let left = format!(" Something else is left: the sensor itself makes no more than {floor} of these {after}.");
+    (if closes_most { "most of the gap is" } else { "a part of the gap is" }, left)
+}
 
 /// The sentence of a decision; `parameter` is the number that moved most, `has_bodies` whether the joint carries bodies that are
 /// other than described: as given it is told without them.
@@ -146,14 +177,15 @@ pub(super) fn sentence(
         ),
         (Verdict::Calibration, _) => format!(
             "{joint}: the structure is right and the numbers are off, the {} most of all; refitting them within what is believed of them{} takes the error from {} to {} (noise {}).",
-            parameter.unwrap_or("inertia"),
-            if has_bodies { ", with bodies as found," } else { "" },
+            parameter.map_or("inertia", number_words),
+            if has_bodies { ", and the masses," } else { "" },
             mrad(gap.before),
             mrad(gap.after),
             mrad(gap.floor)
         ),
         (Verdict::Effect, Some(effect)) => {
-            let mut text = format!("{joint}: the gap is {}; {}.", all(), closing(figures, refitted));
+            let (how_much, left) = of_the_gap(figures);
+            let mut text = format!("{joint}: {how_much} {}; {}.{left}", all(), closing(figures, refitted));
             let others: Vec<&str> = decision.equivalent.iter().filter(|e| **e != effect).map(|e| words(*e)).collect();
             if !others.is_empty() {
                 text += &format!(" These logs cannot tell the first apart from {}.", others.join(", nor from "));
@@ -178,15 +210,30 @@ pub(super) fn sentence(
             let unnamed = law.map_or(String::new(), |law| format!(" Without a name {}", unnamed(law)));
             let stays = format!("{} are left, and the sensor itself makes {}", mrad(gap.after), mrad(gap.floor));
             if gap.calibrated < MOST_BY_NUMBERS * gap.before {
-                let most = parameter.map_or(String::new(), |name| format!(", the {name} most of all,"));
-                let beside = if has_bodies { " with bodies as found" } else { "" };
+                let most = parameter.map_or(String::new(), |name| format!(", the {} most of all,", number_words(name)));
+                let beside = if has_bodies { " and the masses" } else { "" };
                 let [before, calibrated] = [gap.before, gap.calibrated].map(mrad);
                 return format!(
-                    "{joint}: refitting the numbers{most}{beside} takes the error from {before} to \
+                    "{joint}: refitting the numbers{beside}{most} takes the error from {before} to \
                      {calibrated}; the effects I know do not explain the rest: {stays}.{unnamed}{nearest}"
                 );
             }
             format!("{joint}: the effects I know do not explain this gap; {stays}.{unnamed}{nearest}")
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn causes_that_leave_much_are_not_the_whole_gap() {
+        let of = |mrad: [f64; 4]| of_the_gap(mrad.map(|mrad| 1e-3 * mrad)).0;
+        assert_eq!(of([75.3, 13.5, 2.91, 2.46]), "the gap is");
+        // The lift of an SO-101, an XL330 that swings freely, an AK80-6 whose numbers are most of its gap.
+        assert_eq!(of([29.6, 26.4, 3.56, 0.519]), "most of the gap is");
+        assert_eq!(of([29.9, 24.6, 12.7, 0.682]), "a part of the gap is");
+        assert_eq!(of([194.0, 28.4, 3.45, 0.146]), "a part of the gap is");
     }
 }

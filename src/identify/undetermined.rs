@@ -98,7 +98,12 @@ fn sentence(experiments: &[Experiment], parts: &[&str]) -> String {
     let listed = match parts {
         [] => return "These logs leave a combination of the numbers to what is believed of them.".into(),
         [only] => {
-            return format!("These logs do not tell the {only} better than it is believed to be: {}.", alone(only));
+            let number = match *only {
+                "coulomb" => "Coulomb friction",
+                "viscous" => "viscous friction",
+                other => other,
+            };
+            return format!("These logs do not tell the {number} better than it is believed to be: {}.", alone(only));
         }
         [first, last] => format!("{first} and {last}"),
         [most @ .., last] => format!("{} and {last}", most.join(", ")),

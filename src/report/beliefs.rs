@@ -32,7 +32,8 @@ pub(super) fn believed(belief: &BeliefFound) -> String {
 
 /// By how many standard deviations, with its sign.
 pub(super) fn moved(belief: &BeliefFound) -> String {
-    format!("{:+.1}", belief.moved_sd)
+    let moved = format!("{:+.1}", belief.moved_sd);
+    if matches!(&*moved, "+0.0" | "-0.0") { "0.0".to_owned() } else { moved }
 }
 
 /// Beliefs under the names of their numbers.

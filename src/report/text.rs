@@ -20,7 +20,7 @@ pub fn limit_width(columns: usize) {
 }
 
 /// The width that is meant, or the terminal's where that is less.
-fn at_most(width: usize) -> usize {
+pub(super) fn at_most(width: usize) -> usize {
     width.min(COLUMNS.load(Ordering::Relaxed))
 }
 

@@ -198,7 +198,8 @@ impl ClampedDiagnosis {
         let told: Vec<String> = told.collect();
         if !told.is_empty() {
             self.notes.push(format!(
-                "What joints push one another with is that of masses which the torques of all of them ask for, within what is                  believed: {}.",
+                "Joints push one another through the masses of bodies. All torques together ask for these, within what is \
+                 believed: {}.",
                 told.join("; ")
             ));
         }

@@ -4,6 +4,7 @@
 //! one number for all is no worse than one for each.
 
 use super::diagnose::JointAnswer;
+use crate::gap::sentence::number_words;
 use crate::gap::{Diagnosis, Number};
 use crate::number::{math, quantity};
 use crate::robot::description::{Description, LinkId, MoverId};
@@ -18,6 +19,8 @@ const SCATTER: f64 = 0.05;
 const STANDS_OUT: f64 = 3.0;
 /// Masses that differ by less than this share are those of joints of one kind.
 const ALIKE: f64 = 0.02;
+/// The group of all joints.
+const ALL: &str = "all";
 
 /// One number of several joints, told as a multiple of what each of them is believed to have.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -35,10 +38,11 @@ pub struct PooledNumber {
 }
 
 impl PooledNumber {
-    /// `coulomb of all is 1.82 [1.75, 1.89] times what is believed`
+    /// `Coulomb friction of all joints is 1.82 [1.75, 1.89] times what is believed`
     pub fn words(&self) -> String {
         let ratio = quantity(self.ratio, Some(self.interval), "");
-        format!("{} of {} is {} times what is believed", self.number, self.group, ratio.trim_end())
+        let group = if self.group == ALL { "all joints" } else { &self.group };
+        format!("{} of {group} is {} times what is believed", number_words(self.number), ratio.trim_end())
     }
 }
 
@@ -56,7 +60,7 @@ fn agreed(values: &[(f64, f64)]) -> Option<(f64, f64)> {
 pub(super) fn pooled(groups: &BTreeMap<String, Vec<String>>, joints: &[JointAnswer]) -> Vec<PooledNumber> {
     let found: Vec<&Diagnosis> = joints.iter().filter_map(|joint| joint.diagnosis.as_ref()).collect();
     let all: Vec<String> = found.iter().map(|d| d.joint.clone()).collect();
-    let mut tried: Vec<(String, Vec<String>)> = vec![("all".to_owned(), all)];
+    let mut tried: Vec<(String, Vec<String>)> = vec![(ALL.to_owned(), all)];
     tried.extend(groups.iter().map(|(name, joints)| (name.clone(), joints.clone())));
     tried.sort_by_key(|(_, joints)| std::cmp::Reverse(joints.len()));
     let mut pooled: Vec<PooledNumber> = Vec::new();

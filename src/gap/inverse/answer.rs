@@ -6,7 +6,7 @@ use super::parameters::{Estimated, HALF_95, detectable, law, named};
 use super::search::{Choice, Found, values};
 use super::sure::Redraws;
 use crate::gap::as_given::AsGiven;
-use crate::gap::sentence::words;
+use crate::gap::sentence::{number_words, words};
 use crate::gap::{
     Answer, Candidate, CauseShare, Detectable, Diagnosis, Gap, LawFound, LogGap, Number, Variable, Verdict, Where,
 };
@@ -370,8 +370,8 @@ fn sentence(
         || "numbers".to_owned(),
         |number| {
             format!(
-                "{}: {} for {}",
-                number.name,
+                "{}: {} instead of {}",
+                number_words(&number.name),
                 quantity(number.found, None, &number.unit),
                 quantity(number.believed, None, &number.unit)
             )

@@ -10,6 +10,9 @@ use crate::report::text::{finish, number, table, wrap};
 /// Columns of the text.
 const WIDTH: usize = 108;
 
+/// A heading that is not broken.
+const IN_THE_SET: &str = "in\u{a0}the\u{a0}set";
+
 /// Writes the report as plain text, as a rule at most 108 columns wide, ending in a newline.
 pub fn blind_text(report: &BlindReport) -> String {
     let score = &report.score;
@@ -75,7 +78,7 @@ pub(super) fn confusion_table(counts: &Confusion) -> String {
 }
 
 pub(super) fn cause_table(causes: &[ByCause], stage: &str) -> String {
-    let mut table = table(WIDTH, &["cause", "else taken for"], &["right", "in the set", stage]);
+    let mut table = table(WIDTH, &["cause", "else taken for"], &["right", IN_THE_SET, stage]);
     for cause in causes {
         let taken = cause.taken_for.as_ref().map_or_else(String::new, |(name, count)| format!("{name} ({count})"));
         table.add_row([
@@ -110,7 +113,7 @@ fn noises(score: &Score) -> String {
 }
 
 fn sizes(score: &Score) -> String {
-    let mut table = table(WIDTH, &["one effect; left after recalibration"], &["named", "in the set", "not seen"]);
+    let mut table = table(WIDTH, &["one effect; left after recalibration"], &["named", IN_THE_SET, "not seen"]);
     for size in &score.sizes {
         let range = match size.to {
             Some(to) => format!("{} to {to} times the noise", size.from),

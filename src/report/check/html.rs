@@ -3,7 +3,7 @@
 use minijinja::{Value, context};
 
 use super::summary::{COLUMNS, doubts, summary};
-use super::{CheckReport, LEFT, NO_STUDY, STILL, left, plot, sizes};
+use super::{CheckReport, LEFT, NO_STUDY, SOUND, STILL, are_sound, left, plot, sizes};
 use crate::gap::Checkup;
 use crate::report::beliefs::{believed, moved};
 use crate::report::gap::words;
@@ -29,6 +29,7 @@ pub fn check_html(name: &str, reports: &[CheckReport], notes: &[String]) -> Resu
             [only] => only.doubts.clone(),
             _ => doubts(&joints),
         },
+        sound => are_sound(&joints).then_some(SOUND),
         summary => summary(&joints).map(|rows| rows.view()),
         columns => COLUMNS,
         joints => reports.iter().map(view).collect::<Result<Vec<_>, _>>()?,

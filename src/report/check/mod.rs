@@ -21,6 +21,8 @@ const MUCH: f64 = 2.0;
 /// What is to be kept in mind where the recalibrated joint leaves a rest.
 const LEFT: &str = "The recalibrated joint leaves more than noise: these sizes hold beside what is still to be explained, once it \
      is; `gap` looks for it.";
+/// What is said where no log has a remark.
+const SOUND: &str = "Nothing to remark on these logs: no sample is lost, and stamps are even.";
 /// What stands for the numbers of a joint that the fitted logs do not move.
 const STILL: &str = "It moved in none of the logs to be fitted: they tell nothing of its numbers.";
 /// What a log without a study leaves open.
@@ -82,6 +84,13 @@ impl CheckReport {
             provenance,
         }
     }
+}
+
+/// Whether no log has a remark, nor anything of the study is to be questioned.
+fn are_sound(joints: &[(&str, Option<&CheckReport>)]) -> bool {
+    joints.iter().filter_map(|(_, report)| *report).all(|report| {
+        report.doubts.is_empty() && report.health.iter().all(|log| log.remarks.is_empty() && log.lost == 0)
+    })
 }
 
 /// How far the model is off.

@@ -9,14 +9,14 @@ use crate::report::number::significant;
 /// What the columns mean.
 pub(super) const COLUMNS: &str = "As given, calibrated: error of the model over the logs to be fitted, with the study's numbers and \
      with numbers refitted within their beliefs. Noise: the sensor's own. Remarks: how many there are on its logs, below. Not \
-     determined: numbers, or combinations of them, that these logs do not tell, below.";
+     told: numbers, or combinations of them, that these logs do not determine, below.";
 
 /// One row for each joint; `None` where there is one joint only, or nothing is believed of any.
 pub(super) fn summary(joints: &[(&str, Option<&CheckReport>)]) -> Option<Grid> {
     let is_told = joints.iter().any(|(_, report)| report.is_some_and(|report| report.checkup.is_some()));
     (is_told && joints.len() > 1).then(|| Grid {
         name: "joint",
-        numbers: vec!["as given\n[mrad]", "calibrated\n[mrad]", "noise\n[mrad]", "remarks", "not\ndetermined"],
+        numbers: vec!["as given\n[mrad]", "calibrated\n[mrad]", "noise\n[mrad]", "remarks", "not\ntold"],
         rows: joints.iter().map(|(name, report)| ((*name).to_owned(), row(*report))).collect(),
     })
 }

@@ -1,7 +1,7 @@
 //! `check` as text for a terminal.
 
 use super::summary::{COLUMNS, doubts, summary};
-use super::{CheckReport, LEFT, NO_STUDY, STILL, left, sizes};
+use super::{CheckReport, LEFT, NO_STUDY, SOUND, STILL, are_sound, left, sizes};
 use crate::gap::Checkup;
 use crate::identify::BeliefFound;
 use crate::report::beliefs::belief_table;
@@ -14,16 +14,18 @@ use crate::report::text::wrap;
 pub fn check_text(report: &CheckReport) -> String {
     // What makes all below it doubtful comes first.
     let doubts = report.doubts.iter().map(|doubt| paragraph(doubt) + "\n\n");
-    doubts.collect::<String>() + &told(report)
+    let sound = if are_sound(&[("", Some(report))]) { paragraph(SOUND) + "\n\n" } else { String::new() };
+    doubts.collect::<String>() + &sound + &told(report)
 }
 
 /// What a check has found, but for what is to be questioned of the study.
 fn told(report: &CheckReport) -> String {
-    let mut blocks = vec![health_text(&report.health), motion_text(&report.health)];
+    let mut blocks: Vec<String> =
+        report.checkup.iter().map(|checkup| paragraph(&sizes(&report.joint, checkup))).collect();
+    blocks.extend([health_text(&report.health), motion_text(&report.health)]);
     match &report.checkup {
         None => blocks.push(paragraph(NO_STUDY)),
         Some(checkup) => {
-            blocks.push(paragraph(&sizes(&report.joint, checkup)));
             blocks.push(numbers(checkup));
             blocks.push(undetermined(&checkup.undetermined).unwrap_or_else(|| {
                 paragraph(&format!("{UNDETERMINED}: nothing; of every number they say more than is believed of it."))
@@ -41,6 +43,9 @@ fn told(report: &CheckReport) -> String {
 pub fn checks_text(joints: &[(&str, Option<&CheckReport>)], notes: &[String]) -> String {
     let is_study = joints.iter().any(|(_, report)| report.is_some_and(|report| report.checkup.is_some()));
     let mut text: String = doubts(joints).iter().map(|doubt| paragraph(doubt) + "\n\n").collect();
+    if are_sound(joints) {
+        text += &(paragraph(SOUND) + "\n\n");
+    }
     if let Some(rows) = summary(joints) {
         text += &format!("{}\n{}\n\n", rows.text(WIDTH), paragraph(COLUMNS));
     }

@@ -14,10 +14,6 @@ use crate::report::measure::{ANGLE, Measure};
 use crate::report::number::share;
 use crate::report::{Figure, GapReport, LogHealthRow, ReportError};
 
-/// What probabilities are, by what is predicted.
-const RATE: &str = "the measured rate at which answers like this were right";
-const REDRAWS: &str = "the share of redraws of the held-out seconds that give the same answer";
-
 /// Figures by their place in the report.
 struct ClampedFigures {
     steps: Vec<Figure>,
@@ -102,12 +98,12 @@ pub fn clamped_gap_html(report: &ClampedGapReport) -> Result<String, ReportError
         steps_heading => waterfall::HEADING,
         close_up => views(|all| &all.close_up),
         figures => views(|all| &all.joints),
-        joints => joints.iter().map(|(folder, joint)| joint_view(folder, joint)).collect::<Vec<_>>(),
+        joints => joints.iter().map(|(folder, joint)| joint_view(report, folder, joint)).collect::<Vec<_>>(),
         still => still.map(|joint| joint.joint.clone()).collect::<Vec<_>>(),
         animation => report.animation.is_some().then_some(super::ANIMATION_FILE),
         whole => report.whole_words(),
         whole_joints => whole_joints(report),
-        sure => if measure == ANGLE { RATE } else { REDRAWS },
+        columns => report.columns(),
         undetermined => report.undetermined(),
         next => report.next(),
         notes => diagnosis.notes.iter().map(|note| with_code(note)).collect::<Vec<_>>(),
@@ -118,7 +114,7 @@ pub fn clamped_gap_html(report: &ClampedGapReport) -> Result<String, ReportError
     render("clamped_gap.html", include_str!("../templates/clamped_gap.html"), values)
 }
 
-fn joint_view(folder: &str, joint: &GapReport) -> Value {
+fn joint_view(report: &ClampedGapReport, folder: &str, joint: &GapReport) -> Value {
     let diagnosis = &joint.diagnosis;
     let measure = Measure::of(diagnosis.gap.unit);
     context! {
@@ -131,16 +127,24 @@ fn joint_view(folder: &str, joint: &GapReport) -> Value {
         after => measure.number(diagnosis.gap.after),
         floor => measure.number(diagnosis.gap.floor),
         probability => sure(diagnosis),
-        sentence => with_code(&diagnosis.answer.sentence),
+        sentence => with_code(report.own_sentence(diagnosis)),
         steps => step_by_step(diagnosis),
     }
 }
+
+/// An error in mrad; of a joint that stands where it stood it is rounding.
+fn at_least(rad: f64) -> String {
+    if rad < LEAST_RAD { "< 0.001".to_owned() } else { ANGLE.number(rad) }
+}
+
+/// Less than this is no error of an angle [rad].
+const LEAST_RAD: f64 = 1e-6;
 
 /// Every joint in one simulation of the whole robot.
 fn whole_joints(report: &ClampedGapReport) -> Vec<Value> {
     let Some(Ok(whole)) = &report.whole else { return Vec::new() };
     let view = |joint: &WholeJoint| {
-        context! { joint => joint.joint.as_str(), before => ANGLE.number(joint.before), after => ANGLE.number(joint.after) }
+        context! { joint => joint.joint.as_str(), before => at_least(joint.before), after => at_least(joint.after) }
     };
     whole.joints.iter().map(view).collect()
 }

@@ -22,8 +22,8 @@ use crate::report::by_joint::by_joint;
 use crate::report::data_health::health_rows_of_joint;
 use crate::report::gap::waterfall::HARDLY;
 use crate::report::gap::{NEXT_FILE, words};
-use crate::report::measure::Measure;
-use crate::report::number::significant;
+use crate::report::measure::{ANGLE, Measure};
+use crate::report::number::{significant, spoken};
 use std::path::PathBuf;
 
 /// Name of the moving picture beside a report.
@@ -129,6 +129,21 @@ impl ClampedGapReport {
         Some(format!("Next, on {}: {words}", report.diagnosis.joint))
     }
 
+    /// A joint's own sentence; that the search was ended by its time is told by the robot's.
+    fn own_sentence<'a>(&self, joint: &'a Diagnosis) -> &'a str {
+        let sentence = joint.answer.sentence.as_str();
+        self.diagnosis.budget.as_ref().map_or(sentence, |spent| spent.bare(sentence))
+    }
+
+    /// What the columns of the joints at a glance are.
+    fn columns(&self) -> String {
+        let sure = if Measure::of(self.diagnosis.gap.unit) == ANGLE { RATE } else { REDRAWS };
+        format!(
+            "What: causes, and numbers found beside those that were believed, where they moved by two of their standard \
+             deviations and more. Sure: {sure}."
+        )
+    }
+
     /// What one simulation of the whole robot says.
     fn whole_words(&self) -> Option<String> {
         Some(match self.whole.as_ref()? {
@@ -226,18 +241,23 @@ fn summary(diagnosis: &Diagnosis) -> String {
     moved.sort_by(|a, b| b.moved_sd.abs().total_cmp(&a.moved_sd.abs()));
     let numbers = moved.into_iter().take(MOVED).map(|belief| {
         let value = |value: f64| significant(value, 2);
-        format!("{} {} for {}", belief.name, value(belief.found), value(belief.believed))
+        let unit = spoken(&belief.unit);
+        format!("{} {} {unit} (was {})", belief.name, value(belief.found), value(belief.believed)).replace("  ", " ")
     });
     let all: Vec<String> = causes.chain(law).chain(numbers).collect();
     if all.is_empty() { "–".to_owned() } else { all.join(", ") }
 }
 
-/// A joint's error step by step: as given, recalibrated, with each cause; `None` where no cause is named.
+/// A joint's error step by step: as given, recalibrated, with each cause; `None` where no more than one is named, of which
+/// the sentence tells it.
 fn step_by_step(diagnosis: &Diagnosis) -> Option<String> {
     let measure = Measure::of(diagnosis.gap.unit);
     let causes = diagnosis.causes.iter().map(|cause| (cause.effect.id(), cause.after));
     let law = diagnosis.law.iter().map(|_| ("a law", diagnosis.gap.after));
     let mut steps: Vec<(&str, f64)> = causes.chain(law).collect();
+    if steps.len() < 2 {
+        return None;
+    }
     // What every cause leaves is told at the end as well; once is enough.
     steps.last_mut()?.1 = diagnosis.gap.after;
     let steps: Vec<String> =
@@ -246,6 +266,10 @@ fn step_by_step(diagnosis: &Diagnosis) -> Option<String> {
     let (joint, unit) = (&diagnosis.joint, measure.unit);
     Some(format!("{joint}, step by step [{unit}]: {given} as given, {calibrated} recalibrated, {}.", steps.join(", ")))
 }
+
+/// What probabilities are, by what is predicted.
+const RATE: &str = "how often answers like this one were right in the exam that each joint's own report names";
+const REDRAWS: &str = "the share of redraws of the held-out seconds that give the same answer";
 
 /// Standard deviations of its belief from which on a number that moved is told, and how many are.
 const TOLD_SD: f64 = 2.0;

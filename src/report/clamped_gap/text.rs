@@ -17,7 +17,7 @@ pub fn clamped_gap_text(report: &ClampedGapReport) -> String {
     let mut blocks = vec![paragraph(&diagnosis.answer.sentence)];
     blocks.push(joints(report));
     blocks.extend(report.next().map(|words| wrap(WIDTH, &words, "", "  ")));
-    blocks.extend(report.joints.iter().map(|(_, joint)| sentence(&joint.diagnosis)));
+    blocks.extend(report.joints.iter().map(|(_, joint)| sentence(report, &joint.diagnosis)));
     let health = report.health();
     if !health.is_empty() {
         blocks.push(format!("Data health:\n{}", robot_health_text(&health)));
@@ -29,7 +29,10 @@ pub fn clamped_gap_text(report: &ClampedGapReport) -> String {
     if !still.is_empty() {
         blocks.push(paragraph(&format!("Never moved: {}.", still.join(", "))));
     }
-    blocks.extend(diagnosis.notes.iter().map(|note| wrap(WIDTH, note, "- ", "  ")));
+    let notes: Vec<String> = diagnosis.notes.iter().map(|note| wrap(WIDTH, note, "- ", "  ")).collect();
+    if !notes.is_empty() {
+        blocks.push(notes.join("\n"));
+    }
     blocks.join("\n\n") + "\n"
 }
 
@@ -49,11 +52,11 @@ fn joints(report: &ClampedGapReport) -> String {
         cells.push(number(sure));
         table.add_row(cells);
     }
-    finish(&mut table)
+    format!("{}\n{}", finish(&mut table), paragraph(&report.columns()))
 }
 
 /// A joint's own sentence, and its error step by step.
-fn sentence(diagnosis: &Diagnosis) -> String {
+fn sentence(report: &ClampedGapReport, diagnosis: &Diagnosis) -> String {
     let steps = step_by_step(diagnosis).map(|steps| format!("\n{}", paragraph(&steps)));
-    paragraph(&diagnosis.answer.sentence) + &steps.unwrap_or_default()
+    paragraph(report.own_sentence(diagnosis)) + &steps.unwrap_or_default()
 }

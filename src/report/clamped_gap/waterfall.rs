@@ -31,7 +31,7 @@ pub(super) fn steps(report: &ClampedGapReport) -> Vec<Rung> {
     let mut squares: f64 = joints.iter().map(|own| own.gap.calibrated.powi(2)).sum();
     let mut steps = vec![("as given".to_owned(), gap.before), ("recalibrated".to_owned(), gap.calibrated)];
     if let Some(words) = bodies(report) {
-        steps.push((format!("with {words}"), root(squares)));
+        steps.push((words, root(squares)));
     }
     let closes = |own: &&Diagnosis| own.gap.calibrated.powi(2) - own.gap.after.powi(2);
     let mut found: Vec<&Diagnosis> = joints.iter().copied().filter(|own| closes(own) != 0.0).collect();
@@ -39,11 +39,11 @@ pub(super) fn steps(report: &ClampedGapReport) -> Vec<Rung> {
     let (own, others) = found.split_at(found.len().min(if found.len() > OWN + 1 { OWN } else { OWN + 1 }));
     for joint in own {
         squares -= closes(joint);
-        steps.push((format!("with {}", on_joint(joint)), root(squares)));
+        steps.push((on_joint(joint), root(squares)));
     }
     if !others.is_empty() {
         squares -= others.iter().map(closes).sum::<f64>();
-        steps.push((format!("with what was found on {} more", others.len()), root(squares)));
+        steps.push((format!("what was found on {} more", others.len()), root(squares)));
     }
     rungs(steps, gap.floor)
 }

@@ -6,10 +6,17 @@ use crate::report::LogHealthRow;
 use crate::report::gap::text::WIDTH;
 use crate::report::number::significant;
 use crate::report::rows::shorten;
-use crate::report::text::{finish, number, one_line, table, wrap};
+use crate::report::text::{at_most, finish, number, one_line, table, wrap};
 
-/// Characters of a file name.
+/// Characters of a file name, and on a narrow terminal, where remarks name it in full.
 const NAME: usize = 22;
+const SHORT_NAME: usize = 15;
+/// From so many columns on a terminal is not narrow.
+const ROOMY: usize = 90;
+
+fn name(file: &str) -> Cell {
+    Cell::new(shorten(&one_line(file), if at_most(WIDTH) < ROOMY { SHORT_NAME } else { NAME }))
+}
 
 /// One line for each log, then what is odd about it.
 pub(in crate::report) fn health_text(rows: &[LogHealthRow]) -> String {
@@ -30,7 +37,7 @@ pub(in crate::report) fn health_text(rows: &[LogHealthRow]) -> String {
     let dash = || number("-".to_owned());
     for row in rows {
         let cells = [
-            Cell::new(shorten(&one_line(&row.file), NAME)),
+            name(&row.file),
             Cell::new(&row.role),
             number(row.samples.to_string()),
             number(format!("{:.2}", row.duration_s)),
@@ -63,7 +70,7 @@ pub(in crate::report) fn motion_text(rows: &[LogHealthRow]) -> String {
     for row in rows {
         let more = &row.more;
         table.add_row([
-            Cell::new(shorten(&one_line(&row.file), NAME)),
+            name(&row.file),
             number(significant(more.travel_rad, 3)),
             number(significant(more.top_speed_rad_s, 3)),
             number(more.reversals.to_string()),

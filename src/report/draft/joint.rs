@@ -74,7 +74,7 @@ pub(super) fn study(
         others.truncate(NAMED);
         let others = others.join(", ");
         let how = if asked.is_some() { "as asked" } else { "it moves most" };
-        untold.push(format!("the logs have several joints: this is the study of {title} ({how}); --joint chooses another of {others}{more}, --robot FILE makes one study of all"));
+        untold.push(format!("the logs have several joints: this is the study of {title} ({how}); --joint chooses another of {others}{more}, --robot FILE makes one study of all, which is what an arm needs: of one joint alone the others are taken to stand still"));
     }
     let mut to_fill = vec!["inertia", "moment", "coulomb", "viscous"];
     if is_driven {

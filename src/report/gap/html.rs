@@ -38,7 +38,7 @@ pub fn render_gap_html(report: &GapReport) -> Result<String, ReportError> {
         joint => diagnosis.joint.as_str(),
         sentence => with_code(&answer.sentence),
         verdict => answer.verdict.name(),
-        probability => chances.words(),
+        probability => with_code(&chances.words()),
         source => with_code(answer.probability_source.trim_end_matches('.')),
         answer => words::answer(diagnosis),
         has_second => answer.second.is_some(),
@@ -88,8 +88,9 @@ pub fn render_gap_html(report: &GapReport) -> Result<String, ReportError> {
     render("gap.html", include_str!("../templates/gap.html"), values)
 }
 
-/// A text in which what stands between backticks is set as code.
+/// A text in which what stands between backticks is set as code, and no line ends before a `%`.
 pub(in crate::report) fn with_code(text: &str) -> Value {
+    let text = text.replace(" %", "\u{a0}%");
     let pieces = text.split('`').enumerate().map(|(i, piece)| {
         let escaped = HtmlEscape(piece).to_string();
         if i % 2 == 1 { format!("<code>{escaped}</code>") } else { escaped }

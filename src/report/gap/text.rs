@@ -158,7 +158,12 @@ fn ranking(diagnosis: &Diagnosis) -> String {
     let gap = &diagnosis.gap;
     let measure = Measure::of(gap.unit);
     let words = ["which", "parameters with 95 % intervals"];
-    let mut table = table(WIDTH, &words, &[&*measure.over("RMS"), "closes\nalone", "behind\n[sd]", "probability"]);
+    let chances = words::chances(diagnosis);
+    let rms = measure.over("RMS");
+    let numbers = [&*rms, "closes\nalone", "behind\n[sd]", "probability"];
+    // Where no effect has a part of the probability there is nothing to tell of it.
+    let numbers = if chances.is_shared_out { &numbers[..] } else { &numbers[..numbers.len() - 1] };
+    let mut table = table(WIDTH, &words, numbers);
     let plain = |table: &mut Table, name: &str, rms: f64| {
         table.add_row([Cell::new(name), Cell::new(""), number(measure.number(rms))]);
     };
@@ -167,17 +172,16 @@ fn ranking(diagnosis: &Diagnosis) -> String {
     if let (Some(_), Some(both)) = (diagnosis.answer.second, words::answer(diagnosis)) {
         plain(&mut table, &format!("({both})"), gap.after);
     }
-    let chances = words::chances(diagnosis);
     for (candidate, chance) in diagnosis.ranking.iter().zip(&chances.candidates).filter(|(c, _)| c.refitted) {
         let mark = if words::is_named(&diagnosis.answer, candidate.effect) { " *" } else { "" };
-        table.add_row([
+        let cells = [
             Cell::new(format!("{}{mark}", candidate.effect)),
             Cell::new(candidate.parameters.iter().map(words::parameter).collect::<Vec<_>>().join("\n")),
             number(measure.number(candidate.after)),
             number(closes_alone(gap, candidate.after).map_or_else(|| "-".to_owned(), share)),
             number(significant(candidate.behind_sd, 2)),
-            number(chance),
-        ]);
+        ];
+        table.add_row(cells.into_iter().chain(chances.is_shared_out.then(|| number(chance))));
     }
     plain(&mut table, "(sensor noise)", gap.floor);
     if chances.is_shared_out {

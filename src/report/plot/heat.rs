@@ -63,16 +63,19 @@ pub(in crate::report) fn heat(
     };
     let width = ((figure_width() - left - RIGHT - scale_room) / columns.max(1) as f64).clamp(4.0, map.cell[0]);
     let height = if map.names_above { map.cell[1] } else { width.min(map.cell[1]) };
+    let small = Look { size: LEAST_TEXT, ..look };
+    // Names that a narrow figure has no room for above its cells stand upright below them.
+    let names_above =
+        map.names_above && !(is_narrow() && map.columns.iter().any(|name| small.width(name) > width - 4.0));
     let (across, down) = (width * columns as f64, height * rows as f64);
     let size = (width.min(2.2 * height) * 0.28).clamp(LEAST_TEXT, 13.0);
     let look =
         Look { size: (0.45 * width.min(height)).clamp(if height < 12.0 { 4.0 } else { LEAST_TEXT }, 13.0), ..look };
-    let top = TOP + if map.names_above { 22.0 } else { 0.0 } + if map.axes[0].is_empty() { 0.0 } else { 20.0 };
-    let heads = Look { size: 10.0, ..look };
+    let top = TOP + if names_above { 22.0 } else { 0.0 } + if map.axes[0].is_empty() { 0.0 } else { 20.0 };
     let fits = |name: &String| look.width(name) <= width - 4.0;
-    let heads = if map.names_above && !map.columns.iter().all(fits) { heads } else { look };
+    let heads = if names_above && !map.columns.iter().all(fits) { small } else { look };
     let longest = map.columns.iter().map(|name| look.width(name)).fold(0.0, f64::max).min(map.name_room - 16.0);
-    let below = if map.names_above { 12.0 } else { longest + 24.0 };
+    let below = if names_above { 12.0 } else { longest + 24.0 };
     let scale_height = if is_narrow() { 0.0 } else { down.clamp(120.0, SCALE_HEIGHT) };
 
     sketch(map.title, top + down.max(scale_height) + below, |root| {
@@ -87,7 +90,7 @@ pub(in crate::report) fn heat(
         }
         for (column, name) in map.columns.iter().enumerate() {
             let middle = left + (column as f64 + 0.5) * width;
-            if map.names_above {
+            if names_above {
                 let centred = Look { anchor: HPos::Center, ..heads };
                 text(root, (middle, top - 12.0), &centred.fit(name, width - 4.0), centred)?;
             } else {

@@ -2,7 +2,7 @@
 
 use minijinja::{Value, context};
 
-use super::sections::{Shown, sections};
+use super::sections::{Shown, sections, verdict};
 use super::words::explanations;
 use super::{ThesisReport, thesis_figures};
 use crate::report::ReportError;
@@ -34,12 +34,9 @@ pub fn thesis_html(report: &ThesisReport) -> Result<String, ReportError> {
             }
         })
         .collect();
-    let inside = all.iter().filter(|s| ["table_3_2", "table_3_3"].contains(&s.key)).flat_map(|s| &s.rows);
-    let counted: Vec<bool> = inside.filter_map(|row| row.inside()).collect();
     let values = context! {
         data => report.data.as_str(),
-        within => counted.iter().filter(|inside| **inside).count(),
-        of => counted.len(),
+        verdict => verdict(&all),
         tables,
         answers,
         figures => figure_views(both(|| thesis_figures(report))?.each_ref()),

@@ -30,6 +30,20 @@ pub(super) struct Shown {
     pub remarks: Vec<String>,
 }
 
+/// How many of the masses and frictions that matter lie inside; `None` where these swings determine none.
+pub(super) fn verdict(sections: &[Section<'_>]) -> Option<String> {
+    let rows = sections.iter().filter(|s| ["table_3_2", "table_3_3"].contains(&s.key)).flat_map(|s| &s.rows);
+    let judged: Vec<bool> = rows.filter_map(|row| row.inside()).collect();
+    let inside = judged.iter().filter(|inside| **inside).count();
+    (!judged.is_empty()).then(|| {
+        format!(
+            "{inside} of the {} masses and frictions of Tables 3.2 and 3.3 that these swings determine lie, as printed, \
+             inside their 95 % intervals.",
+            judged.len()
+        )
+    })
+}
+
 /// The tables in the thesis's order.
 pub(super) fn sections(tables: &Tables) -> Vec<Section<'_>> {
     let (ratios, weighed) = (&tables.ratios, &tables.weighed);

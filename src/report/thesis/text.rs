@@ -3,7 +3,7 @@
 use comfy_table::Cell;
 
 use super::ThesisReport;
-use super::sections::{Section, sections};
+use super::sections::{Section, sections, verdict};
 use super::words::explanations;
 use crate::report::text::{finish, number, one_line, table, wrap};
 
@@ -13,7 +13,8 @@ const WIDTH: usize = 100;
 /// Writes the tables and the explanation as plain text at most 100 columns wide, ending in a newline.
 pub fn thesis_text(report: &ThesisReport) -> String {
     let sections = sections(&report.tables);
-    let mut blocks: Vec<String> = summary(&sections).map(|words| wrap(WIDTH, &words, "", "")).into_iter().collect();
+    let opening = verdict(&sections).into_iter().chain(summary(&sections));
+    let mut blocks: Vec<String> = opening.map(|words| wrap(WIDTH, &words, "", "")).collect();
     blocks.extend(sections.iter().filter(|s| !s.rows.is_empty()).map(block));
     for answer in explanations(report) {
         let mut text = wrap(WIDTH, &answer.question, "", "");
@@ -39,10 +40,7 @@ fn summary(sections: &[Section<'_>]) -> Option<String> {
     });
     let printed: Vec<String> = printed.collect();
     (!printed.is_empty()).then(|| {
-        format!(
-            "How many of the thesis's numbers lie inside the 95 % intervals of these swings: {}.",
-            printed.join("; ")
-        )
+        format!("Printed numbers inside the 95 % intervals of these swings, table by table: {}.", printed.join("; "))
     })
 }
 

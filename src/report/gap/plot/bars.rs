@@ -154,8 +154,10 @@ pub(super) fn ranking(diagnosis: &Diagnosis) -> Result<String, ReportError> {
     if let (Some(_), Some(both)) = (answer.second, words::answer(diagnosis)) {
         bars.push(Bar { bold: true, ..bar(&both, gap.after, AFTER) });
     }
-    let chances = words::chances(diagnosis).candidates;
-    for (candidate, chance) in diagnosis.ranking.iter().zip(chances).filter(|(candidate, _)| candidate.refitted) {
+    let chances = words::chances(diagnosis);
+    for (candidate, chance) in
+        diagnosis.ranking.iter().zip(chances.candidates).filter(|(candidate, _)| candidate.refitted)
+    {
         let named = words::is_named(answer, candidate.effect);
         let colour = if named { AFTER } else { SHADE };
         let mut bar = Bar { bold: named, ..bar(candidate.effect.id(), candidate.after, colour) };
@@ -174,11 +176,16 @@ pub(super) fn ranking(diagnosis: &Diagnosis) -> Result<String, ReportError> {
         ));
     }
     legend.push((Sign::Line, BAND.to_rgba(), "the sensor's own noise".to_owned()));
+    let rms = format!("RMS [{}]", measure.unit);
+    let columns = [&*rms, "closes alone", "probability"];
+    if !chances.is_shared_out {
+        bars.iter_mut().for_each(|bar| bar.words.truncate(2));
+    }
     draw(&Bars {
         title: &format!("{}: error on held-out logs with each effect", diagnosis.joint),
         legend,
         label: &format!("RMS of the {}, held-out logs [{}]", measure.what, measure.unit),
-        columns: &[&*format!("RMS [{}]", measure.unit), "closes alone", "probability"],
+        columns: if chances.is_shared_out { &columns } else { &columns[..2] },
         bars,
         mark: Some(measure.scale * gap.floor).filter(|floor| drawable(*floor)),
         are_errors: true,
