@@ -3,7 +3,8 @@
 //!
 //! The ERS-7 with a free base, 22 joints, no contact, at a bent and moving state.
 
-use aibo_fit::robot::{BodyId, ContactDamping, Dynamics, Force, Input, Model, State};
+use aibo_fit::robot::{BodyId, ContactDamping, Dynamics, Force, Input, LanesDynamics, Model, State};
+use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use nalgebra::{DMatrix, Matrix3, UnitQuaternion, Vector3};
 
@@ -33,6 +34,23 @@ fn forward(bencher: Bencher<'_, '_>) {
     let (torque, mut out) = ([0.01; 22], [0.0; 28]);
     bencher.bench_local(move || {
         dynamics.forward(black_box(&state), &Input::torques(black_box(&torque)), &mut out);
+        out[6]
+    });
+}
+
+/// The same of so many robots at once: the time that all of them take together.
+#[divan::bench(sample_count = 200, sample_size = 100, args = [4, 8])]
+fn forward_lanes(bencher: Bencher<'_, '_>, robots: usize) {
+    let model = Model::ers7();
+    let mut states = vec![moving(model); robots];
+    for (k, state) in states.iter_mut().enumerate() {
+        state.angle_rad.iter_mut().for_each(|angle| *angle *= 1.0 - 0.1 * k as f64);
+    }
+    let (mut dynamics, torque) = (LanesDynamics::new(model), [0.01; 22]);
+    let inputs = vec![Input::torques(&torque); robots];
+    let mut out = vec![0.0; 28 * robots];
+    bencher.counter(ItemsCount::new(robots)).bench_local(move || {
+        dynamics.forward(black_box(&states), black_box(&inputs), &mut out);
         out[6]
     });
 }

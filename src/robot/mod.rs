@@ -7,6 +7,7 @@
 //! - [`Dynamics`]: the working memory of one evaluation at a time. Forward dynamics by the articulated-body algorithm
 //!   (Featherstone 2008, chapter 7), inverse dynamics by recursive Newton-Euler (chapter 5), the mass matrix by
 //!   composite rigid bodies (chapter 6), energies, momentum, places and velocities.
+//! - [`LanesDynamics`]: forward dynamics of many robots at once, the same bits for each.
 //! - [`Floor`]: what stands under it (eqs 2.3-2.6), with what an implicit step needs.
 //! - [`Gait`]: what is asked of its joints (section 4.1).
 //! - [`mod@bench`]: the drop test of 3.4 on the whole robot.
@@ -36,7 +37,7 @@ pub mod study;
 pub mod tree;
 
 pub use contact::{Contact, Floor, FloorParameters, Resting, Touching};
-pub use dynamics::{BodyMotion, ContactDamping, Dynamics, Energy, Force, Input, Momentum};
+pub use dynamics::{BodyMotion, ContactDamping, Dynamics, Energy, Force, Input, LanesDynamics, Momentum};
 pub use error::RobotError;
 pub use gait::{Between, Gait, Motion, Sampled, Setpoints};
 pub use model::{Attached, Body, BodyId, Following, JointId, Model, PidGains};

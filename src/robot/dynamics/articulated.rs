@@ -1,4 +1,5 @@
-//! Forward dynamics by the articulated-body algorithm (Featherstone 2008, table 7.1), two bodies at a time.
+//! Forward dynamics by the articulated-body algorithm (Featherstone 2008, table 7.1), several bodies at a time: two of one
+//! robot, or one of each of several robots ([`Layout`]).
 //!
 //! In working frames (origin on the joint's axis, `S = [e_K; 0]`) the column `U = I^A S` is read off, not computed:
 //! `D = A_KK + d` with the implicit diagonal term d, `u = tau - n_K`. The rest is
@@ -12,38 +13,40 @@
 //! Gravity enters as an acceleration of the base. Three passes over the groups; which axis a group turns about and
 //! whether it has an offset is known to the compiler in each.
 
-use super::base::solve_base;
+use super::base::{Carried, solve_base};
+use super::layout::{Handed, Layout, Pairwise, Rows, rows};
 use super::slot::{Slot, Spatial};
 use super::{ContactDamping, Dynamics, Input};
 use crate::geometry::robot_file::Base;
+use crate::number::Lanes;
 use crate::robot::State;
-use crate::robot::model::{BASE_FREEDOMS, BasePlan, Group, Parent, Shape};
-use crate::robot::spatial::{Articulated, Pair, add, cross, rotate, rotate_back, sin_cos, sub};
+use crate::robot::model::{BASE_FREEDOMS, BasePlan, Group, Plan, Shape};
+use crate::robot::spatial::{Articulated, Number, Two, add, cross, rotate, rotate_back, sin_cos, sub, three};
 use nalgebra::Vector3;
 
 /// Runs a pass for the axis and shape of a group.
 macro_rules! by_kind {
-    ($group:expr, $pass:ident, $($argument:expr),*) => {
+    ($group:expr, $pass:ident, $layout:ident, $($argument:expr),*) => {
         match ($group.axis, $group.shape) {
-            (0, Shape::Turn) => $pass::<0, false, false>($($argument),*),
-            (0, Shape::Shifted) => $pass::<0, true, false>($($argument),*),
-            (0, Shape::Rotated) => $pass::<0, true, true>($($argument),*),
-            (1, Shape::Turn) => $pass::<1, false, false>($($argument),*),
-            (1, Shape::Shifted) => $pass::<1, true, false>($($argument),*),
-            (1, Shape::Rotated) => $pass::<1, true, true>($($argument),*),
-            (_, Shape::Turn) => $pass::<2, false, false>($($argument),*),
-            (_, Shape::Shifted) => $pass::<2, true, false>($($argument),*),
-            (_, Shape::Rotated) => $pass::<2, true, true>($($argument),*),
+            (0, Shape::Turn) => $pass::<$layout, 0, false, false>($($argument),*),
+            (0, Shape::Shifted) => $pass::<$layout, 0, true, false>($($argument),*),
+            (0, Shape::Rotated) => $pass::<$layout, 0, true, true>($($argument),*),
+            (1, Shape::Turn) => $pass::<$layout, 1, false, false>($($argument),*),
+            (1, Shape::Shifted) => $pass::<$layout, 1, true, false>($($argument),*),
+            (1, Shape::Rotated) => $pass::<$layout, 1, true, true>($($argument),*),
+            (_, Shape::Turn) => $pass::<$layout, 2, false, false>($($argument),*),
+            (_, Shape::Shifted) => $pass::<$layout, 2, true, false>($($argument),*),
+            (_, Shape::Rotated) => $pass::<$layout, 2, true, true>($($argument),*),
         }
     };
 }
 
-/// The base's share of the recursion, in both lanes.
-struct BaseWork {
-    velocity: Spatial,
-    inertia: Articulated,
-    bias: Spatial,
-    acceleration: Spatial,
+/// The bases' share of the recursion; inertia and bias apart by the bodies of the pairs that hang on them.
+pub(super) struct BaseWork<L: Layout> {
+    velocity: Spatial<L::Number>,
+    pub inertia: [Articulated<L::Number>; 2],
+    pub bias: [Spatial<L::Number>; 2],
+    acceleration: Spatial<L::Number>,
 }
 
 impl Dynamics<'_> {
@@ -89,123 +92,135 @@ impl Dynamics<'_> {
     ) {
         let joints = self.model.joints().len();
         self.check_state(state);
-        self.check("torques", input.torque_nm.len(), joints);
+        self.check_input(input);
         self.check("accelerations", acceleration.len(), BASE_FREEDOMS + joints);
-        if !input.diagonal_kg_m2.is_empty() {
-            self.check("diagonal terms", input.diagonal_kg_m2.len(), joints);
-        }
-        let groups = &self.model.plan().groups;
-        for (group, slot) in groups.iter().zip(&mut self.slots) {
-            let angle = of_joints(group, &state.angle_rad) * group.sign + group.phase_rad;
-            (slot.sin, slot.cos) = sin_cos(angle);
-        }
+        let (model, plan) = (self.model, self.model.plan());
+        let of_joints = |values| rows(joints, |_| values);
+        turn::<Pairwise>(plan, &mut self.slots, &of_joints(&state.angle_rad));
+        let carried = Carried::of(model, |_| state);
+        let mut base = BaseWork::<Pairwise>::new(&plan.base, &carried);
         let has_forces = !input.forces.is_empty();
-        let rotation = state.base_orientation.to_rotation_matrix();
-        let (velocity_m_s, rate_rad_s) = match self.model.base() {
-            Base::Floating => (rotation.inverse() * state.base_velocity_m_s, state.base_rate_rad_s),
-            Base::Clamped => (Vector3::zeros(), Vector3::zeros()),
-        };
-        let mut base = start_of_base(&self.model.plan().base, &rate_rad_s, &velocity_m_s);
         if has_forces {
-            self.place_forces(state, input.forces, &mut base.bias);
+            self.place_forces(state, input.forces, &mut base.bias[0]);
         }
-        for (k, group) in groups.iter().enumerate() {
-            let rate = of_joints(group, &state.rate_rad_s) * group.sign;
-            let above = parent_of(group, &self.slots, &base.velocity, |slot| slot.velocity);
-            let slot = &mut self.slots[k];
-            by_kind!(group, outward, group, slot, above, rate, has_forces);
-        }
-        let gravity = rotation.inverse() * self.model.gravity_m_s2();
+        go_outward(plan, &mut self.slots, &base, &of_joints(&state.rate_rad_s), has_forces);
         if !contacts.is_empty() {
-            let resting = -(gravity + rate_rad_s.cross(&velocity_m_s));
-            self.place_contacts(state, &resting, step_s, contacts, (&mut base.inertia, &mut base.bias));
+            let resting = -Vector3::from(carried.falling());
+            self.place_contacts(state, &resting, step_s, contacts, (&mut base.inertia[0], &mut base.bias[0]));
         }
-        let armature = self.model.plan().armature_kg_m2.as_slice();
-        for (k, group) in groups.iter().enumerate().rev() {
-            let torque = of_joints(group, input.torque_nm) * group.sign;
-            let diagonal = match (input.diagonal_kg_m2, armature) {
-                ([], []) => Pair::zero(),
-                ([], armature) => armature[k],
-                (diagonal, []) => of_joints(group, diagonal),
-                (diagonal, armature) => of_joints(group, diagonal) + armature[k],
-            };
-            let (earlier, rest) = self.slots.split_at_mut(k);
-            by_kind!(group, inward, group, &mut rest[0], torque, diagonal, earlier, &mut base);
-        }
-        let (angular, linear) = match self.model.base() {
-            Base::Floating => solve_base(&base.inertia, &base.bias),
-            Base::Clamped => (Vector3::zeros(), -gravity),
+        let added = Added {
+            torque_nm: of_joints(input.torque_nm),
+            diagonal_kg_m2: (!input.diagonal_kg_m2.is_empty()).then(|| of_joints(input.diagonal_kg_m2)),
+            rotors: &plan.armature_kg_m2,
         };
-        base.acceleration = (both(&angular), both(&linear));
-        for (k, group) in groups.iter().enumerate() {
-            let above = parent_of(group, &self.slots, &base.acceleration, |slot| slot.acceleration);
-            let joint_acceleration = by_kind!(group, onward, group, &mut self.slots[k], above) * group.sign;
-            let [first, second] = joint_acceleration.lanes();
-            acceleration[BASE_FREEDOMS + group.joints[1]] = second;
-            acceleration[BASE_FREEDOMS + group.joints[0]] = first;
-        }
-        // From the spatial acceleration with gravity in it to that of the base's centre, in world axes.
-        let classical = match self.model.base() {
-            Base::Floating => rotation * (linear + gravity + rate_rad_s.cross(&velocity_m_s)),
-            Base::Clamped => Vector3::zeros(),
-        };
-        acceleration[..3].copy_from_slice(classical.as_slice());
-        acceleration[3..6].copy_from_slice(angular.as_slice());
+        go_inward(plan, &mut self.slots, &mut base, &added);
+        base.accelerate(model.base(), &carried, acceleration, BASE_FREEDOMS + joints);
+        go_onward(plan, &mut self.slots, &base, acceleration, BASE_FREEDOMS + joints);
     }
 }
 
-/// A number of each of a group's joints.
-#[inline(always)]
-fn of_joints(group: &Group, values: &[f64]) -> Pair {
-    Pair::new(values[group.joints[0]], values[group.joints[1]])
+impl<L: Layout> BaseWork<L> {
+    /// The base before anything hangs on it.
+    #[inline(always)]
+    pub fn new(plan: &BasePlan, carried: &Carried<L::Single>) -> Self {
+        let (rate, velocity) = (carried.rate_rad_s, carried.velocity_m_s);
+        let splat = L::Single::splat;
+        let centre = three(|i| splat(plan.centre_m[i]));
+        let centre_velocity = add(velocity, cross(rate, centre));
+        let force = cross(rate, centre_velocity).map(|x| x * splat(plan.mass_kg));
+        let inertia = three(|i| three(|j| splat(plan.inertia_kg_m2[(i, j)])));
+        let moment = add(cross(rate, rotate(&inertia, rate)), cross(centre, force));
+        let bias = |part: usize| (three(|i| L::first(moment[i])[part]), three(|i| L::first(force[i])[part]));
+        let zero = L::Number::zero();
+        Self {
+            velocity: (rate.map(L::of_robot), velocity.map(L::of_robot)),
+            inertia: [L::inertia(&plan.rigid, 0), L::inertia(&plan.rigid, 1)],
+            bias: [bias(0), bias(1)],
+            acceleration: ([zero; 3], [zero; 3]),
+        }
+    }
+
+    /// Answers the bases' accelerations, once all that hangs on them is known.
+    #[inline(always)]
+    pub fn accelerate(&mut self, base: Base, carried: &Carried<L::Single>, out: &mut [f64], freedoms: usize) {
+        let (angular, linear) = match base {
+            Base::Floating => solve_base(self),
+            Base::Clamped => ([L::Single::zero(); 3], carried.gravity_m_s2.map(|x| x * L::Single::splat(-1.0))),
+        };
+        self.acceleration = (angular.map(L::of_robot), linear.map(L::of_robot));
+        carried.write(base, (angular, linear), out, freedoms);
+    }
 }
 
+/// Sines and cosines of the working angles.
 #[inline(always)]
-fn both(v: &Vector3<f64>) -> [Pair; 3] {
-    [Pair::splat(v.x), Pair::splat(v.y), Pair::splat(v.z)]
-}
-
-/// What the group's parents have of something.
-#[inline(always)]
-fn parent_of(group: &Group, slots: &[Slot], base: &Spatial, of: impl Fn(&Slot) -> Spatial) -> Spatial {
-    match group.parent {
-        Parent::Base => *base,
-        Parent::Lanes(above) => of(&slots[above]),
-        Parent::Shared { group, lane, .. } => {
-            let (angular, linear) = of(&slots[group]);
-            let one = |x: Pair| Pair::splat(x.lanes()[lane]);
-            (angular.map(one), linear.map(one))
+pub(super) fn turn<L: Layout>(plan: &Plan, slots: &mut [Slot<L::Number>], angle_rad: &Rows<'_>) {
+    for (k, group) in plan.groups.iter().enumerate() {
+        for part in 0..L::parts(group) {
+            let slot = &mut slots[L::PARTS * k + part];
+            let angle = L::of_joints(group, part, angle_rad) * L::constant(&group.sign, part);
+            (slot.sin, slot.cos) = sin_cos(angle + L::constant(&group.phase_rad, part));
         }
     }
 }
 
-/// The base before anything hangs on it.
-fn start_of_base(plan: &BasePlan, rate_rad_s: &Vector3<f64>, velocity_m_s: &Vector3<f64>) -> BaseWork {
-    let centre_velocity = velocity_m_s + rate_rad_s.cross(&plan.centre_m);
-    let force = rate_rad_s.cross(&centre_velocity) * plan.mass_kg;
-    let moment = rate_rad_s.cross(&(plan.inertia_kg_m2 * rate_rad_s)) + plan.centre_m.cross(&force);
-    let first = |v: Vector3<f64>| [Pair::new(v.x, 0.0), Pair::new(v.y, 0.0), Pair::new(v.z, 0.0)];
-    BaseWork {
-        velocity: (both(rate_rad_s), both(velocity_m_s)),
-        inertia: plan.rigid,
-        bias: (first(moment), first(force)),
-        acceleration: ([Pair::zero(); 3], [Pair::zero(); 3]),
+/// First pass, over all groups.
+#[inline(always)]
+pub(super) fn go_outward<L: Layout>(
+    plan: &Plan,
+    slots: &mut [Slot<L::Number>],
+    base: &BaseWork<L>,
+    rate_rad_s: &Rows<'_>,
+    has_forces: bool,
+) {
+    for (k, group) in plan.groups.iter().enumerate() {
+        by_kind!(group, outward, L, group, k, slots, base, rate_rad_s, has_forces);
+    }
+}
+
+/// Second pass, over all groups.
+#[inline(always)]
+pub(super) fn go_inward<L: Layout>(
+    plan: &Plan,
+    slots: &mut [Slot<L::Number>],
+    base: &mut BaseWork<L>,
+    added: &Added<'_>,
+) {
+    let mut kept = Handed::zero();
+    for (k, group) in plan.groups.iter().enumerate().rev() {
+        by_kind!(group, inward, L, group, k, slots, base, added, &mut kept);
+    }
+}
+
+/// Third pass, over all groups.
+#[inline(always)]
+pub(super) fn go_onward<L: Layout>(
+    plan: &Plan,
+    slots: &mut [Slot<L::Number>],
+    base: &BaseWork<L>,
+    out: &mut [f64],
+    freedoms: usize,
+) {
+    for (k, group) in plan.groups.iter().enumerate() {
+        by_kind!(group, onward, L, group, k, slots, base, out, freedoms);
     }
 }
 
 /// A motion of the parent, in the child's working frame.
 #[inline(always)]
-fn into_child<const K: usize, const SHIFTED: bool, const ROTATED: bool>(
+fn into_child<L: Layout, const K: usize, const SHIFTED: bool, const ROTATED: bool>(
     group: &Group,
-    slot: &Slot,
-    (angular, linear): Spatial,
-) -> Spatial {
+    part: usize,
+    slot: &Slot<L::Number>,
+    (angular, linear): Spatial<L::Number>,
+) -> Spatial<L::Number> {
     let (mut angular, mut linear) = (angular, linear);
     if SHIFTED {
-        linear = add(linear, cross(angular, group.offset_m));
+        linear = add(linear, cross(angular, L::vector(&group.offset_m, part)));
     }
     if ROTATED {
-        (angular, linear) = (rotate_back(&group.fixed, angular), rotate_back(&group.fixed, linear));
+        let fixed = L::matrix(&group.fixed, part);
+        (angular, linear) = (rotate_back(&fixed, angular), rotate_back(&fixed, linear));
     }
     let turn = slot.turn();
     (turn.into_child::<K>(angular), turn.into_child::<K>(linear))
@@ -213,17 +228,36 @@ fn into_child<const K: usize, const SHIFTED: bool, const ROTATED: bool>(
 
 /// First pass: velocity, velocity product, bias force and rigid inertia.
 #[inline(always)]
-fn outward<const K: usize, const SHIFTED: bool, const ROTATED: bool>(
+fn outward<L: Layout, const K: usize, const SHIFTED: bool, const ROTATED: bool>(
     group: &Group,
-    slot: &mut Slot,
-    above: Spatial,
-    rate: Pair,
+    k: usize,
+    slots: &mut [Slot<L::Number>],
+    base: &BaseWork<L>,
+    rate_rad_s: &Rows<'_>,
+    has_forces: bool,
+) {
+    for part in 0..L::parts(group) {
+        outward_part::<L, K, SHIFTED, ROTATED>(group, (k, part), slots, base, rate_rad_s, has_forces);
+    }
+}
+
+#[inline(always)]
+fn outward_part<L: Layout, const K: usize, const SHIFTED: bool, const ROTATED: bool>(
+    group: &Group,
+    (k, part): (usize, usize),
+    slots: &mut [Slot<L::Number>],
+    base: &BaseWork<L>,
+    rate_rad_s: &Rows<'_>,
     has_forces: bool,
 ) {
     let (i, j) = ((K + 1) % 3, (K + 2) % 3);
-    let (mut omega, velocity) = into_child::<K, SHIFTED, ROTATED>(group, slot, above);
+    let constant = |two: &Two| L::constant(two, part);
+    let rate = L::of_joints(group, part, rate_rad_s) * constant(&group.sign);
+    let above = L::above(group, part, slots, &base.velocity, |slot| slot.motion);
+    let slot = &mut slots[L::PARTS * k + part];
+    let (mut omega, velocity) = into_child::<L, K, SHIFTED, ROTATED>(group, part, slot, above);
     // v x S q': the axis's own motion adds nothing, so the parent's will do.
-    let zero = Pair::zero();
+    let zero = L::Number::zero();
     let mut product = ([zero; 3], [zero; 3]);
     product.0[i] = omega[j] * rate;
     product.0[j] = -(omega[i] * rate);
@@ -231,91 +265,128 @@ fn outward<const K: usize, const SHIFTED: bool, const ROTATED: bool>(
     product.1[j] = -(velocity[i] * rate);
     omega[K] += rate;
     // v x* I v, about the centre of mass: m w x v_c, and w x I w.
-    let centre_velocity = add(velocity, cross(omega, group.centre_m));
-    let force = cross(omega, centre_velocity).map(|x| x * group.mass_kg);
-    let inertia = &group.inertia_kg_m2;
+    let centre = L::vector(&group.centre_m, part);
+    let centre_velocity = add(velocity, cross(omega, centre));
+    let mass = constant(&group.mass_kg);
+    let force = cross(omega, centre_velocity).map(|x| x * mass);
+    let inertia = L::symmetric(&group.inertia_kg_m2, part);
     let spin = [
         inertia[0] * omega[0] + inertia[5] * omega[1] + inertia[4] * omega[2],
         inertia[5] * omega[0] + inertia[1] * omega[1] + inertia[3] * omega[2],
         inertia[4] * omega[0] + inertia[3] * omega[1] + inertia[2] * omega[2],
     ];
-    let moment = add(cross(omega, spin), cross(group.centre_m, force));
-    slot.velocity = (omega, velocity);
+    let moment = add(cross(omega, spin), cross(centre, force));
+    slot.motion = (omega, velocity);
     slot.product = product;
-    slot.inertia = group.rigid;
+    slot.inertia = L::inertia(&group.rigid, part);
     slot.bias = if has_forces { (sub(moment, slot.external.0), sub(force, slot.external.1)) } else { (moment, force) };
 }
 
 /// Second pass: what the joint leaves of inertia and bias, handed to the parent.
 #[inline(always)]
-fn inward<const K: usize, const SHIFTED: bool, const ROTATED: bool>(
+fn inward<L: Layout, const K: usize, const SHIFTED: bool, const ROTATED: bool>(
     group: &Group,
-    slot: &mut Slot,
-    torque: Pair,
-    diagonal: Pair,
-    earlier: &mut [Slot],
-    base: &mut BaseWork,
+    k: usize,
+    slots: &mut [Slot<L::Number>],
+    base: &mut BaseWork<L>,
+    added: &Added<'_>,
+    kept: &mut Handed<L::Number>,
 ) {
+    let (earlier, own) = slots.split_at_mut(L::PARTS * k);
+    let rotor = added.rotors.get(k);
+    for (part, slot) in own.iter_mut().enumerate().take(L::parts(group)) {
+        let handed = inward_part::<L, K, SHIFTED, ROTATED>(group, part, slot, added, rotor);
+        L::give(group, part, handed, kept, earlier, base);
+    }
+}
+
+/// What acts on joints.
+pub(super) struct Added<'a> {
+    /// \[N m\]
+    pub torque_nm: Rows<'a>,
+    /// Implicit terms \[kg m^2\].
+    pub diagonal_kg_m2: Option<Rows<'a>>,
+    /// Of the groups; empty where no joint has one \[kg m^2\].
+    pub rotors: &'a [Two],
+}
+
+#[inline(always)]
+fn inward_part<L: Layout, const K: usize, const SHIFTED: bool, const ROTATED: bool>(
+    group: &Group,
+    part: usize,
+    slot: &mut Slot<L::Number>,
+    added: &Added<'_>,
+    rotor: Option<&Two>,
+) -> Handed<L::Number> {
+    let constant = |two: &Two| L::constant(two, part);
+    let torque = L::of_joints(group, part, &added.torque_nm) * constant(&group.sign);
+    let diagonal = match (&added.diagonal_kg_m2, rotor) {
+        (None, None) => L::Number::zero(),
+        (None, Some(rotor)) => constant(rotor),
+        (Some(diagonal), None) => L::of_joints(group, part, diagonal),
+        (Some(diagonal), Some(rotor)) => L::of_joints(group, part, diagonal) + constant(rotor),
+    };
     let column = slot.inertia.column::<K>();
     let inverse = (column.0[K] + diagonal).inverse();
     let gain = (column.0.map(|x| x * inverse), column.1.map(|x| x * inverse));
     let effort = torque - slot.bias.0[K];
-    slot.gain = gain;
     slot.drive = effort * inverse;
     let left = slot.inertia.minus_outer(column, gain);
     let along = left.times_across::<K>(slot.product);
     let bias =
         |k: usize| (slot.bias.0[k] + along.0[k] + gain.0[k] * effort, slot.bias.1[k] + along.1[k] + gain.1[k] * effort);
     let (b0, b1, b2) = (bias(0), bias(1), bias(2));
+    slot.bias = gain;
     let turn = slot.turn();
     let mut inertia = left.seen_from_parent::<K>(&turn);
     let mut moment = turn.into_parent::<K>([b0.0, b1.0, b2.0]);
     let mut force = turn.into_parent::<K>([b0.1, b1.1, b2.1]);
     if ROTATED {
-        inertia = inertia.rotated(&group.fixed);
-        (moment, force) = (rotate(&group.fixed, moment), rotate(&group.fixed, force));
+        let fixed = L::matrix(&group.fixed, part);
+        inertia = inertia.rotated(&fixed);
+        (moment, force) = (rotate(&fixed, moment), rotate(&fixed, force));
     }
     if SHIFTED {
-        inertia = inertia.shifted(group.offset_m);
-        moment = add(moment, cross(group.offset_m, force));
+        let offset = L::vector(&group.offset_m, part);
+        inertia = inertia.shifted(offset);
+        moment = add(moment, cross(offset, force));
     }
-    match group.parent {
-        Parent::Lanes(above) => give(&mut earlier[above], &inertia, moment, force, |x| x),
-        Parent::Base => {
-            let counted = |x: Pair| x * group.counts;
-            base.inertia.zip(&inertia, |x, y| x + counted(y));
-            base.bias.0 = add(base.bias.0, moment.map(counted));
-            base.bias.1 = add(base.bias.1, force.map(counted));
-        }
-        Parent::Shared { group: above, mask, .. } => {
-            let summed = |x: Pair| mask * Pair::splat((x * group.counts).sum());
-            give(&mut earlier[above], &inertia, moment, force, summed);
-        }
-    }
+    Handed { inertia, moment, force }
 }
 
-/// Adds inertia and bias to a parent.
+/// Third pass: the joints' accelerations.
 #[inline(always)]
-fn give(above: &mut Slot, inertia: &Articulated, moment: [Pair; 3], force: [Pair; 3], share: impl Fn(Pair) -> Pair) {
-    above.inertia.zip(inertia, |x, y| x + share(y));
-    above.bias.0 = add(above.bias.0, moment.map(&share));
-    above.bias.1 = add(above.bias.1, force.map(&share));
-}
-
-/// Third pass: the joints' accelerations, working sense.
-#[inline(always)]
-fn onward<const K: usize, const SHIFTED: bool, const ROTATED: bool>(
+fn onward<L: Layout, const K: usize, const SHIFTED: bool, const ROTATED: bool>(
     group: &Group,
-    slot: &mut Slot,
-    above: Spatial,
-) -> Pair {
-    let (angular, linear) = into_child::<K, SHIFTED, ROTATED>(group, slot, above);
+    k: usize,
+    slots: &mut [Slot<L::Number>],
+    base: &BaseWork<L>,
+    out: &mut [f64],
+    freedoms: usize,
+) {
+    for part in 0..L::parts(group) {
+        onward_part::<L, K, SHIFTED, ROTATED>(group, (k, part), slots, base, out, freedoms);
+    }
+}
+
+#[inline(always)]
+fn onward_part<L: Layout, const K: usize, const SHIFTED: bool, const ROTATED: bool>(
+    group: &Group,
+    (k, part): (usize, usize),
+    slots: &mut [Slot<L::Number>],
+    base: &BaseWork<L>,
+    out: &mut [f64],
+    freedoms: usize,
+) {
+    let above = L::above(group, part, slots, &base.acceleration, |slot| slot.motion);
+    let slot = &mut slots[L::PARTS * k + part];
+    let (angular, linear) = into_child::<L, K, SHIFTED, ROTATED>(group, part, slot, above);
     let (mut angular, linear) = (add(angular, slot.product.0), add(linear, slot.product.1));
-    let (g, f) = (&slot.gain.0, &slot.gain.1);
+    let (g, f) = (&slot.bias.0, &slot.bias.1);
     let against = (g[0] * angular[0] + g[1] * angular[1] + g[2] * angular[2])
         + (f[0] * linear[0] + f[1] * linear[1] + f[2] * linear[2]);
     let acceleration = slot.drive - against;
     angular[K] += acceleration;
-    slot.acceleration = (angular, linear);
-    acceleration
+    slot.motion = (angular, linear);
+    L::write(group, part, acceleration * L::constant(&group.sign, part), out, freedoms);
 }

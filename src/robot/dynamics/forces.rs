@@ -1,6 +1,7 @@
 //! Forces on bodies.
 
 use super::Dynamics;
+use super::layout::{Layout, Pairwise};
 use super::slot::Spatial;
 use crate::robot::model::{Group, Parent, Shape};
 use crate::robot::spatial::{Pair, cross, rotate_back, sub};
@@ -75,10 +76,11 @@ impl Dynamics<'_> {
             }
         };
         if group.shape != Shape::Turn {
-            moment = sub(moment, cross(group.offset_m, force));
+            moment = sub(moment, cross(Pairwise::vector(&group.offset_m, 0), force));
         }
         if group.shape == Shape::Rotated {
-            (moment, force) = (rotate_back(&group.fixed, moment), rotate_back(&group.fixed, force));
+            let fixed = Pairwise::matrix(&group.fixed, 0);
+            (moment, force) = (rotate_back(&fixed, moment), rotate_back(&fixed, force));
         }
         (self.turned(index, group, moment), self.turned(index, group, force))
     }

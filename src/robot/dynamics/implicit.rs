@@ -13,6 +13,7 @@
 //! `J dv/dt` (velocity products, gravity) is taken off again in the bias force.
 
 use super::Dynamics;
+use super::layout::{Layout, Pairwise};
 use super::slot::Spatial;
 use crate::robot::model::{Parent, Shape};
 use crate::robot::spatial::{Articulated, Pair, Vec3, add, at, cross, rotate_back, sub};
@@ -156,11 +157,12 @@ impl Dynamics<'_> {
         };
         if group.shape != Shape::Turn {
             let (angular, linear) = seen.acceleration;
-            seen.point_m = sub(seen.point_m, group.offset_m);
-            seen.acceleration = (angular, add(linear, cross(angular, group.offset_m)));
+            let offset = Pairwise::vector(&group.offset_m, 0);
+            seen.point_m = sub(seen.point_m, offset);
+            seen.acceleration = (angular, add(linear, cross(angular, offset)));
         }
         if group.shape == Shape::Rotated {
-            seen = seen.map(|v| rotate_back(&group.fixed, v));
+            seen = seen.map(|v| rotate_back(&Pairwise::matrix(&group.fixed, 0), v));
         }
         let mut seen = seen.map(|v| self.turned(index, group, v));
         seen.acceleration = (add(seen.acceleration.0, slot.product.0), add(seen.acceleration.1, slot.product.1));

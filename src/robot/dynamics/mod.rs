@@ -7,6 +7,8 @@ mod energy;
 mod forces;
 mod gravity;
 mod implicit;
+mod lanes;
+mod layout;
 mod motion;
 mod newton_euler;
 mod slot;
@@ -16,6 +18,7 @@ mod tests;
 pub use energy::{Energy, Momentum};
 pub use forces::Force;
 pub use implicit::ContactDamping;
+pub use lanes::LanesDynamics;
 pub use motion::BodyMotion;
 
 use super::model::BASE_FREEDOMS;
@@ -55,6 +58,7 @@ impl<'a> Input<'a> {
 #[derive(Clone, Debug)]
 pub struct Dynamics<'m> {
     model: &'m Model,
+    /// One for each group: two bodies of one robot.
     slots: Vec<Slot>,
     motions: Motions,
     composites: Vec<composite::Composite>,
@@ -93,5 +97,13 @@ impl<'m> Dynamics<'m> {
         let joints = self.model.joints().len();
         self.check("angles", state.angle_rad.len(), joints);
         self.check("rates", state.rate_rad_s.len(), joints);
+    }
+
+    fn check_input(&self, input: &Input<'_>) {
+        let joints = self.model.joints().len();
+        self.check("torques", input.torque_nm.len(), joints);
+        if !input.diagonal_kg_m2.is_empty() {
+            self.check("diagonal terms", input.diagonal_kg_m2.len(), joints);
+        }
     }
 }

@@ -1,59 +1,54 @@
-//! What the recursion remembers of two bodies between its passes.
+//! What the recursion remembers of bodies between its passes.
 
-use crate::robot::spatial::{Articulated, Pair, Turn, Vec3};
+use crate::robot::spatial::{Articulated, Number, Pair, Turn, Vec3};
 
-/// Moment and force, or angular and linear motion, of two bodies.
-pub(super) type Spatial = (Vec3, Vec3);
+/// Moment and force, or angular and linear motion, of several bodies.
+pub(super) type Spatial<N = Pair> = (Vec3<N>, Vec3<N>);
 
-/// Working memory of one group; the names are those of Featherstone 2008, table 7.1.
+/// Working memory of the bodies of one register; the names are those of Featherstone 2008, table 7.1. What is no
+/// longer needed gives its place to what comes next, so that four robots' slots fit into the nearest cache.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Slot {
+pub(super) struct Slot<N = Pair> {
     /// Sine of the working angle.
-    pub sin: Pair,
+    pub sin: N,
     /// Its cosine.
-    pub cos: Pair,
-    /// Velocity v, angular and linear, at the working origin in working axes.
-    pub velocity: Spatial,
+    pub cos: N,
+    /// Velocity v, angular and linear, at the working origin in working axes; acceleration a after the third pass.
+    pub motion: Spatial<N>,
     /// Velocity product c; zero along the joint's axis.
-    pub product: Spatial,
+    pub product: Spatial<N>,
     /// Articulated inertia I^A.
-    pub inertia: Articulated,
-    /// Bias force p^A, moment and force.
-    pub bias: Spatial,
+    pub inertia: Articulated<N>,
+    /// Bias force p^A, moment and force; U / D after the second pass.
+    pub bias: Spatial<N>,
     /// External moment and force at the working origin.
-    pub external: Spatial,
-    /// U / D.
-    pub gain: Spatial,
+    pub external: Spatial<N>,
     /// u / D.
-    pub drive: Pair,
-    /// Acceleration a.
-    pub acceleration: Spatial,
+    pub drive: N,
 }
 
-const fn spatial(zero: Pair) -> Spatial {
-    ([zero; 3], [zero; 3])
+fn spatial<N: Number>() -> Spatial<N> {
+    ([N::zero(); 3], [N::zero(); 3])
 }
 
-impl Slot {
+impl<N: Number> Slot<N> {
     pub fn new() -> Self {
-        let zero = Pair::zero();
+        let zero = N::zero();
         Self {
             sin: zero,
             cos: zero,
-            velocity: spatial(zero),
-            product: spatial(zero),
+            motion: spatial(),
+            product: spatial(),
             inertia: Articulated::zero(),
-            bias: spatial(zero),
-            external: spatial(zero),
-            gain: spatial(zero),
+            bias: spatial(),
+            external: spatial(),
             drive: zero,
-            acceleration: spatial(zero),
         }
     }
 
     /// The turn of the joint.
     #[inline(always)]
-    pub fn turn(&self) -> Turn {
+    pub fn turn(&self) -> Turn<N> {
         Turn { sin: self.sin, cos: self.cos }
     }
 }

@@ -1,6 +1,7 @@
 //! Each evaluation against the others, closed forms, conservation laws, and two other engines.
 
 mod implicit;
+mod lanes;
 
 use super::*;
 use crate::geometry::robot_file::Base;
