@@ -55,6 +55,8 @@ pub enum GapError {
 
 /// What is left out where the smallest sizes that would have shown are.
 const DETECTABLE: &str = "what these logs could have shown";
+/// The same where intervals are.
+const UNNAMED: &str = "what effects that are not named would move the numbers by";
 
 /// Diagnoses the gap of a joint study. `progress` is told what is being tried, and asked whether that is still wanted.
 ///
@@ -111,7 +113,8 @@ pub(super) fn diagnose_from(
         true => Vec::new(),
         false => detectable(&evidence, noise, named, &effects),
     };
-    let (parameters, mut effect_parameters) = numbers_beside(&evidence, around, &effects);
+    let beside: &[EffectId] = if options.deadline.leaves_aside(UNNAMED) { &[] } else { &effects };
+    let (parameters, mut effect_parameters) = numbers_beside(&evidence, around, beside);
     if around.effects().is_empty() && decision.effect() == Some(EffectId::MotorGain) {
         effect_parameters.push((EffectId::MotorGain, vec![gain_as_effect(&parameters)]));
     }
@@ -368,8 +371,8 @@ fn notes(
     let mut notes: Vec<String> = in_words(&evidence.demands).into_iter().collect();
     if !trusted {
         notes.push(
-            "Something is left that the model does not explain: the intervals of the parameters do not allow for the \
-             bias that it causes, and are not to be trusted."
+            "Something is left that the model does not explain: the intervals of the parameters do not allow for all \
+             of the bias that it causes, and are not to be trusted."
                 .to_owned(),
         );
     }

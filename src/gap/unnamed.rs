@@ -3,8 +3,9 @@
 //! Numbers are those of one hypothesis. An effect too small to be shown, or one whose formula is not quite the catalogue's, is in
 //! the numbers all the same, and no residual tells how far it has moved them. So every effect is put beside the hypothesis
 //! in turn, in all its forms, at the size that the residuals suggest for it: to first order that moves the numbers by what they
-//! took up in its place. The shifts are weighed by how well each effect explains the logs, after the charge for its
-//! parameters (model averaging, Burnham and Anderson 2002); so are refits with an effect of the hypothesis in another of its forms.
+//! took up in its place. An effect of the hypothesis is refitted in its other forms. Over those of these that explain the logs as
+//! well as the best, after the charge for their parameters, the squares of the shifts are averaged (model averaging, Burnham and
+//! Anderson 2002).
 //!
 //! What differs between logs shows in how differently each of them pulls the numbers.
 
@@ -21,6 +22,12 @@ use crate::number::math;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+/// Starting points of each form that are looked at where other joints carry this one: along their motion each costs more.
+const SOME_STARTS: usize = 6;
+/// Deviance that a parameter is charged (Akaike 1974).
+const PER_PARAMETER: f64 = 2.0;
+/// Logs of which fewer tell nothing of a spread.
+const FEWEST: usize = 3;
 /// Evaluations of a refit in another form.
 const AGAIN: Budget = Budget { evaluations: 24 };
 
@@ -69,8 +76,13 @@ pub(super) fn by_the_unnamed(evidence: &Evidence, around: &Trial, effects: &[Eff
             .then_some(Other { shift, better: deviance - charge })
     };
     let absent_effects = effects.iter().filter(|e| **e != EffectId::MotorGain && !around.effects().contains(e));
-    let forms: Vec<(EffectForm, Vec<Vec<f64>>)> =
-        absent_effects.flat_map(|e| e.forms()).map(|form| (form, form.starts(&evidence.reach))).collect();
+    let some = |form: EffectForm| {
+        let starts = form.starts(&evidence.reach);
+        let most = if evidence.is_carried() { SOME_STARTS } else { starts.len() };
+        let every = starts.len().div_ceil(most.max(1)).max(1);
+        (form, starts.into_iter().step_by(every).collect())
+    };
+    let forms: Vec<(EffectForm, Vec<Vec<f64>>)> = absent_effects.flat_map(|e| e.forms()).map(some).collect();
     let best_of = |(form, starts): (EffectForm, Vec<Vec<f64>>)| {
         let found = starts.into_iter().filter_map(|start| moved_by((form, start)));
         found.max_by(|a, b| a.better.total_cmp(&b.better))
@@ -111,9 +123,6 @@ fn in_other_forms(evidence: &Evidence, around: &Trial, x: &[f64]) -> Vec<Other> 
     forms.into_par_iter().filter_map(of).collect()
 }
 
-/// Deviance that a parameter is charged (Akaike 1974).
-const PER_PARAMETER: f64 = 2.0;
-
 /// Covariance of the free coordinates where each log is one draw, however long it is (Liang and Zeger 1986): what a model lacks
 /// is the same all along a log. `None` where there are few logs.
 pub(super) fn between_logs(evidence: &Evidence, around: &Trial) -> Option<DMatrix<f64>> {
@@ -132,6 +141,3 @@ pub(super) fn between_logs(evidence: &Evidence, around: &Trial) -> Option<DMatri
     }
     Some(covariance)
 }
-
-/// Logs of which fewer tell nothing of a spread.
-const FEWEST: usize = 3;

@@ -10,7 +10,7 @@ use crate::report::rows::ParameterCells;
 
 /// What stands beside intervals that cannot be believed.
 pub(in crate::report) const UNTRUSTED: &str = "Something is left in these logs that the model does not explain: the intervals allow \
-    for its correlation but not for the bias that comes with it, so do not trust them.";
+    for its correlation but not for all of the bias that comes with it, so do not trust them.";
 
 /// What the column `behind` of the ranking means.
 pub(in crate::report) const BEHIND: &str = "Closes alone: share of what refitted numbers leave. Behind: how much worse than the best it \
