@@ -70,8 +70,9 @@ pub(super) fn by_the_unnamed(evidence: &Evidence, around: &Trial, effects: &[Eff
         let deviance = -effective * math::ln(1.0 - gained.min(0.999));
         let charge = form.searched_count() as f64 * PER_PARAMETER;
         let spread = energy / effective / change;
-        // What its numbers take up as a whole has no size; it is no larger than a search begins with.
+        // What the numbers take up as a whole has no size; it is no larger than a search begins with.
         let shift = projector.taken_up(&moved)? * -(size * size + spread.min(1.0)).sqrt();
+        let shift = within_bounds(&problem, &x, &shift);
         (shift.iter().all(|s| s.is_finite()) && deviance.is_finite())
             .then_some(Other { shift, better: deviance - charge })
     };
@@ -101,6 +102,12 @@ pub(super) fn by_the_unnamed(evidence: &Evidence, around: &Trial, effects: &[Eff
     Some(covariance)
 }
 
+/// A shift of the first coordinates as far as their bounds allow: to first order friction could become negative.
+fn within_bounds(problem: &dyn Residuals, x: &[f64], shift: &DVector<f64>) -> DVector<f64> {
+    let bounds = problem.coordinates();
+    DVector::from_fn(shift.len(), |i, _| (x[i] + shift[i]).max(bounds[i].lower).min(bounds[i].upper) - x[i])
+}
+
 /// The hypothesis with each of its effects in each other form.
 fn in_other_forms(evidence: &Evidence, around: &Trial, x: &[f64]) -> Vec<Other> {
     let own = around.model.forms();
@@ -110,10 +117,12 @@ fn in_other_forms(evidence: &Evidence, around: &Trial, x: &[f64]) -> Vec<Other> 
     let score = |t: &Trial| measure.deviance(evidence, t) + PER_PARAMETER * t.model.parameters().len() as f64;
     let of = |(k, form): (usize, EffectForm)| {
         let other = around.in_form(evidence, k, form, AGAIN);
+        // A parameter of the same name means something else in another form.
+        let place = around.model.place(k);
         let free = (0..around.model.parameters().len()).filter(|i| !around.model.parameters()[*i].fixed);
         let shift = free.enumerate().map(|(at, i)| {
             let p = &around.model.parameters()[i];
-            let there = other.model.parameters().iter().position(|q| q.name == p.name);
+            let there = other.model.parameters().iter().position(|q| q.name == p.name && !place.contains(&i));
             there.map_or(0.0, |there| p.to_coordinate(other.found.values[there]) - x[at])
         });
         let shift = DVector::from_vec(shift.collect());
