@@ -37,7 +37,7 @@ impl Deviations {
 }
 
 /// A number that was moved by more standard deviations of its belief is a finding.
-const FINDING_SD: f64 = 3.0;
+pub(super) const FINDING_SD: f64 = 3.0;
 
 /// What was believed of a number, and what the logs made of it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -1,6 +1,7 @@
 //! Parameters of a joint model: names, units, bounds, and the coordinate in which each is searched.
 
 use super::Named;
+use super::belief::FINDING_SD;
 use crate::fit::Coordinate;
 use crate::joint::Real;
 use crate::number::math;
@@ -149,6 +150,13 @@ impl Parameter {
     /// How many standard deviations of its belief a value lies away; `None` where nothing is believed.
     pub fn moved_sd(&self, value: f64) -> Option<f64> {
         self.belief.map(|belief| (self.to_coordinate(value) - belief.at) / belief.sd)
+    }
+
+    /// Range of the search coordinate in which its belief makes no finding of it, widened to hold `x`.
+    pub fn believable(&self, x: f64) -> [f64; 2] {
+        let reach = |belief: Belief| FINDING_SD * belief.sd;
+        let range = self.belief.map(|belief| [belief.at - reach(belief), belief.at + reach(belief)]);
+        range.map_or([f64::NEG_INFINITY, f64::INFINITY], |[low, high]| [low.min(x), high.max(x)])
     }
 
     /// How far a value lies from the nominal one: in standard deviations of the belief, or of what would usually be

@@ -6,8 +6,14 @@ use parquet::column::reader::{ColumnReader, get_column_reader};
 use parquet::errors::{ParquetError, Result};
 use parquet::file::reader::RowGroupReader;
 
-/// A column of a row group; a file whose pages are out of order is an error, where the crate's own reader panics.
+/// A column of a row group; a file that places a column before its beginning, or whose pages are out of order, is an error,
+/// where the crate's own reader panics.
 pub(super) fn column(group: &dyn RowGroupReader, at: usize) -> Result<ColumnReader> {
+    let chunk = group.metadata().column(at);
+    let start = chunk.dictionary_page_offset().unwrap_or_else(|| chunk.data_page_offset());
+    if start < 0 || chunk.compressed_size() < 0 {
+        return Err(ParquetError::General("a column begins before the file, or is shorter than nothing".to_owned()));
+    }
     let pages = InOrder { pages: group.get_column_page_reader(at)?, has_dictionary: false };
     Ok(get_column_reader(group.metadata().column(at).column_descr_ptr(), Box::new(pages)))
 }
