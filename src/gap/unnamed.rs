@@ -72,7 +72,7 @@ pub(super) fn by_the_unnamed(evidence: &Evidence, around: &Trial, effects: &[Eff
         let spread = energy / effective / change;
         // What the numbers take up as a whole has no size; it is no larger than a search begins with.
         let shift = projector.taken_up(&moved)? * -(size * size + spread.min(1.0)).sqrt();
-        let shift = within_belief(&around.model, &problem, &x, &shift);
+        let shift = within_belief(&problem, &x, &shift);
         (shift.iter().all(|s| s.is_finite()) && deviance.is_finite())
             .then_some(Other { shift, better: deviance - charge })
     };
@@ -104,10 +104,9 @@ pub(super) fn by_the_unnamed(evidence: &Evidence, around: &Trial, effects: &[Eff
 
 /// A shift of the free coordinates as far as their bounds and beliefs allow: to first order friction could become negative, and a
 /// number that no log would contradict many times itself.
-fn within_belief(model: &dyn JointModel, problem: &dyn Residuals, x: &[f64], shift: &DVector<f64>) -> DVector<f64> {
-    let bounds = problem.coordinates();
-    let free = model.parameters().iter().filter(|p| !p.fixed);
-    let shifts = free.zip(&bounds).zip(x).zip(shift).map(|(((p, bound), x), shift)| {
+fn within_belief(problem: &Problem<'_, impl JointModel>, x: &[f64], shift: &DVector<f64>) -> DVector<f64> {
+    let bounded = problem.free().into_iter().zip(problem.coordinates());
+    let shifts = bounded.zip(x).zip(shift).map(|(((p, bound), x), shift)| {
         let [low, high] = p.believable(*x);
         (x + shift).max(bound.lower.max(low)).min(bound.upper.min(high)) - x
     });
