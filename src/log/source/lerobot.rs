@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 
 use super::channel::{Channel, Source};
+use super::contained::contained;
 use super::parquet_numbers::{is_unpacked, numbers};
-use super::parquet_pages::column as column_of;
 use crate::log::columns::{ColumnSpec, Unit};
 use crate::log::error::LogError;
 use crate::log::format::Format;
@@ -74,8 +74,8 @@ pub(super) fn read_lerobot(path: &Path) -> Result<Source, LogError> {
     for file in &files {
         let opened = File::open(file).map_err(|source| failed(file, source))?;
         // The Parquet crate is not ours: whatever a damaged file makes it do is an error of that file.
-        let read = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| frames.add(opened)));
-        read.unwrap_or_else(|_| Err("damaged: it cannot be decoded".to_owned())).map_err(|what| wrong(file, what))?;
+        let read = contained(|| frames.add(opened));
+        read.unwrap_or_else(|| Err("damaged: it cannot be decoded".to_owned())).map_err(|what| wrong(file, what))?;
     }
     frames.into_source(path, &info).map_err(|what| wrong(path, what))
 }
@@ -148,7 +148,7 @@ impl Frames {
                 .map_err(|_| "damaged: a negative count of rows".to_owned())?;
             let mut read = |at: usize| -> Result<Vec<f64>, String> {
                 is_unpacked(group.metadata().column(at).compression())?;
-                let values = numbers(column_of(&*group, at).map_err(told)?, MOST_NUMBERS - self.numbers)?;
+                let values = numbers(group.get_column_reader(at).map_err(told)?, MOST_NUMBERS - self.numbers)?;
                 self.numbers += values.len();
                 let is_even = if rows == 0 { values.is_empty() } else { values.len().is_multiple_of(rows) };
                 is_even.then_some(values).ok_or_else(|| {

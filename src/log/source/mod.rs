@@ -11,6 +11,8 @@ mod cdr;
 mod cdr_write;
 mod cells;
 mod channel;
+#[cfg(feature = "parquet")]
+mod contained;
 mod crc;
 mod defects;
 mod guess;
@@ -34,7 +36,6 @@ mod packed;
 #[cfg(feature = "parquet")]
 mod parquet_numbers;
 #[cfg(feature = "parquet")]
-mod parquet_pages;
 mod plotjuggler;
 mod read;
 mod roles;
