@@ -43,10 +43,19 @@ fn only(decision: &Decision<'_>, effect: EffectId) -> String {
 /// The error as given, with refitted numbers and with the causes, and what these close of what the numbers leave.
 ///
 /// All in rad, with the sensor's noise last; `refitted` is what the second one is with.
-pub(super) fn closing([before, calibrated, after, floor]: [f64; 4], refitted: &str) -> String {
+pub(super) fn closing(figures: [f64; 4], refitted: &str) -> String {
+    closing_in(figures, refitted, mrad)
+}
+
+/// The same of errors in any unit, each written by `with_unit`.
+pub(super) fn closing_in(
+    [before, calibrated, after, floor]: [f64; 4],
+    refitted: &str,
+    with_unit: fn(f64) -> String,
+) -> String {
     let left = calibrated - floor;
     let closed = share(((calibrated - after) / left).clamp(0.0, 1.0));
-    let [before, calibrated, after] = [before, calibrated, after].map(mrad);
+    let [before, calibrated, after] = [before, calibrated, after].map(with_unit);
     if !(left > 0.0) {
         return format!("the error goes from {before} as given to {after} with it");
     }
@@ -124,7 +133,7 @@ pub(super) const REFITTED: &str = "refitted numbers";
 const WITH_BODIES: &str = "refitted numbers and masses";
 
 /// Where causes leave more than so many times the sensor's noise they are a part of the gap, not all of it.
-const MUCH_LEFT: f64 = 3.0;
+pub(super) const MUCH_LEFT: f64 = 3.0;
 /// What closes less than this share of the whole gap above the noise is not most of it: refitted numbers may have closed more.
 const MOST: f64 = 0.5;
 

@@ -57,11 +57,19 @@ pub(super) fn replace<'a>(
     let kept: BTreeSet<PathBuf> = kept.filter_map(|path| path.canonicalize().ok()).collect();
     for (path, digest) in earlier.iter().filter(|(path, _)| !listed.contains(path)) {
         if let Some(path) = removable(folder, path, digest).filter(|path| !kept.contains(path)) {
-            fs::remove_file(&path).map_err(|source| (path, source))?;
+            fs::remove_file(&path).map_err(|source| (path.clone(), source))?;
+            remove_empty_above(&path, folder);
         }
     }
     let list = toml::to_string(&pages).expect("a table of tables of strings is TOML");
     Ok(format!("# Files that aibo-fit wrote here: a later run removes those that it does not write again.\n{list}"))
+}
+
+/// Removes the folders between a removed file and `folder` as far as nothing else is in them.
+fn remove_empty_above(file: &Path, folder: &Path) {
+    let Ok(folder) = folder.canonicalize() else { return };
+    let mut between = file.ancestors().skip(1).take_while(|above| *above != folder);
+    while between.next().is_some_and(|above| fs::remove_dir(above).is_ok()) {}
 }
 
 /// A listed file in full, where it lies inside the folder and is what was written.

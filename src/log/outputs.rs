@@ -180,17 +180,19 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let out = dir.path();
         fs::write(out.join("mine.svg"), "mine").unwrap();
-        let mut first = report(out, "report.html", &["a.svg", "b.svg", "edited.svg", "read.svg", "deep/c.svg"]);
+        let mut first =
+            report(out, "report.html", &["a.svg", "b.svg", "edited.svg", "read.svg", "deep/er/c.svg", "own/c.svg"]);
         first.add_apart(out.join("asked.json"), "asked");
         first.write().unwrap();
         report(out, "study.toml", &["log.csv"]).write().unwrap();
         fs::write(out.join("edited.svg"), "edited by hand").unwrap();
+        fs::write(out.join("own/mine"), "mine").unwrap();
         let mut second = report(out, "report.html", &["a.svg", "d.svg"]);
         second.keep(&[out.join("read.svg")]);
         second.write().unwrap();
-        let there = ["a.svg", "asked.json", "d.svg", "deep", "edited.svg", "log.csv", "mine.svg", "read.svg"];
+        let there = ["a.svg", "asked.json", "d.svg", "edited.svg", "log.csv", "mine.svg", "own", "read.svg"];
         assert_eq!(names(out), [&there[..], &["report.html", "study.toml"]].concat());
-        assert!(names(&out.join("deep")).is_empty());
+        assert_eq!(names(&out.join("own")), ["mine"]);
     }
 
     #[test]

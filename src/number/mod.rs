@@ -6,7 +6,7 @@ pub(crate) mod math;
 mod said;
 mod sincos;
 
-pub(crate) use said::{between, quantity, share, share_percents, shares, spoken, stands_out, whole_percents};
+pub(crate) use said::{between, capital, quantity, share, share_percents, shares, spoken, stands_out, whole_percents};
 pub(crate) use sincos::{LARGEST_RAD, Lanes, in_quadrant, of_rest, sin_cos};
 
 /// Shown where there is no number to show.

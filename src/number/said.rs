@@ -17,6 +17,12 @@ fn with_unit(number: &str, unit: &str) -> String {
     format!("{number} {}", spoken(unit)).trim_end().to_owned()
 }
 
+/// Words as a sentence begins with them.
+pub(crate) fn capital(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// `0.0162 s`: a value with its unit; with an interval, `0.0162 [0.0151, 0.0173] s`, to its digits.
 pub(crate) fn quantity(value: f64, interval: Option<[f64; 2]>, unit: &str) -> String {
     match interval.filter(|_| value.is_finite()) {

@@ -1,7 +1,7 @@
 //! What the report says in words: the sentence that opens it, and what the reader should not overlook.
 
 use super::assemble::{is_relative, joint_rows, ratio_rows};
-use super::number::{as_given, mrad};
+use super::number::{as_given, capital, mrad};
 use super::{ParameterRow, ParameterStatus, format_with_uncertainty};
 use crate::fit::Stop;
 use crate::geometry::{Ers7Tables, LinkBody};
@@ -277,11 +277,6 @@ fn words(name: &str) -> String {
         Some(Named::Mass(body)) => format!("the {body} mass"),
         Some(Named::Ml2 | Named::BOverMl2 | Named::GOverL) | None => name.into(),
     }
-}
-
-fn capital(text: &str) -> String {
-    let mut chars = text.chars();
-    chars.next().map_or_else(String::new, |c| c.to_uppercase().collect::<String>() + chars.as_str())
 }
 
 /// What a log says in which nothing moves: at least how large the breakaway friction is.

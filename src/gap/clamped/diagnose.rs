@@ -6,10 +6,10 @@ use super::pooled::{PooledNumber, one_size, pooled};
 use crate::deadline::{Deadline, Spent};
 use crate::gap::as_given::AsGiven;
 use crate::gap::diagnose::diagnose_from;
-use crate::gap::sentence::words;
+use crate::gap::sentence::{REFITTED, words};
 use crate::gap::{CauseShare, Diagnosis, GapError, GapOptions, Number, Verdict};
 use crate::joint::EffectId;
-use crate::number::{mrad, newton_metres, quantity};
+use crate::number::{capital, mrad, newton_metres, quantity};
 use crate::progress::{Progress, Step};
 use crate::robot::description::FoundNumber;
 use rayon::prelude::*;
@@ -321,9 +321,9 @@ fn sentence(
         "{robot}: over {} joints the {what} is {given} as given, {}.",
         found().count(),
         if bodies.is_empty() && found().all(|(_, d)| d.causes.is_empty() && d.law.is_none()) {
-            format!("and {calibrated} with recalibrated numbers; no cause was found beside them")
+            format!("and {calibrated} with {REFITTED}; no cause was found beside them")
         } else {
-            format!("{calibrated} with recalibrated numbers and {after} with the causes that were found")
+            format!("{calibrated} with {REFITTED} and {after} with the causes that were found")
         }
     );
     for body in bodies {
@@ -349,8 +349,3 @@ fn sentence(
 
 /// Causes that the sentence names.
 const SAID: usize = 3;
-
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
-}

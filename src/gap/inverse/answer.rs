@@ -6,13 +6,13 @@ use super::parameters::{Estimated, HALF_95, detectable, law, named};
 use super::search::{Choice, Found, values};
 use super::sure::Redraws;
 use crate::gap::as_given::AsGiven;
-use crate::gap::sentence::{number_words, words};
+use crate::gap::sentence::{MUCH_LEFT, REFITTED, closing_in, number_words, words};
 use crate::gap::{
     Answer, Candidate, CauseShare, Detectable, Diagnosis, Gap, LawFound, LogGap, Number, Variable, Verdict, Where,
 };
 use crate::identify::{BeliefFound, Directives, Estimate, Status};
 use crate::joint::{EffectId, LawVariable};
-use crate::number::{newton_metres, quantity, share};
+use crate::number::{capital, newton_metres, quantity};
 
 /// A number of which the logs leave more than this share of what was believed open is not determined by them.
 const OPEN: f64 = 0.9;
@@ -359,7 +359,7 @@ fn sentence(
     law: Option<&LawFound>,
     most: Option<&BeliefFound>,
 ) -> String {
-    let [before, calibrated, after] = [gap.before, gap.calibrated, gap.after].map(newton_metres);
+    let [before, calibrated] = [gap.before, gap.calibrated].map(newton_metres);
     let size =
         |number: &Number| format!(" ({} = {})", number.name, quantity(number.value, number.interval, &number.unit));
     let each: Vec<String> = causes
@@ -384,21 +384,20 @@ fn sentence(
             law.table.looks_like
         )
     });
-    let found = if causes.is_empty() && law.is_none() { String::new() } else { format!(" and {after} with that") };
-    let stays = format!(
-        "The torque error goes from {before} as given to {calibrated} with recalibrated numbers{found}; what stays does not come \
-         back from log to log as far as I can tell."
-    );
+    let figures = [gap.before, gap.calibrated, gap.after, gap.floor];
+    let goes = if causes.is_empty() && law.is_none() {
+        format!("the error goes from {before} as given to {calibrated} with {REFITTED}")
+    } else {
+        closing_in(figures, REFITTED, newton_metres)
+    };
+    let stays = if gap.after > MUCH_LEFT * gap.floor {
+        " What is left is not the same in any two logs, as far as I can tell, so that no cause is named for it."
+    } else {
+        ""
+    };
+    let stays = format!("{}{stays}", capital(&format!("{goes}.")));
     match verdict {
-        Verdict::Effect => {
-            let whole = calibrated_squares(gap);
-            let closed =
-                if whole > 0.0 { share(((whole - gap.after.powi(2)) / whole).clamp(0.0, 1.0)) } else { share(0.0) };
-            format!(
-                "{joint}: {}; it closes {closed} of the squares that recalibrated numbers leave.{unnamed} {stays}",
-                each.join(", together with ")
-            )
-        }
+        Verdict::Effect => format!("{joint}: {}.{unnamed} {stays}", each.join(", together with ")),
         Verdict::Calibration => {
             format!("{joint}: the structure is right and the numbers are off, most of all the {number}. {stays}")
         }
@@ -412,10 +411,6 @@ fn sentence(
             format!("{joint}: the effects I know do not explain this gap.{unnamed}{known} {stays}")
         }
     }
-}
-
-fn calibrated_squares(gap: &Gap) -> f64 {
-    gap.calibrated.powi(2)
 }
 
 fn traces(logs: &[LogData], found: &Found, choice: &Choice) -> Vec<TorqueTraces> {

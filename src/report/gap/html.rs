@@ -55,7 +55,6 @@ pub fn render_gap_html(report: &GapReport) -> Result<String, ReportError> {
         undetermined => diagnosis.undetermined.iter().map(|sentence| with_code(sentence)).collect::<Vec<_>>(),
         undetermined_words => words::UNDETERMINED,
         health => health.iter().map(health_view).collect::<Vec<_>>(),
-        unfinished => diagnosis.budget.as_ref().is_some_and(|spent| !spent.not_tried.is_empty()),
         chain => chain_view(diagnosis),
         location => with_code(&words::location(&diagnosis.location)),
         place => views(|all| &all.place),
@@ -78,6 +77,7 @@ pub fn render_gap_html(report: &GapReport) -> Result<String, ReportError> {
         next => diagnosis.next.as_ref().map(|proposal| {
             context! { what => with_code(&proposal.what), power => share(proposal.power), figures => views(|all| &all.next) }
         }),
+        no_next => words::no_next(diagnosis),
         notes => words::notes(report).iter().map(|note| with_code(note)).collect::<Vec<_>>(),
         version => provenance.version.as_str(),
         command => provenance.command.as_str(),

@@ -6,7 +6,7 @@ use super::rows::{effect_rows, joint_rows};
 use super::waterfall::{closes_alone, explanation, heading, moved, steps};
 use super::words;
 use super::{GapReport, NEXT_FILE};
-use crate::gap::{Candidate, Detectable, Diagnosis, Gap, MapCell, Phase};
+use crate::gap::{Candidate, Detectable, Diagnosis, Gap, MapCell, Phase, Verdict};
 use crate::report::chances::Chances;
 use crate::report::data_health::health_text;
 use crate::report::measure::Measure;
@@ -239,7 +239,12 @@ pub(in crate::report) fn detectable(all: &[Detectable]) -> Option<String> {
 }
 
 fn next(diagnosis: &Diagnosis) -> Option<String> {
-    diagnosis.next.as_ref().map(|next| wrap(WIDTH, &words::next(next, NEXT_FILE), "Next: ", "  "))
+    let what = match &diagnosis.next {
+        Some(next) => words::next(next, NEXT_FILE),
+        None if diagnosis.answer.verdict == Verdict::Unexplained => words::no_next(diagnosis).to_owned(),
+        None => return None,
+    };
+    Some(wrap(WIDTH, &what, "Next: ", "  "))
 }
 
 fn notes(report: &GapReport) -> Option<String> {

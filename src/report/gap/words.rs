@@ -34,6 +34,18 @@ pub(in crate::report) fn next(next: &Next, file: &str) -> String {
     format!("{what} It would decide with probability {power}.{where_from}")
 }
 
+/// What stands in its place where there is none.
+pub(in crate::report) fn no_next(diagnosis: &Diagnosis) -> &'static str {
+    if diagnosis.budget.as_ref().is_some_and(|spent| !spent.not_tried.is_empty()) {
+        "None was looked for: the search was ended by its time."
+    } else if diagnosis.answer.verdict == Verdict::Unexplained {
+        "No motion would tell the effects I know apart any better. What is left is none of them; a log in which it is larger would say \
+         more of it."
+    } else {
+        "None is needed to tell effects apart."
+    }
+}
+
 /// A variable in a sentence.
 pub(in crate::report) fn variable(variable: Variable) -> &'static str {
     match variable {
