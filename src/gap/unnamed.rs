@@ -65,6 +65,10 @@ pub(super) fn by_the_unnamed(evidence: &Evidence, around: &Trial, effects: &[Eff
         let beyond = projector.project(&moved)?;
         let slope: f64 = left.iter().zip(&beyond).map(|(a, b)| a.dot(b)).sum();
         let change: f64 = beyond.iter().map(|r| r.norm_squared()).sum();
+        // At a stop that the joint does not reach nothing changes.
+        if !(change > 0.0) {
+            return None;
+        }
         let size = (-slope / change).clamp(0.0, LARGEST);
         let gained = -(2.0 * size * slope + size * size * change) / energy;
         let deviance = -effective * math::ln(1.0 - gained.min(0.999));
