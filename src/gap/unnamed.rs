@@ -31,6 +31,30 @@ const FEWEST: usize = 3;
 /// Evaluations of a refit in another form.
 const AGAIN: Budget = Budget { evaluations: 24 };
 
+/// What residuals suggest of an effect of which a starting point is known.
+struct Suggested {
+    /// In sizes of the starting point.
+    size: f64,
+    /// Variance of that.
+    spread: f64,
+    /// How much better it explains the logs.
+    deviance: f64,
+}
+
+impl Suggested {
+    /// By the least of the parabola along which the effect changes the square sum `energy`, so many residuals of which count;
+    /// `None` where it changes nothing, such as a stop that the joint does not reach.
+    fn by(slope: f64, change: f64, energy: f64, effective: f64) -> Option<Self> {
+        if !(change > 0.0) {
+            return None;
+        }
+        let size = (-slope / change).clamp(0.0, LARGEST);
+        let gained = -(2.0 * size * slope + size * size * change) / energy;
+        let deviance = -effective * math::ln(1.0 - gained.min(0.999));
+        Some(Self { size, spread: energy / effective / change, deviance })
+    }
+}
+
 /// A hypothesis that was not chosen: how far it moves the chosen one's coordinates, and how much better it explains the logs, in
 /// deviance after its charge.
 struct Other {
@@ -65,15 +89,8 @@ pub(super) fn by_the_unnamed(evidence: &Evidence, around: &Trial, effects: &[Eff
         let beyond = projector.project(&moved)?;
         let slope: f64 = left.iter().zip(&beyond).map(|(a, b)| a.dot(b)).sum();
         let change: f64 = beyond.iter().map(|r| r.norm_squared()).sum();
-        // At a stop that the joint does not reach nothing changes.
-        if !(change > 0.0) {
-            return None;
-        }
-        let size = (-slope / change).clamp(0.0, LARGEST);
-        let gained = -(2.0 * size * slope + size * size * change) / energy;
-        let deviance = -effective * math::ln(1.0 - gained.min(0.999));
+        let Suggested { size, spread, deviance } = Suggested::by(slope, change, energy, effective)?;
         let charge = form.searched_count() as f64 * PER_PARAMETER;
-        let spread = energy / effective / change;
         // What the numbers take up as a whole has no size; it is no larger than a search begins with.
         let shift = projector.taken_up(&moved)? * -(size * size + spread.min(1.0)).sqrt();
         let shift = within_belief(&problem, &x, &shift);
@@ -158,4 +175,20 @@ pub(super) fn between_logs(evidence: &Evidence, around: &Trial) -> Option<DMatri
         covariance.ger(logs as f64 / (logs - 1) as f64, shift, shift, 1.0);
     }
     Some(covariance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Suggested;
+
+    #[test]
+    fn residuals_suggest_no_size_of_what_changes_nothing() {
+        assert!(Suggested::by(0.0, 0.0, 1.0, 50.0).is_none());
+        assert!(Suggested::by(f64::NAN, f64::NAN, 1.0, 50.0).is_none());
+        let none = Suggested::by(0.3, 2.0, 1.0, 50.0).expect("it changes something");
+        assert_eq!((none.size, none.deviance), (0.0, 0.0), "the wrong way");
+        let some = Suggested::by(-1.0, 2.0, 1.0, 50.0).expect("it changes something");
+        approx::assert_relative_eq!(some.size, 0.5);
+        approx::assert_relative_eq!(some.deviance, 50.0 * 2f64.ln(), max_relative = 1e-12);
+    }
 }
