@@ -2,12 +2,13 @@
 
 mod support;
 
-use aibo_fit::Case;
+use aibo_fit::gap::neighbours::{Cause, Compared, Swings};
+use aibo_fit::geometry::LinkBody;
 use aibo_fit::log::{Role, read_sidecar_for};
 use aibo_fit::robot::Model;
 use aibo_fit::robot::bench::{BenchDrop, Held, bench_drop};
-use aibo_fit::robot::refit::{BenchLogs, Cause, Refits, Verdict};
 use aibo_fit::robot::simulate::Method;
+use aibo_fit::{Case, Named};
 use support::root;
 
 /// Of the reference swings' sensor: uniform noise of half a step, then rounding to 0.006 rad (their README).
@@ -65,24 +66,24 @@ fn every_swing_of_the_thesis_robot_lies_within_1_2_times_the_noise_floor() {
 }
 
 /// Two logs with each extra mass about q3.
-fn refits_about_q3(folder: &str) -> Refits {
+fn compared_about_q3(folder: &str) -> Compared {
     let log = |load: &str, k: usize| root().join(format!("data/{folder}/q3-{load}-{k}.csv"));
     let logs = ["220g", "402g"].map(|load| [log(load, 0), log(load, 1)]).concat();
     let case = Case::of_logs(&logs, None).expect("a case");
-    let logs = BenchLogs::of(&case, 2).expect("an ERS-7 leg").expect("free swings that begin held");
-    Refits::of(&logs, false).expect("fits")
+    let swings = Swings::of(&case, 2).expect("an ERS-7 leg").expect("free swings that begin held");
+    Compared::of(&swings, false).expect("fits")
 }
 
 #[test]
 fn refitted_drops_say_whether_the_held_joints_gave() {
     // Their README: held by the PID of Table B.2 there, rigidly here, with Table 3.3's friction.
-    let sealed = refits_about_q3("sealed-robot");
-    assert_eq!(sealed.verdict(), Verdict::Give, "{}", sealed.gives_by);
+    let sealed = compared_about_q3("sealed-robot");
+    assert_eq!(sealed.held(), Some(Held::ByController), "{}", sealed.gives_by);
     assert!(sealed.controlled.rms_rad < 0.5 * sealed.rigid.rms_rad, "{:?}", sealed.controlled.found);
-    let thesis = refits_about_q3("thesis-robot");
-    assert_eq!(thesis.verdict(), Verdict::Rigid, "{}", thesis.gives_by);
+    let thesis = compared_about_q3("thesis-robot");
+    assert_eq!(thesis.held(), Some(Held::Rigid), "{}", thesis.gives_by);
     assert!(!thesis.lacks_something(), "{} rad", thesis.rigid.rms_rad);
-    let (_, value, interval) = thesis.rigid.found.iter().find(|(cause, ..)| *cause == Cause::Mass).expect("searched");
-    let [low, high] = interval.expect("determined");
-    assert!(low < 0.036 && 0.036 < high && high - low < 0.3 * value, "[{low}, {high}] kg"); // Table 3.2.
+    let mass = thesis.rigid.of(Cause::Number(Named::Mass(LinkBody::LowerLeg))).expect("searched");
+    let [low, high] = mass.interval.expect("determined");
+    assert!(low < 0.036 && 0.036 < high && high - low < 0.3 * mass.value, "[{low}, {high}] kg"); // Table 3.2.
 }

@@ -1,19 +1,16 @@
 //! The fitted drop repeated by the whole robot.
 
 use super::CliError;
+use crate::gap::neighbours::{Compared, Hypothesis, Swings, at_rest_rad};
 use crate::geometry::LinkBody;
 use crate::identify::{Case, DropError, DropFit, Experiment, LegCase, Named, Prediction};
 use crate::report::{FullCurves, FullDrop, FullRow, HeldRow, RefitSummary};
 use crate::robot::Model;
 use crate::robot::bench::{BenchDrop, Dropped, Held, bench_drop};
-use crate::robot::refit::{BenchLogs, Refit, Refits};
 use crate::robot::simulate::Method;
 use rayon::prelude::*;
 
-/// Span at the end of a log over which its angle of rest is the mean \[s\].
-const REST_S: f64 = 0.3;
-
-/// Swings with each extra mass that are refitted.
+/// Swings with each extra mass that are fitted in the whole robot.
 const OF_EACH_LOAD: usize = 2;
 
 /// Every log of a leg in the full model; `None` where the logs are not of an ERS-7 leg whose pose and masses are known.
@@ -29,13 +26,13 @@ pub fn full_drop(case: &Case, fit: &DropFit, robot: &Model) -> Result<Option<Ful
     if benches.is_empty() {
         return Ok(None);
     }
-    let logs = BenchLogs::of(case, OF_EACH_LOAD)?;
-    let refits = logs.as_ref().map(|logs| Refits::of(logs, true).map_err(DropError::from)).transpose()?;
-    let refitted = logs.as_ref().zip(refits.as_ref());
+    let swings = Swings::of(case, OF_EACH_LOAD)?;
+    let compared = swings.as_ref().map(|swings| Compared::of(swings, true).map_err(DropError::from)).transpose()?;
+    let refitted = swings.as_ref().zip(compared.as_ref());
     let answers: Vec<(FullRow, FullCurves)> =
         benches.par_iter().map(|bench| bench.answer(refitted)).collect::<Result<_, _>>()?;
     let (rows, curves) = answers.into_iter().unzip();
-    Ok(Some(FullDrop { rows, curves, refit: refits.as_ref().map(RefitSummary::of) }))
+    Ok(Some(FullDrop { rows, curves, refit: compared.as_ref().map(RefitSummary::of) }))
 }
 
 /// A log with the drop that repeats it.
@@ -87,13 +84,13 @@ impl<'a> Bench<'a> {
         Ok(bench_drop(self.robot, &drop, &self.e.t_s, Method::default())?)
     }
 
-    fn answer(&self, refitted: Option<(&BenchLogs<'_>, &Refits)>) -> Result<(FullRow, FullCurves), CliError> {
+    fn answer(&self, refitted: Option<(&Swings<'_>, &Compared)>) -> Result<(FullRow, FullCurves), CliError> {
         let e = self.e;
         let (rigid, controlled) = (self.run(Held::Rigid)?, self.run(Held::ByController)?);
         let (rigid_rad, controlled_rad) = match refitted.filter(|_| e.release_window_s.is_some()) {
-            Some((logs, refits)) => {
-                let readings = |refit: &Refit| refit.readings(logs, e, self.drop.extra);
-                (readings(&refits.rigid)?, readings(&refits.controlled)?)
+            Some((swings, compared)) => {
+                let readings = |hypothesis: &Hypothesis| hypothesis.readings(swings, e);
+                (readings(&compared.rigid)?, readings(&compared.controlled)?)
             }
             None => (rigid.reading_rad.clone(), controlled.reading_rad.clone()),
         };
@@ -123,11 +120,7 @@ impl<'a> Bench<'a> {
 fn held_row(e: &Experiment, model_rad: &[f64]) -> HeldRow {
     let squares = e.measured_rad.iter().zip(model_rad).skip(e.uncompared).map(|(q, model)| (q - model).powi(2));
     let rms = (squares.sum::<f64>() / e.compared().max(1) as f64).sqrt();
-    let rest = |column: &[f64]| {
-        let end = e.t_s.last().copied().unwrap_or(0.0);
-        let last: Vec<f64> = column.iter().zip(&e.t_s).filter(|(_, t)| **t >= end - REST_S).map(|(q, _)| *q).collect();
-        last.iter().sum::<f64>() / last.len().max(1) as f64
-    };
+    let rest = |column: &[f64]| at_rest_rad(e, &column[e.uncompared..]);
     let rests = rest(&e.measured_rad);
     let passage = |column: &[f64]| {
         let begin = *column.first()? - rests;

@@ -15,7 +15,8 @@ const AGAIN: Budget = Budget { evaluations: 24 };
 pub(super) fn calibrate(evidence: &Evidence, baseline: &GapModel, given: &Trial) -> Trial {
     let baseline = &baseline.clone().in_unit(given.unit_rad2_s(evidence));
     let problem = Problem::new(baseline, &evidence.fit);
-    let starts: Vec<Vec<f64>> = ranked(&problem, candidates(baseline, &evidence.fit)).into_iter().take(4).collect();
+    let starts = candidates(baseline, &evidence.fit).into_iter().map(|values| problem.coordinates_of(&values));
+    let starts: Vec<Vec<f64>> = ranked(&problem, starts).into_iter().take(4).collect();
     let from_given = given.found.values.clone();
     let from_start = baseline.parameters().iter().map(|p| p.start).collect();
     let demanded = Some(from_start).filter(|start| *start != from_given);

@@ -30,11 +30,11 @@ const OVERWHELMING: f64 = 400.0;
 /// Share by which squared residuals may exceed the noise in a joint that is explained: the noise is not known better.
 pub(super) const EXPLAINED: f64 = 0.12;
 /// The same where no effect improves anything: only a clear rest is worth an alarm.
-const NO_ALARM: f64 = 0.3;
+pub(super) const NO_ALARM: f64 = 0.3;
 /// Share of the recalibrated gap that the causes must close to be called its causes while something is left.
 const CLOSES: f64 = 0.75;
 /// Deviance within which hypotheses count as equally good, and standard deviations of their difference.
-pub(super) const EQUAL_DEVIANCE: f64 = 9.0;
+pub const EQUAL_DEVIANCE: f64 = 9.0;
 const EQUAL_Z: f64 = 1.7;
 
 /// Evaluations of a fit that begins near its end.

@@ -2,6 +2,7 @@
 
 use super::evidence::Evidence;
 use super::trial::Trial;
+use crate::identify::Experiment;
 
 /// Samples over which roughness is averaged to one value.
 const BLOCK: usize = 24;
@@ -17,9 +18,13 @@ const TRIMMED: usize = 8;
 /// judged by the model that leaves it the least rough; blocks in which the joint hardly moves are passed over, and the
 /// extreme ones are set aside. Never below a step's rounding.
 pub(super) fn noise_rad(evidence: &Evidence, trials: &[&Trial]) -> f64 {
-    let mut roughness = roughness(evidence, trials);
-    let step = evidence.reach.resolution_rad;
-    let rounding = step / 12f64.sqrt();
+    noise_of(&logs(evidence), &each(trials), evidence.reach.resolution_rad)
+}
+
+/// The same of what models leave of each log, read in such steps \[rad\].
+pub(super) fn noise_of(logs: &[&Experiment], models: &[Vec<&[f64]>], step_rad: f64) -> f64 {
+    let mut roughness = roughness(logs, models);
+    let rounding = step_rad / 12f64.sqrt();
     if roughness.is_empty() {
         return rounding.max(1e-6);
     }
@@ -31,7 +36,16 @@ pub(super) fn noise_rad(evidence: &Evidence, trials: &[&Trial]) -> f64 {
 /// Standard deviation of the part of a hypothesis' residuals that has no shape \[rad\]: as above with nothing set aside.
 /// Zero where the joint hardly moves.
 pub(super) fn rough_rad(evidence: &Evidence, trial: &Trial) -> f64 {
-    root_mean(&roughness(evidence, &[trial]))
+    root_mean(&roughness(&logs(evidence), &each(&[trial])))
+}
+
+fn logs(evidence: &Evidence) -> Vec<&Experiment> {
+    evidence.fit.iter().chain(&evidence.held).collect()
+}
+
+/// What each hypothesis leaves of each log; held-out ones stand last, where they were predicted.
+fn each<'a>(trials: &[&'a Trial]) -> Vec<Vec<&'a [f64]>> {
+    trials.iter().map(|t| t.fit.iter().chain(&t.held).map(Vec::as_slice).collect()).collect()
 }
 
 fn root_mean(squares: &[f64]) -> f64 {
@@ -40,13 +54,12 @@ fn root_mean(squares: &[f64]) -> f64 {
 
 /// Variances by second differences of the blocks in which the joint moves; each log by the model that leaves it the
 /// least rough.
-fn roughness(evidence: &Evidence, trials: &[&Trial]) -> Vec<f64> {
+fn roughness(logs: &[&Experiment], models: &[Vec<&[f64]>]) -> Vec<f64> {
     let mut roughness: Vec<f64> = Vec::new();
-    for (k, e) in evidence.fit.iter().chain(&evidence.held).enumerate() {
+    for (k, e) in logs.iter().enumerate() {
         let readings = &e.measured_rad[e.uncompared..];
-        let of = |t: &&Trial| -> Vec<f64> {
-            let r = if k < t.fit.len() { Some(&t.fit[k]) } else { t.held.get(k - t.fit.len()) };
-            let Some(r) = r else { return Vec::new() };
+        let of = |left: &Vec<&[f64]>| -> Vec<f64> {
+            let Some(r) = left.get(k) else { return Vec::new() };
             let model = |i: usize| r[i] + readings[i];
             let travel = |from: usize| {
                 let range = (from..from + BLOCK).map(model);
@@ -62,7 +75,7 @@ fn roughness(evidence: &Evidence, trials: &[&Trial]) -> Vec<f64> {
                 })
                 .collect()
         };
-        let least = trials.iter().map(of).min_by(|a, b| a.iter().sum::<f64>().total_cmp(&b.iter().sum::<f64>()));
+        let least = models.iter().map(of).min_by(|a, b| a.iter().sum::<f64>().total_cmp(&b.iter().sum::<f64>()));
         roughness.extend(least.unwrap_or_default().into_iter().filter(|x| x.is_finite()));
     }
     roughness

@@ -308,10 +308,10 @@ impl Growth<'_> {
 /// What is left out where forms are.
 const FORMS: &str = "other forms of causes";
 /// Factors on the Coulomb friction that are tried, where a fit leaves more than this many times what is enough.
-const FACTORS: [f64; 4] = [0.4, 0.75, 1.35, 2.5];
+pub(super) const FACTORS: [f64; 4] = [0.4, 0.75, 1.35, 2.5];
 const SHAKE: f64 = 3.0;
 /// Evaluations with which each of them is looked at, and how near the fit the best has to come to be carried on.
-const LOOK: Budget = Budget { evaluations: 7 };
+pub(super) const LOOK: Budget = Budget { evaluations: 7 };
 const NEARLY: f64 = 1.05;
 /// Evaluations with which another form is fitted.
 const FORMING: Budget = Budget { evaluations: 30 };

@@ -46,6 +46,8 @@ mod looks_like;
 mod made;
 mod map;
 mod model;
+#[cfg(feature = "robots")]
+pub mod neighbours;
 mod next;
 mod numbers;
 mod pairs;

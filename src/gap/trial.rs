@@ -8,7 +8,7 @@ use crate::joint::{EffectForm, EffectId};
 use rayon::prelude::*;
 
 /// Distance from its optimum, in variances of the residuals, at which a fit is close enough to be judged.
-const CLOSE: f64 = 0.01;
+pub(super) const CLOSE: f64 = 0.01;
 
 /// A model with the values that were found, and its residuals.
 #[derive(Clone, Debug)]
@@ -159,13 +159,18 @@ impl Trial {
 
     /// Sum over the fitted logs of the counted squared residuals \[rad^2\].
     pub fn fit_loss(&self, evidence: &Evidence) -> f64 {
-        evidence.fit.iter().zip(&self.fit).map(|(e, r)| loss(e, r)).sum()
+        losses(&evidence.fit, &self.fit)
     }
 
     /// The same over the held-out logs.
     pub fn held_loss(&self, evidence: &Evidence) -> f64 {
-        evidence.held.iter().zip(&self.held).map(|(e, r)| loss(e, r)).sum()
+        losses(&evidence.held, &self.held)
     }
+}
+
+/// Counted sum of squares over logs \[rad^2\].
+pub(super) fn losses(experiments: &[Experiment], residuals_rad: &[Vec<f64>]) -> f64 {
+    experiments.iter().zip(residuals_rad).map(|(e, r)| loss(e, r)).sum()
 }
 
 /// Counted sum of squares \[rad^2\].

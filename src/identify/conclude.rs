@@ -3,7 +3,7 @@
 //! A fit is run with everything free that may be; a parameter, or a combination, that the logs leave open is then held
 //! at what is known of it and named, and the fit is run again. Nothing undetermined is reported as a number.
 
-use super::parameter::Search;
+use super::parameter::{Parameter, Search, free_of};
 use super::run::{Found, Prediction, prediction, refine, search};
 use super::{Belief, Experiment, JointModel, Named, Problem, unit_rad2_s};
 use crate::fit::{Budget, Method, Rejected, Residuals, Solution, Stop, Uncertainty, Undetermined, uncertainty};
@@ -133,7 +133,7 @@ pub fn conclude<M: JointModel + Clone>(
                 .map(|k| prediction(&problem, &found.solution.x, k))
                 .collect::<Result<_, _>>()
                 .map_err(|diverged| Rejected { why: diverged.to_string() })?;
-            let estimates = estimates(&model, &found, &free, &open, &problem, &uncertainty);
+            let estimates = estimates(model.parameters(), &found.values, &found.solution.x, &open, Some(&uncertainty));
             return Ok(Fitted { model, estimates, found, predictions, free, uncertainty, method });
         };
         let held = free[k];
@@ -248,46 +248,44 @@ fn scapegoat<M: JointModel>(model: &M, free: &[usize], direction: &DVector<f64>)
     })
 }
 
-fn estimates<M: JointModel>(
-    model: &M,
-    found: &Found,
-    free: &[usize],
+/// What may be said of each parameter: the free ones stand first among the coordinates `x`, and in the covariance, which is
+/// `None` where there is none. Those that are open have no interval.
+pub(crate) fn estimates(
+    parameters: &[Parameter],
+    values: &[f64],
+    x: &[f64],
     open: &[bool],
-    problem: &Problem<'_, M>,
-    u: &Uncertainty,
+    u: Option<&Uncertainty>,
 ) -> Vec<Estimate> {
-    let coordinates = problem.coordinates();
-    model
-        .parameters()
-        .iter()
-        .enumerate()
-        .map(|(i, p)| {
-            let k = free.iter().position(|&f| f == i);
-            let interval = |half_width: f64| {
-                k.map(|k| {
-                    let (c, x) = (&coordinates[k], found.solution.x[k]);
-                    let on_bound = x <= c.lower || x >= c.upper;
-                    let middle = if on_bound { x + u.unbounded_step[k] } else { x };
-                    [middle - half_width, middle + half_width]
-                        .map(|edge| p.from_coordinate(edge.max(c.lower).min(c.upper)))
-                })
-            };
-            Estimate {
-                name: p.name.clone(),
-                symbol: p.symbol.clone(),
-                unit: p.unit.clone(),
-                status: match k {
-                    _ if open[i] => Status::NotDetermined,
-                    Some(_) => Status::Determined,
-                    None => Status::Held,
-                },
-                value: found.values[i],
-                interval: k.filter(|_| !open[i]).and_then(|k| interval(u.half_width_robust(k))),
-                interval_naive: k.filter(|_| !open[i]).and_then(|k| interval(u.half_width_naive(k))),
-                nominal: p.nominal,
-            }
-        })
-        .collect()
+    let free = free_of(parameters);
+    let of = |(i, p): (usize, &Parameter)| {
+        let k = free.iter().position(|&f| f == i);
+        let known = k.filter(|_| !open[i]).zip(u);
+        let interval = |half_width: &dyn Fn(&Uncertainty, usize) -> f64| {
+            known.map(|(k, u)| {
+                let (c, x) = (p.coordinate(), x[k]);
+                let on_bound = x <= c.lower || x >= c.upper;
+                let middle = if on_bound { x + u.unbounded_step[k] } else { x };
+                let half_width = half_width(u, k);
+                [middle - half_width, middle + half_width].map(|edge| p.from_coordinate(edge.max(c.lower).min(c.upper)))
+            })
+        };
+        Estimate {
+            name: p.name.clone(),
+            symbol: p.symbol.clone(),
+            unit: p.unit.clone(),
+            status: match k {
+                _ if open[i] => Status::NotDetermined,
+                Some(_) => Status::Determined,
+                None => Status::Held,
+            },
+            value: values[i],
+            interval: interval(&Uncertainty::half_width_robust),
+            interval_naive: interval(&Uncertainty::half_width_naive),
+            nominal: p.nominal,
+        }
+    };
+    parameters.iter().enumerate().map(of).collect()
 }
 
 impl Estimate {

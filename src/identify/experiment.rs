@@ -226,8 +226,8 @@ impl Experiment {
         parts
     }
 
-    /// A part of the log between two holes, `number` from 1.
-    pub(super) fn part_of_log(&self, range: Range<usize>, number: usize) -> Self {
+    /// A part of the log, with the phases of one rounding error in it: between two holes, with its `number` from 1.
+    pub(crate) fn part_of_log(&self, range: Range<usize>, number: usize) -> Self {
         let part = self.part(range);
         let compared = &part.measured_rad[part.uncompared..];
         let runs = super::weights::repeated_roundings(compared, self.resolution_rad, LONG_RUN);

@@ -211,7 +211,7 @@ impl Parameter {
 /// Values of all parameters over `T`: `base`, with the free ones taken from the coordinates `x`.
 ///
 /// `seed` turns the value of the k-th coordinate into a variable, or leaves it a constant.
-pub(super) fn values_in<T: Real>(
+pub(crate) fn values_in<T: Real>(
     parameters: &[Parameter],
     base: &[f64],
     free: &[usize],
@@ -226,12 +226,12 @@ pub(super) fn values_in<T: Real>(
 }
 
 /// Indices of the parameters that are searched.
-pub(super) fn free_of(parameters: &[Parameter]) -> Vec<usize> {
+pub(crate) fn free_of(parameters: &[Parameter]) -> Vec<usize> {
     (0..parameters.len()).filter(|&i| !parameters[i].fixed).collect()
 }
 
 /// Start values of all parameters.
-pub(super) fn starts_of(parameters: &[Parameter]) -> Vec<f64> {
+pub(crate) fn starts_of(parameters: &[Parameter]) -> Vec<f64> {
     parameters.iter().map(|p| p.start).collect()
 }
 

@@ -57,7 +57,8 @@ pub fn search<M: JointModel>(
     let budget = affordable(budget, experiments);
     let at_most = |count: usize| ((affordable_share(experiments) * count as f64).ceil() as usize).max(1);
     let mut best = Best::default();
-    for x in ranked(&problem, candidates(model, experiments)).iter().take(SEARCHES) {
+    let starts = candidates(model, experiments).into_iter().map(|values| problem.coordinates_of(&values));
+    for x in ranked(&problem, starts).iter().take(SEARCHES) {
         best.keep(solve(&problem, x, method, budget));
     }
     let explained: f64 = experiments.iter().map(Experiment::rounding_rad2_s).sum();
@@ -198,8 +199,7 @@ fn other_stops<M: JointModel>(model: &M, problem: &Problem<'_, M>, x: &[f64]) ->
 }
 
 /// Points of a problem in the order of their criterion; those without a motion are left out.
-pub(crate) fn ranked<M: JointModel>(problem: &Problem<'_, M>, candidates: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-    let points = candidates.iter().map(|values| problem.coordinates_of(values));
+pub(crate) fn ranked(problem: &dyn Residuals, points: impl Iterator<Item = Vec<f64>>) -> Vec<Vec<f64>> {
     let mut ranked: Vec<(f64, Vec<f64>)> =
         points.filter_map(|x| problem.criterion(&x).ok().map(|criterion| (criterion, x))).collect();
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -218,7 +218,7 @@ pub(crate) fn candidates<M: JointModel>(model: &M, experiments: &[Experiment]) -
     let parts: Vec<Experiment> = parts.iter().step_by(parts.len().div_ceil(MOST_PARTS).max(1)).cloned().collect();
     if parts.len() > experiments.len() {
         let problem = Problem::new(model, &parts);
-        if let Some(x) = ranked(&problem, all.clone()).first() {
+        if let Some(x) = ranked(&problem, all.iter().map(|values| problem.coordinates_of(values))).first() {
             all.push(problem.values(&solve(&problem, x, Method::Lm, Budget { evaluations: 40 }).x));
         }
     }

@@ -29,7 +29,6 @@ mod dynamics;
 mod error;
 mod gait;
 mod model;
-pub mod refit;
 pub mod simulate;
 mod spatial;
 mod state;

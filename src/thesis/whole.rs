@@ -1,9 +1,11 @@
-//! The whole robot refitted to the swings of each joint: do the joints that are held give, and what is left to weigh?
+//! The whole robot fitted to the swings of each joint: do the joints that are held give, and what is left to weigh?
 
 use super::swings::JointSwings;
 use super::{Of, Printed, Row, TablesError};
+use crate::gap::neighbours::{Compared, Swings};
 use crate::geometry::LegJoint;
-use crate::robot::refit::{BenchLogs, Cause, Refits, Verdict};
+use crate::identify::{Estimate, Named};
+use crate::robot::bench::Held;
 
 /// One joint's swings in the whole robot.
 #[derive(Clone, Debug)]
@@ -11,44 +13,44 @@ pub struct Whole {
     /// The joint.
     pub joint: LegJoint,
     /// With rigid and with giving neighbours.
-    pub refits: Refits,
+    pub compared: Compared,
     /// What the better of the two found.
     pub found: Vec<Row>,
 }
 
-/// Swings of a joint that are refitted, shared out over the extra masses.
+/// Swings of a joint that are fitted, shared out over the extra masses.
 const LOGS: usize = 4;
 
-/// Refits the whole robot to swings; `None` where none begins held.
+/// Fits the whole robot to swings; `None` where none begins held.
 pub(super) fn whole(swings: &JointSwings) -> Result<Option<Whole>, TablesError> {
     let loads = swings.loads.iter().filter(|load| !load.moving.is_empty()).count();
-    let Some(logs) = BenchLogs::of(&swings.case, (LOGS / loads.max(1)).max(1))? else { return Ok(None) };
-    let refits = Refits::of(&logs, false)?;
-    let held = match refits.verdict() {
-        Verdict::Give => "others give",
-        Verdict::Rigid => "others rigid",
-        Verdict::CannotTell => "either way",
+    let Some(held) = Swings::of(&swings.case, (LOGS / loads.max(1)).max(1))? else { return Ok(None) };
+    let compared = Compared::of(&held, false)?;
+    let how = match compared.held() {
+        Some(Held::ByController) => "others give",
+        Some(Held::Rigid) => "others rigid",
+        None => "either way",
     };
     let printed = Printed::embedded();
     let friction = printed.estimated(swings.joint);
-    let best = refits.best();
-    let joint = || Of::Joint(swings.joint.to_string());
-    let row = |cause: Cause, value: f64, interval: Option<[f64; 2]>| {
-        let (of, quantity, thesis) = match cause {
-            Cause::Mass => (Of::Body("lower leg".into()), "mass", printed.mass_kg("lower leg")),
-            Cause::Coulomb => (joint(), "coulomb", friction.map(|row| row.coulomb_nm)),
-            Cause::LoadFriction => (joint(), "mu_l", Some(0.0)),
-            Cause::Direction => (joint(), "delta", Some(0.0)),
-            _ => (joint(), cause.id(), Some(0.0)),
+    let row = |estimate: &Estimate| {
+        let joint = || Of::Joint(swings.joint.to_string());
+        let own = estimate.name.rsplit('.').next().unwrap_or(&estimate.name);
+        let (of, quantity, thesis) = match estimate.named() {
+            Some(Named::Mass(_)) => (Of::Body("lower leg".into()), "mass", printed.mass_kg("lower leg")),
+            Some(Named::Coulomb) => (joint(), own, friction.map(|row| row.coulomb_nm)),
+            Some(Named::Viscous) => (joint(), own, friction.map(|row| row.viscous_nm_s_rad)),
+            _ => (joint(), own, Some(0.0)),
         };
-        estimate(Row::new(of, quantity, held, unit(cause), thesis), value, interval)
+        let unit = if estimate.unit.is_empty() { "1" } else { &estimate.unit };
+        let row = Row::new(of, quantity, how, unit, thesis);
+        match estimate.interval {
+            Some(interval) => row.estimated(estimate.value, interval),
+            None => Row { remark: "not determined".into(), ..row },
+        }
     };
-    let mut found: Vec<Row> =
-        best.found.iter().map(|(cause, value, interval)| row(*cause, *value, *interval)).collect();
-    let thesis = friction.map(|row| row.viscous_nm_s_rad);
-    let (value, interval) = best.viscous;
-    found.push(estimate(Row::new(joint(), "viscous", held, "N m s/rad", thesis), value, interval));
-    if refits.lacks_something() {
+    let mut found: Vec<Row> = compared.best().found.iter().map(row).collect();
+    if compared.lacks_something() {
         for row in &mut found {
             row.identifiable = false;
         }
@@ -57,16 +59,5 @@ pub(super) fn whole(swings: &JointSwings) -> Result<Option<Whole>, TablesError> 
                 format!("about {}, something else is in these drops; the interval leaves out its bias", swings.joint);
         }
     }
-    Ok(Some(Whole { joint: swings.joint, refits, found }))
-}
-
-fn unit(cause: Cause) -> &'static str {
-    if cause.unit().is_empty() { "1" } else { cause.unit() }
-}
-
-fn estimate(row: Row, value: f64, interval: Option<[f64; 2]>) -> Row {
-    match interval {
-        Some(interval) => row.estimated(value, interval),
-        None => Row { remark: "not determined".into(), ..row },
-    }
+    Ok(Some(Whole { joint: swings.joint, compared, found }))
 }

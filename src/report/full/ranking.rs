@@ -2,10 +2,13 @@
 
 use super::super::plot::canvas::{EXTENSIVE, POSITIVE};
 use super::super::plot::heat::{Heat, HeatCell, heat, tint};
+use crate::gap::neighbours::{Cause, Compared, EQUAL_DEVIANCE, Hypothesis, leaves_something};
+use crate::identify::Named;
+use crate::joint::EffectId;
 use crate::report::ReportError;
 use crate::report::grid::Grid;
 use crate::report::number::{format_with_uncertainty, mrad, percent, significant};
-use crate::robot::refit::{Cause, DECIDED, Refit, Refits, Verdict};
+use crate::robot::bench::Held;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -14,11 +17,11 @@ use std::path::Path;
 pub struct RefitSummary {
     /// `held joints give`, `rigid` or `cannot tell`.
     pub verdict: String,
-    /// Schwarz's criterion with rigid neighbours less that with giving ones.
+    /// Deviance with rigid neighbours less that with giving ones, charges included.
     pub gives_by: f64,
     /// Noise of the readings \[rad\].
     pub noise: f64,
-    /// Share of what rigid neighbours leave above the noise that giving ones explain.
+    /// Share of what rigid neighbours leave above the noise that giving ones close.
     pub share: f64,
     /// Logs that were fitted, in the order of `rest`.
     pub files: Vec<String>,
@@ -35,7 +38,7 @@ pub struct RefitFit {
     /// The cause, where it is about one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cause: Option<String>,
-    /// How much the cause is needed, by Schwarz's criterion.
+    /// How much the cause is needed: deviance without it less that with it, charges included.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub needed: Option<f64>,
     /// \[rad\]
@@ -62,50 +65,62 @@ pub struct Found {
 }
 
 impl RefitFit {
-    fn of(what: &str, cause: Option<(Cause, f64)>, refit: &Refit) -> Self {
-        let viscous = ("viscous", "N m s/rad", refit.viscous.0, refit.viscous.1);
-        let found = refit.found.iter().map(|(cause, value, interval)| (cause.id(), cause.unit(), *value, *interval));
-        let values = found.chain([viscous]).map(|(name, unit, value, interval)| Found {
-            name: name.into(),
-            unit: unit.into(),
-            value,
-            interval,
+    fn of(what: &str, cause: Option<(Cause, f64)>, hypothesis: &Hypothesis) -> Self {
+        let values = hypothesis.found.iter().map(|estimate| Found {
+            name: estimate.name.clone(),
+            unit: estimate.unit.clone(),
+            value: estimate.value,
+            interval: estimate.interval,
         });
         Self {
             what: what.into(),
-            cause: cause.map(|(cause, _)| cause.words().into()),
+            cause: cause.map(|(cause, _)| words(cause).into()),
             needed: cause.map(|(_, needed)| needed),
-            rms: refit.rms_rad,
-            rest_rms: refit.rest_rms_rad(),
-            rest: refit.rest_rad.clone(),
+            rms: hypothesis.rms_rad,
+            rest_rms: hypothesis.rest_rms_rad(),
+            rest: hypothesis.rest_rad.clone(),
             values: values.collect(),
         }
     }
 }
 
+/// A cause in a few words.
+fn words(cause: Cause) -> &'static str {
+    match cause {
+        Cause::HeldJoints => "held joints give",
+        Cause::Number(Named::Zero) => "encoder's zero",
+        Cause::Number(Named::Mass(_)) => "lower leg's mass",
+        Cause::Number(Named::Coulomb) => "Coulomb friction",
+        Cause::Number(named) => named.name(),
+        Cause::Effect(EffectId::LoadFriction) => "load friction",
+        Cause::Effect(EffectId::AsymmetricFriction) => "friction by direction",
+        Cause::Effect(effect) => effect.id(),
+    }
+}
+
 impl RefitSummary {
     /// What was fitted.
-    pub fn of(refits: &Refits) -> Self {
+    pub fn of(compared: &Compared) -> Self {
         let mut fits = vec![
-            RefitFit::of("nominal", None, &refits.nominal),
-            RefitFit::of("all, rigid", None, &refits.rigid),
-            RefitFit::of("all, by PID", None, &refits.controlled),
+            RefitFit::of("nominal", None, &compared.nominal),
+            RefitFit::of("all, rigid", None, &compared.rigid),
+            RefitFit::of("all, by PID", None, &compared.controlled),
         ];
-        for row in &refits.ranked {
+        for row in &compared.ranked {
             fits.push(RefitFit::of("only", Some((row.cause, row.needed)), &row.alone));
             fits.push(RefitFit::of("without", Some((row.cause, row.needed)), &row.without));
         }
-        let verdict = match refits.verdict() {
-            Verdict::Give => "held joints give",
-            Verdict::Rigid => "rigid",
-            Verdict::CannotTell => "cannot tell",
+        let verdict = match compared.held() {
+            Some(Held::ByController) => "held joints give",
+            Some(Held::Rigid) => "rigid",
+            None => "cannot tell",
         };
         Self {
             verdict: verdict.into(),
-            gives_by: refits.gives_by,
-            noise: refits.noise_rad,
-            share: refits.share(),
-            files: refits.files.clone(),
+            gives_by: compared.gives_by,
+            noise: compared.noise_rad,
+            share: compared.share(),
+            files: compared.files.clone(),
             fits,
         }
     }
@@ -130,8 +145,8 @@ pub(in crate::report) fn causes_table(refit: &RefitSummary) -> Grid {
     let only = refit.fits.iter().filter(|fit| fit.what == "only");
     let row = |(only, without): (&RefitFit, &RefitFit)| {
         let cause = only.cause.as_deref().unwrap_or_default();
-        let id = Cause::ALL.into_iter().find(|c| c.words() == cause).map_or("", Cause::id);
-        let found = refit.best().and_then(|best| best.values.iter().find(|value| value.name == id));
+        let frees = |found: &&Found| Cause::ALL.into_iter().any(|c| words(c) == cause && c.frees(&found.name));
+        let found = refit.best().and_then(|best| best.values.iter().find(frees));
         let numbers = vec![
             both(only),
             both(without),
@@ -172,25 +187,19 @@ pub(in crate::report) fn refit_words(refit: &RefitSummary) -> String {
         return String::new();
     };
     let by = significant(refit.gives_by.abs(), 3);
+    let shown = format!("which these drops show (by {by} in deviance, where {EQUAL_DEVIANCE} decide)");
     let verdict = match refit.verdict.as_str() {
         "held joints give" => format!(
-            "the held joints give, which these drops show ({by} points of Schwarz's criterion for comparing models, where {DECIDED} \
-             decide); that explains {} of the mean square that rigid ones leave above the noise",
+            "the held joints give, {shown}; that closes {} of what rigid ones leave above the noise",
             percent(refit.share)
         ),
-        "rigid" => {
-            format!(
-                "the other joints were held rigidly, which these drops show ({by} points of Schwarz's criterion for comparing models, \
-                 where {DECIDED} decide)"
-            )
-        }
+        "rigid" => format!("the other joints were held rigidly, {shown}"),
         _ => format!(
-            "these drops do not tell whether the held joints give ({by} points of Schwarz's criterion for comparing models, where \
-             {DECIDED} decide)"
+            "these drops do not tell whether the held joints give ({by} in deviance, where {EQUAL_DEVIANCE} decide)"
         ),
     };
-    let needed = refit.fits.iter().filter(|fit| fit.what == "without" && fit.needed.is_some_and(|by| by > DECIDED));
-    let needed: Vec<&str> = needed.filter_map(|fit| fit.cause.as_deref()).collect();
+    let is_needed = |fit: &&RefitFit| fit.what == "without" && fit.needed.is_some_and(|by| by > EQUAL_DEVIANCE);
+    let needed: Vec<&str> = refit.fits.iter().filter(is_needed).filter_map(|fit| fit.cause.as_deref()).collect();
     let rest = if refit.ranked() {
         let needed = match needed.is_empty() {
             true => "none of the explanations".to_owned(),
@@ -204,7 +213,7 @@ pub(in crate::report) fn refit_words(refit: &RefitSummary) -> String {
     } else {
         String::new()
     };
-    let remains = if best.rms > REMAINS * refit.noise {
+    let remains = if leaves_something(best.rms, refit.noise) {
         format!(
             " {} remain against {} of noise: something else is in these drops, and the intervals do not allow for its bias.",
             mrad(best.rms),
@@ -221,9 +230,6 @@ pub(in crate::report) fn refit_words(refit: &RefitSummary) -> String {
         mrad(controlled.rms)
     )
 }
-
-/// An RMS this many times the noise is more than noise.
-const REMAINS: f64 = 1.3;
 
 /// A distance with its sign and as many digits as the largest has; one that rounds to nothing is 0.
 fn signed_mrad(rest_rad: f64, most_rad: f64) -> String {

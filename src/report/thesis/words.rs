@@ -317,7 +317,7 @@ fn fits(tables: &Tables) -> Answer {
         .collect();
     sentences.extend(tables.weighed.iter().filter(|w| w.lacks_something()).filter_map(by_load));
     let in_the_robot =
-        |whole: &Whole| format!("{}, whole robot: {}", whole.joint, refit_words(&RefitSummary::of(&whole.refits)));
+        |whole: &Whole| format!("{}, whole robot: {}", whole.joint, refit_words(&RefitSummary::of(&whole.compared)));
     sentences.extend(tables.whole.iter().map(in_the_robot));
     if let Some(drop) = &tables.drop {
         sentences.push(format!(

@@ -1,0 +1,24 @@
+//! Do the joints give that were held while one joint of a leg swung? Fits of the whole robot, with and without each cause.
+//!
+//! A pendulum that was fitted with rigid neighbours has taken in what they do, so that its values say nothing of whether
+//! they give. So every hypothesis is fitted to the swings in the whole robot ([`bench_drop`]): the other joints held rigidly or
+//! by their controllers, and, each a [`Cause`] that may be let in, the lower leg's mass, Coulomb friction, the encoder's zero,
+//! load friction, and friction that differs with the direction. Viscous friction is always searched; a start is the mean reading
+//! before the joint is let go. [`Compared`] weighs hypotheses as all others of this layer are weighed: deviance, a charge for
+//! every number and for every cause, and the noise that the readings themselves show.
+//!
+//! [`bench_drop`]: crate::robot::bench::bench_drop
+
+mod cause;
+mod compared;
+mod hypothesis;
+mod problem;
+mod swings;
+#[cfg(test)]
+mod tests;
+
+pub use super::decide::EQUAL_DEVIANCE;
+pub use cause::Cause;
+pub use compared::{Compared, Ranked, leaves_something};
+pub use hypothesis::Hypothesis;
+pub use swings::{Swings, at_rest_rad};
