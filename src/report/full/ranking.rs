@@ -179,37 +179,29 @@ fn value(found: &Found) -> String {
     }
 }
 
-/// What the refits say, as sentences.
+/// What the refits say, as sentences, the first of which begins in small letters.
 pub(in crate::report) fn refit_words(refit: &RefitSummary) -> String {
     let (Some(nominal), Some(rigid), Some(controlled), Some(best)) =
         (refit.fit("nominal"), refit.fit("all, rigid"), refit.fit("all, by PID"), refit.best())
     else {
         return String::new();
     };
-    let by = significant(refit.gives_by.abs(), 3);
-    let shown = format!("which these drops show (by {by} in deviance, where {EQUAL_DEVIANCE} decide)");
     let verdict = match refit.verdict.as_str() {
-        "held joints give" => format!(
-            "the held joints give, {shown}; that closes {} of what rigid ones leave above the noise",
-            percent(refit.share)
-        ),
-        "rigid" => format!("the other joints were held rigidly, {shown}"),
-        _ => format!(
-            "these drops do not tell whether the held joints give ({by} in deviance, where {EQUAL_DEVIANCE} decide)"
-        ),
+        "held joints give" => {
+            format!("the held joints give, which closes {} of what rigid ones leave above the noise", percent(refit.share))
+        }
+        "rigid" => "the other joints were held rigidly".to_owned(),
+        _ => "these drops do not tell whether the held joints give".to_owned(),
     };
     let is_needed = |fit: &&RefitFit| fit.what == "without" && fit.needed.is_some_and(|by| by > EQUAL_DEVIANCE);
     let needed: Vec<&str> = refit.fits.iter().filter(is_needed).filter_map(|fit| fit.cause.as_deref()).collect();
     let rest = if refit.ranked() {
         let needed = match needed.is_empty() {
-            true => "none of the explanations".to_owned(),
-            false => needed.join(", "),
+            true => "The drops need none of the explanations.".to_owned(),
+            false => format!("The drops need, the most first: {}.", needed.join(", ")),
         };
-        format!(
-            " At rest the nominal robot is off by {}, the best by {}; to follow the drops one needs, the most first: {needed}.",
-            mrad(nominal.rest_rms),
-            mrad(best.rest_rms)
-        )
+        let [nominal, best] = [nominal.rest_rms, best.rest_rms].map(mrad);
+        format!(" {needed} At rest the nominal robot is off by {nominal}, the best by {best}.")
     } else {
         String::new()
     };
@@ -224,10 +216,12 @@ pub(in crate::report) fn refit_words(refit: &RefitSummary) -> String {
     };
     let logs = if refit.files.len() == 1 { "one log".to_owned() } else { format!("{} logs", refit.files.len()) };
     format!(
-        "Refitted there to {logs} (zero, lower leg's mass, all friction, load friction, friction by direction): {} with rigid \
-         joints, {} with joints held by PID: {verdict}.{rest}{remains}",
+        "{verdict}: refitted to {logs} (zero, lower leg's mass, all friction, load friction, friction by direction) the whole robot is \
+         off by {} with them rigid, by {} with them held by their PID (Table B.2); {} apart in deviance, where {EQUAL_DEVIANCE} \
+         decide.{rest}{remains}",
         mrad(rigid.rms),
-        mrad(controlled.rms)
+        mrad(controlled.rms),
+        significant(refit.gives_by.abs(), 3)
     )
 }
 

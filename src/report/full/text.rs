@@ -2,7 +2,7 @@
 
 use super::{FullDrop, HeldRow, causes_table, refit_words};
 use crate::report::grid::Grid;
-use crate::report::number::{mrad, significant};
+use crate::report::number::{capital, mrad, significant};
 use crate::report::rows::shorten;
 use crate::report::text::wrap;
 use std::path::Path;
@@ -59,14 +59,14 @@ pub(in crate::report) fn summary(full: &FullDrop) -> String {
         mrad((squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt())
     };
     let as_fitted = format!(
-        "The same drop in the whole robot, trunk clamped (Figure 3.6), with the pendulum's values: {} with the other joints \
-         rigid, as the pendulum ({}) takes them, {} with them held by their PID (Table B.2).",
+        "With the pendulum's values the whole robot, trunk clamped (Figure 3.6), is off by {} with the other joints rigid, as the \
+         pendulum ({}) takes them, by {} with them held by their PID.",
         mean(&|row| row.rigid.rms),
         mean(&|row| Some(row.pendulum_rms)),
         mean(&|row| row.controlled.rms)
     );
     match &full.refit {
-        Some(refit) => format!("{as_fitted} {}", refit_words(refit)),
+        Some(refit) => format!("{} {as_fitted}", capital(&refit_words(refit))),
         None => as_fitted,
     }
 }
