@@ -188,7 +188,10 @@ pub(in crate::report) fn refit_words(refit: &RefitSummary) -> String {
     };
     let verdict = match refit.verdict.as_str() {
         "held joints give" => {
-            format!("the held joints give, which closes {} of what rigid ones leave above the noise", percent(refit.share))
+            format!(
+                "the held joints give, which closes {} of what rigid ones leave above the noise",
+                percent(refit.share)
+            )
         }
         "rigid" => "the other joints were held rigidly".to_owned(),
         _ => "these drops do not tell whether the held joints give".to_owned(),
