@@ -35,7 +35,6 @@ mod npz;
 mod packed;
 #[cfg(feature = "parquet")]
 mod parquet_numbers;
-#[cfg(feature = "parquet")]
 mod plotjuggler;
 mod read;
 mod roles;
