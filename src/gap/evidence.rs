@@ -148,19 +148,12 @@ fn thinned(e: &Experiment) -> Experiment {
 
 /// The part of a long log along which the joint goes farthest.
 fn liveliest(e: &Experiment) -> Experiment {
-    let n = e.t_s.len();
     let by_time = e.t_s.partition_point(|t| *t < e.t_s[0] + COARSE_DRIVEN_S);
     let width = by_time.max(COARSE_DRIVEN);
-    if n <= width {
+    if e.t_s.len() <= width {
         return e.clone();
     }
-    let mut way_rad = vec![0.0; n];
-    for k in 1..n {
-        way_rad[k] = way_rad[k - 1] + (e.measured_rad[k] - e.measured_rad[k - 1]).abs();
-    }
-    let way = |from: &usize| way_rad[from + width - 1] - way_rad[*from];
-    let from = (0..=n - width).step_by(width / 8).max_by(|a, b| way(a).total_cmp(&way(b))).unwrap_or(0);
-    e.part(from..from + width)
+    e.part(crate::log::liveliest(&e.measured_rad, width))
 }
 
 /// A long phase of one repeated reading is one rounding error: it gets the weight of a few samples, because its

@@ -1,12 +1,13 @@
 //! What a user hands over, made ready: a study, or logs with their sidecars, as one joint and its experiments.
 
-use super::holes::{FEWEST_SAMPLES, cut, ends_of_holes};
+use super::holes::{FEWEST_SAMPLES, cut};
+use super::ready::Ready;
 use super::{Experiment, LegCase};
 use crate::geometry::{GeometryError, LegJoint};
 use crate::log::{
     ArrayLog, Columns, DriveMode, Health, JointSpec, Log, LogError, MotorSpec, Role, SensorSpec, Start, Study,
-    StudyLog, Uncertain, check_drive_stated, check_inputs, check_period, check_torque_sign, health, read_joint_log_as,
-    read_pose_for, read_sidecar, read_sidecar_for, read_study, read_study_logs, thinned,
+    StudyLog, Uncertain, check_drive_stated, check_inputs, check_period, check_torque_sign, read_each_log,
+    read_joint_log_as, read_pose_for, read_sidecar, read_sidecar_for, read_study,
 };
 use std::path::{Path, PathBuf};
 
@@ -31,7 +32,8 @@ pub struct Case {
 /// One log of a case.
 #[derive(Clone, Debug)]
 pub struct Item {
-    /// What was recorded; of a very long free log, a choice of its samples (20 000 at the most).
+    /// What was recorded; of a very long log, a choice of its samples: 20 000 at the most of a free one, of a driven one
+    /// stretches with 48 000.
     pub log: Log,
     /// What the study or the sidecar says of it.
     pub entry: StudyLog,
@@ -104,10 +106,6 @@ pub enum CaseError {
     },
 }
 
-/// Samples of a free log that are fitted at the most. A swing holds no more news than that, and a search looks at every
-/// sample hundreds of times. Driven logs are fitted whole: what drives them between two samples counts.
-pub const MOST_SAMPLES: usize = 20_000;
-
 impl Case {
     /// A study with its logs.
     ///
@@ -115,8 +113,15 @@ impl Case {
     /// [`CaseError`] where a file cannot be read or is wrong.
     pub fn of_study(path: &Path) -> Result<Self, CaseError> {
         let study = read_study(path)?;
-        let logs = read_study_logs(&study)?;
-        Self::of_read(study, logs)
+        let documents = vec![path.to_path_buf()];
+        Self::of_named(study, documents)
+    }
+
+    /// A study whose logs are read, each of them shortened before the next is.
+    fn of_named(study: Study, documents: Vec<PathBuf>) -> Result<Self, CaseError> {
+        let count = study.logs.len();
+        let ready = read_each_log(&study, |entry, log| Ready::of(log, &study.sensor, entry.drive, count))?;
+        Self::of_ready(study, ready, documents)
     }
 
     /// A study and its logs, in its order, that are read already.
@@ -124,9 +129,16 @@ impl Case {
     /// # Errors
     /// [`CaseError`] where a log is too short, or the geometry beside a leg's logs is impossible.
     pub fn of_read(study: Study, logs: Vec<Log>) -> Result<Self, CaseError> {
-        let documents = if study.file.is_file() { vec![study.file] } else { Vec::new() };
-        let Study { joint, sensor, uncertain, logs: entries, .. } = study;
-        let items = logs.into_iter().zip(entries).map(|(log, entry)| (log, entry, sensor)).collect();
+        let documents = if study.file.is_file() { vec![study.file.clone()] } else { Vec::new() };
+        let count = study.logs.len();
+        let ready = logs.into_iter().zip(&study.logs);
+        let ready = ready.map(|(log, entry)| Ready::of(log, &study.sensor, entry.drive, count)).collect();
+        Self::of_ready(study, ready, documents)
+    }
+
+    fn of_ready(study: Study, ready: Vec<Ready>, documents: Vec<PathBuf>) -> Result<Self, CaseError> {
+        let Study { joint, sensor, uncertain, logs, .. } = study;
+        let items = ready.into_iter().zip(logs).map(|(ready, entry)| (ready, entry, sensor)).collect();
         Self::new(joint, uncertain, items, documents)
     }
 
@@ -143,10 +155,7 @@ impl Case {
             entry.role = Role::Validate;
             entry.extra = read_sidecar_for(log)?.and_then(|sidecar| sidecar.logs.first()?.extra).or(entry.extra);
         }
-        let logs = read_study_logs(&study)?;
-        let Study { joint, sensor, uncertain, logs: entries, .. } = study;
-        let items = logs.into_iter().zip(entries).map(|(log, entry)| (log, entry, sensor)).collect();
-        Self::new(joint, uncertain, items, vec![path.to_path_buf()])
+        Self::of_named(study, vec![path.to_path_buf()])
     }
 
     /// Logs with their sidecars; `joint` overrides what sidecar and file name say.
@@ -192,7 +201,7 @@ impl Case {
                 Some((first, expected)) => same_joint(path, &spec, first, expected)?,
             }
             let log = check_inputs(&path.with_extension("toml"), 0, &entry, log)?;
-            items.push((log, entry, sensor));
+            items.push((Ready::of(log, &sensor, entry.drive, paths.len()), entry, sensor));
         }
         let spec = first.map_or_else(|| plain_joint(Path::new("joint")), |(_, spec)| spec);
         Self::new(spec, believed.unwrap_or_default(), items, documents)
@@ -225,6 +234,7 @@ impl Case {
         uncertain: Uncertain,
         logs: Vec<ArrayLog>,
     ) -> Result<Self, CaseError> {
+        let count = logs.len();
         let item = |given: ArrayLog| {
             let (file, session) = (given.name.clone(), given.session.clone());
             let (role, drive, extra, tau_is) = (given.role, given.drive, given.extra, given.tau_is);
@@ -235,7 +245,7 @@ impl Case {
             check_period(&log, &sensor)?;
             let entry = StudyLog { file, path: PathBuf::new(), role, drive, motor, extra, session, tau_is };
             check_torque_sign(&log, &entry)?;
-            Ok((log, entry, sensor))
+            Ok((Ready::of(log, &sensor, drive, count), entry, sensor))
         };
         let items = logs.into_iter().map(item).collect::<Result<_, CaseError>>()?;
         Self::new(joint, uncertain, items, Vec::new())
@@ -244,7 +254,7 @@ impl Case {
     fn new(
         mut joint: JointSpec,
         uncertain: Uncertain,
-        items: Vec<(Log, StudyLog, SensorSpec)>,
+        items: Vec<(Ready, StudyLog, SensorSpec)>,
         mut documents: Vec<PathBuf>,
     ) -> Result<Self, CaseError> {
         let by_bodies = joint.nominal.is_none();
@@ -277,7 +287,7 @@ impl Case {
         let items = items
             .into_iter()
             .enumerate()
-            .map(|(i, (log, entry, sensor))| item(i, log, entry, sensor, gravity_m_s2, leg.as_ref()))
+            .map(|(i, (ready, entry, sensor))| item(i, ready, entry, sensor, gravity_m_s2, leg.as_ref()))
             .collect::<Result<_, _>>()?;
         let by_bodies = by_bodies && leg.is_some();
         Ok(Self { joint, leg, by_bodies, uncertain, items, documents })
@@ -297,16 +307,13 @@ impl Case {
 
 fn item(
     log_index: usize,
-    log: Log,
+    ready: Ready,
     entry: StudyLog,
     sensor: SensorSpec,
     gravity_m_s2: f64,
     leg: Option<&LegCase>,
 ) -> Result<Item, CaseError> {
-    let whole = health(&log, &sensor, entry.drive);
-    let holes = ends_of_holes(&log.t_s);
-    let short = if entry.drive == DriveMode::Off { thinned(&log, &whole, MOST_SAMPLES) } else { None };
-    let (log, health) = short.unwrap_or((log, whole));
+    let Ready { log, health, begins } = ready;
     let free = health.start.held().map_or(log.len(), |held| log.len() - held.first_free);
     if free < FEWEST_SAMPLES && health.start != Start::AlwaysHeld {
         return Err(CaseError::TooFewSamples { file: log.file.clone(), samples: free, needed: FEWEST_SAMPLES });
@@ -326,7 +333,7 @@ fn item(
             e.bodies = leg.bodies().map_err(impossible)?;
             e.load = entry.extra.as_ref().map(|extra| leg.load(extra)).transpose().map_err(impossible)?;
         }
-        (experiments, remarks) = cut(e, &log, &holes, health.noise_rad);
+        (experiments, remarks) = cut(e, &log, &begins, health.noise_rad);
     }
     Ok(Item { log, entry, sensor, health, experiments, remarks })
 }

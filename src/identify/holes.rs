@@ -33,23 +33,42 @@ pub(super) fn ends_of_holes(t_s: &[f64]) -> Vec<f64> {
     (0..steps.len()).filter(|&k| steps[k] > HOLE_PERIODS * usual_s && is_hole(k)).map(|k| t_s[k + 1]).collect()
 }
 
-/// An experiment cut where its log has holes, each part with a start of its own, and a remark for each part that is left
-/// out because it is too short or nothing moves in it.
+/// Where the parts of a log begin that have a start of their own \[s\], in the log's time.
+pub(super) struct Begins {
+    /// After holes.
+    pub after_holes_s: Vec<f64>,
+    /// After what was left out of a long log.
+    pub stretches_s: Vec<f64>,
+}
+
+/// An experiment cut where its parts begin, each with a start of its own, and a remark for each part that is left out
+/// because it is too short or nothing moves in it.
 ///
-/// `ends_s` are the ends of the holes, in the log's time, `noise_rad` is what a reading scatters by.
-pub(super) fn cut(whole: Experiment, log: &Log, ends_s: &[f64], noise_rad: f64) -> (Vec<Experiment>, Vec<String>) {
+/// `noise_rad` is what a reading scatters by.
+pub(super) fn cut(whole: Experiment, log: &Log, begins: &Begins, noise_rad: f64) -> (Vec<Experiment>, Vec<String>) {
     let t0_s = log.t_s.first().copied().unwrap_or(0.0);
-    let begins = |end_s: &f64| whole.t_s.partition_point(|t| *t < end_s - t0_s);
-    let mut cuts: Vec<usize> = ends_s.iter().map(begins).filter(|k| *k > 0 && *k < whole.t_s.len()).collect();
+    let at = |from_s: &f64| whole.t_s.partition_point(|t| *t < from_s - t0_s);
+    let inside = |k: &usize| *k > 0 && *k < whole.t_s.len();
+    let cuts_at = |all_s: &[f64]| all_s.iter().map(at).filter(inside).collect::<Vec<usize>>();
+    let stretches = cuts_at(&begins.stretches_s);
+    let mut cuts = cuts_at(&begins.after_holes_s);
+    cuts.retain(|k| !stretches.contains(k));
     cuts.dedup();
+    let holes = cuts.len();
+    cuts.extend(&stretches);
+    cuts.sort_unstable();
     if cuts.is_empty() {
         return (vec![whole], Vec::new());
     }
     cuts.push(whole.t_s.len());
     let still_rad = 3.0 * whole.resolution_rad.max(noise_rad);
     let (mut parts, mut remarks) = (Vec::new(), Vec::new());
-    let holes = cuts.len() - 1;
-    remarks.push(format!("{holes} hole{}: each part has a start of its own", if holes == 1 { "" } else { "s" }));
+    if holes > 0 {
+        remarks.push(format!("{holes} hole{}: each part has a start of its own", if holes == 1 { "" } else { "s" }));
+    }
+    if !stretches.is_empty() {
+        remarks.push(format!("{} stretches from all along it, each with a start of its own", stretches.len() + 1));
+    }
     let mut from = 0;
     for (k, to) in cuts.into_iter().enumerate() {
         let range = from..to;
@@ -114,7 +133,8 @@ mod tests {
     fn parts(log: &Log) -> (Vec<Experiment>, Vec<String>) {
         let found = health(log, &SensorSpec::default(), DriveMode::Position);
         let whole = Experiment::new(log, &entry(), &found, 0.0, 9.81).unwrap();
-        cut(whole, log, &ends_of_holes(&log.t_s), found.noise_rad)
+        let begins = Begins { after_holes_s: ends_of_holes(&log.t_s), stretches_s: Vec::new() };
+        cut(whole, log, &begins, found.noise_rad)
     }
 
     #[test]
@@ -148,6 +168,17 @@ mod tests {
         assert_eq!(parts.iter().map(|e| e.part).collect::<Vec<_>>(), [1]);
         assert_eq!(remarks[1], "part 2 (6.100 to 6.120 s) is left out: 3 samples");
         assert_eq!(remarks[2], "part 3 (6.200 to 8.990 s) is left out: nothing moves");
+    }
+
+    #[test]
+    fn stretches_of_a_long_log_are_parts_and_no_holes() {
+        let log = log(|k| (100..200).contains(&k), |t| (3.0 * t).sin());
+        let found = health(&log, &SensorSpec::default(), DriveMode::Position);
+        let whole = Experiment::new(&log, &entry(), &found, 0.0, 9.81).unwrap();
+        let begins = Begins { after_holes_s: ends_of_holes(&log.t_s), stretches_s: vec![log.t_s[100]] };
+        let (parts, remarks) = cut(whole, &log, &begins, found.noise_rad);
+        assert_eq!(parts.iter().map(|e| e.first_sample).collect::<Vec<_>>(), [0, 100]);
+        assert_eq!(remarks, ["2 stretches from all along it, each with a start of its own"]);
     }
 
     #[test]

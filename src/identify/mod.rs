@@ -15,6 +15,7 @@ mod model;
 mod named;
 mod parameter;
 mod problem;
+mod ready;
 mod run;
 mod scale;
 mod smooth;

@@ -20,9 +20,20 @@ use super::types::{DriveMode, Log, Study, StudyLog};
 /// `[sensor] period`, that lacks the column its `drive` needs (`q_ref` for "position", `tau` for "torque"), or whose `tau`
 /// has lost its sign although the study says what it is.
 pub fn read_study_logs(study: &Study) -> Result<Vec<Log>, LogError> {
-    let logs: Vec<Result<Log, LogError>> =
-        study.logs.par_iter().enumerate().map(|(i, entry)| read_one(study, i, entry)).collect();
-    logs.into_iter().collect()
+    read_each_log(study, |_, log| log)
+}
+
+/// What is made of each log of a study, in the study's order: a log is not kept while the next is read.
+///
+/// # Errors
+/// As [`read_study_logs`].
+pub(crate) fn read_each_log<T: Send>(
+    study: &Study,
+    make: impl Fn(&StudyLog, Log) -> T + Sync,
+) -> Result<Vec<T>, LogError> {
+    let one = |(i, entry)| read_one(study, i, entry).map(|log| make(entry, log));
+    let made: Vec<Result<T, LogError>> = study.logs.par_iter().enumerate().map(one).collect();
+    made.into_iter().collect()
 }
 
 fn read_one(study: &Study, i: usize, entry: &StudyLog) -> Result<Log, LogError> {

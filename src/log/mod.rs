@@ -72,6 +72,7 @@ pub use format::Format;
 pub use health::{Health, health};
 pub use health_saturation::{Holds, Stuck};
 pub use health_stamps::SetpointStamps;
+pub(crate) use inputs::read_each_log;
 pub use inputs::read_study_logs;
 pub use manifest::MANIFEST_FILE;
 pub use mcap_out::{McapTopic, mcap_bytes, write_mcap};
@@ -90,7 +91,7 @@ pub use robot_study::{
 };
 pub use source::{Channel, Source, log_files, read_source};
 pub use study::{read_sidecar_for, read_study};
-pub use thin::thinned;
+pub use thin::{liveliest, stretches, thinned};
 pub use types::{DriveMode, ExtraMass, JointSpec, Log, Nominal, Release, Role, SensorSpec, Stamped, Study, StudyLog};
 pub use uncertain::{Spread, Uncertain};
 pub(crate) use workshop::Workshop;

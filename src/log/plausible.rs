@@ -88,7 +88,7 @@ pub(super) fn median(values: &mut [f64]) -> f64 {
 
 fn median_moving_speed(t: &[f64], q: &[f64], step_s: f64) -> f64 {
     let stride = (SPEED_BASE_S / step_s).ceil().clamp(1.0, t.len() as f64) as usize;
-    let pairs = t.iter().zip(q).zip(t.iter().zip(q).skip(stride));
+    let pairs = t.iter().zip(q).zip(t.iter().zip(q).skip(stride)).step_by(stride);
     let mut speeds: Vec<f64> =
         pairs.map(|((t0, q0), (t1, q1))| (q1 - q0).abs() / (t1 - t0)).filter(|speed| *speed > 0.0).collect();
     median(&mut speeds)

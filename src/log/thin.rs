@@ -2,10 +2,15 @@
 
 use super::health::Health;
 use super::release::Start;
-use super::types::Log;
+use super::types::{Log, Stamped};
+use std::ops::Range;
 
 /// Share of the samples that a joint at rest keeps: it says the same again and again.
 const REST_SHARE: usize = 10;
+/// Samples of a stretch that stays of a long driven log: it is long beside what a joint remembers.
+const STRETCH: usize = 4000;
+/// Setpoints from so long before a stretch stay, for what arrives late \[s\].
+const LEAD_S: f64 = 1.0;
 
 /// At most about `most` samples of a log, evenly spaced while the joint moves and wider apart where it rests; `None`
 /// where the log is no longer than that.
@@ -30,9 +35,69 @@ pub fn thinned(log: &Log, health: &Health, most: usize) -> Option<(Log, Health)>
         on_grid || k + 1 == n || at_release || changes(k) || changes(k + 1)
     };
     let kept: Vec<usize> = (0..n).filter(stays).collect();
+    let shorter = picked(log, &kept);
+    let mut health = health.clone();
+    if let Start::Held(phase) = &mut health.start {
+        phase.last_held = kept.partition_point(|k| *k < phase.last_held);
+        phase.first_free = kept.partition_point(|k| *k < phase.first_free);
+    }
+    Some((shorter, health))
+}
+
+/// At most about `most` samples of a driven log, in stretches: its beginning, and from all along it those in which the
+/// joint goes farthest; and where in the shorter log each but the first begins. `None` where the log is no longer than that.
+///
+/// What drives a joint between two samples counts, so that none is left out in a stretch. Setpoints keep stamps of their
+/// own, from a second before each stretch on.
+pub fn stretches(log: &Log, most: usize) -> Option<(Log, Vec<usize>)> {
+    let n = log.len();
+    if n <= most {
+        return None;
+    }
+    let count = most.div_ceil(STRETCH);
+    let (block, width) = (n / count, most / count);
+    let of_block = |k: usize| {
+        if k == 0 {
+            return 0..width;
+        }
+        let from = k * block;
+        let at = liveliest(&log.q_rad[from..from + block], width);
+        from + at.start..from + at.end
+    };
+    let chosen: Vec<Range<usize>> = (0..count).map(of_block).collect();
+    let begins = chosen.windows(2).enumerate().filter(|(_, pair)| pair[1].start > pair[0].end);
+    let begins = begins.map(|(k, _)| (k + 1) * width).collect();
+    let kept: Vec<usize> = chosen.iter().cloned().flatten().collect();
+    let spans_s = chosen.iter().map(|at| [log.t_s[at.start] - LEAD_S, log.t_s[at.end - 1]]).collect::<Vec<_>>();
+    let asked = log.setpoints.as_ref().map(|own| (&own.t_s, &own.values));
+    let setpoints = asked.or_else(|| Some((&log.t_s, log.q_ref_rad.as_ref()?))).map(|(t_s, values)| {
+        let stays = |t: f64| spans_s.iter().any(|[from_s, to_s]| (*from_s..=*to_s).contains(&t));
+        let (t_s, values) = t_s.iter().zip(values).filter(|(t, _)| stays(**t)).unzip();
+        Stamped { t_s, values }
+    });
+    Some((Log { setpoints, ..picked(log, &kept) }, begins))
+}
+
+/// The so many neighbouring readings along which a joint goes farthest; all where they are fewer.
+pub fn liveliest(q_rad: &[f64], width: usize) -> Range<usize> {
+    let n = q_rad.len();
+    if n <= width || width == 0 {
+        return 0..n;
+    }
+    let mut way_rad = vec![0.0; n];
+    for k in 1..n {
+        way_rad[k] = way_rad[k - 1] + (q_rad[k] - q_rad[k - 1]).abs();
+    }
+    let way = |from: &usize| way_rad[from + width - 1] - way_rad[*from];
+    let from = (0..=n - width).step_by((width / 8).max(1)).max_by(|a, b| way(a).total_cmp(&way(b))).unwrap_or(0);
+    from..from + width
+}
+
+/// A log of these samples alone.
+fn picked(log: &Log, kept: &[usize]) -> Log {
     let pick = |column: &[f64]| kept.iter().map(|&k| column[k]).collect::<Vec<f64>>();
     let pick_some = |column: &Option<Vec<f64>>| column.as_deref().map(pick);
-    let shorter = Log {
+    Log {
         file: log.file.clone(),
         t_s: pick(&log.t_s),
         q_rad: pick(&log.q_rad),
@@ -43,13 +108,7 @@ pub fn thinned(log: &Log, health: &Health, most: usize) -> Option<(Log, Health)>
         notes: log.notes.clone(),
         drive: log.drive.as_ref().map(|drive| kept.iter().map(|&k| drive[k]).collect()),
         ignored_columns: log.ignored_columns.clone(),
-    };
-    let mut health = health.clone();
-    if let Start::Held(phase) = &mut health.start {
-        phase.last_held = kept.partition_point(|k| *k < phase.last_held);
-        phase.first_free = kept.partition_point(|k| *k < phase.first_free);
     }
-    Some((shorter, health))
 }
 
 #[cfg(test)]
@@ -98,5 +157,24 @@ mod tests {
         let log = long();
         let whole = health(&log, &SensorSpec::default(), DriveMode::Off);
         assert_eq!(thinned(&log, &whole, 60_000), None);
+    }
+
+    #[test]
+    fn a_long_driven_log_keeps_whole_stretches_from_all_along_it_and_what_was_asked_before_them() {
+        let log = Log { q_ref_rad: Some(long().t_s), drive: None, ..long() };
+        let (short, begins) = stretches(&log, 24_000).unwrap();
+        assert_eq!((short.len(), begins.len()), (24_000, 5));
+        let period = |k: usize| ((short.t_s[k] - short.t_s[k - 1]) * 1e3).round();
+        assert!((1..24_000).all(|k| (period(k) == 1.0) != begins.contains(&k)));
+        assert!(short.t_s[0] == 0.0 && short.t_s[begins[4]] >= 50.0, "{} {}", short.t_s[0], short.t_s[begins[4]]);
+        let asked = short.setpoints.unwrap();
+        let before = |k: usize| asked.t_s.iter().filter(|t| **t < short.t_s[k] && **t >= short.t_s[k] - 1.0).count();
+        assert!(
+            begins.iter().all(|&k| before(k) >= 999),
+            "{:?}",
+            begins.iter().map(|&k| before(k)).collect::<Vec<_>>()
+        );
+        assert_eq!(asked.t_s, asked.values);
+        assert_eq!(stretches(&log, 60_000), None);
     }
 }

@@ -95,21 +95,21 @@ pub(in crate::log) fn joint_log(mut source: Source, joint: Option<&str>) -> Resu
     let [angle, speed, torque, setpoint, drive] =
         [Column::Angle, Column::Speed, Column::Torque, Column::Setpoint, Column::Drive].map(&mut of);
     let Some(angle) = angle else { return Err(no_angle(&source)) };
+    let is_table = source.rows.take().is_some();
     let clock = angle.clock;
     let is_apart = torque.as_ref().is_some_and(|torque| torque.clock != clock);
     let mut joint = OfJoint::new(&source, angle, setpoint, torque, drive);
     let first = joint.first_sample(&source, clock);
     joint.from(first);
     let dq_rad_s = speed.filter(|speed| speed.clock == clock).map(|speed| speed.values[first..].to_vec());
-    let t_s = source.clocks[clock][first..].to_vec();
     let mut notes = std::mem::take(&mut source.notes);
     notes.extend(is_apart.then(|| TORQUE_APART.to_owned()));
     notes.extend(head_note(&source.clocks[clock], first));
+    let t_s = source.clocks.swap_remove(clock).split_off(first);
     too_short(&source.file, &t_s)?;
     let others = source.channels.iter().filter(|channel| channel.ours.is_some());
     let others: Vec<String> = others.map(|channel| channel.theirs.clone()).collect();
-    let ignored_columns =
-        if source.rows.is_some() { source.ignored.clone() } else { [source.ignored, others].concat() };
+    let ignored_columns = if is_table { source.ignored } else { [source.ignored, others].concat() };
     let OfJoint { q_rad, q_ref_rad, setpoints, tau_nm, drive } = joint;
     Ok(Log { file: source.file, t_s, q_rad, dq_rad_s, tau_nm, q_ref_rad, setpoints, drive, ignored_columns, notes })
 }

@@ -10,8 +10,7 @@ use std::path::{Path, PathBuf};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 
 use super::channel::{Channel, Source};
-use super::contained::contained;
-use super::parquet_numbers::{is_unpacked, numbers};
+use super::parquet_numbers::{is_unpacked, numbers, theirs};
 use crate::log::columns::{ColumnSpec, Unit};
 use crate::log::error::LogError;
 use crate::log::format::Format;
@@ -73,9 +72,7 @@ pub(super) fn read_lerobot(path: &Path) -> Result<Source, LogError> {
     let mut frames = Frames::default();
     for file in &files {
         let opened = File::open(file).map_err(|source| failed(file, source))?;
-        // The Parquet crate is not ours: whatever a damaged file makes it do is an error of that file.
-        let read = contained(|| frames.add(opened));
-        read.unwrap_or_else(|| Err("damaged: it cannot be decoded".to_owned())).map_err(|what| wrong(file, what))?;
+        frames.add(opened).map_err(|what| wrong(file, what))?;
     }
     frames.into_source(path, &info).map_err(|what| wrong(path, what))
 }
@@ -131,8 +128,7 @@ struct Frames {
 
 impl Frames {
     fn add(&mut self, file: File) -> Result<(), String> {
-        let told = |error: parquet::errors::ParquetError| format!("damaged: {error}");
-        let reader = SerializedFileReader::new(file).map_err(told)?;
+        let reader = theirs(|| SerializedFileReader::new(file))?;
         let schema = reader.metadata().file_metadata().schema_descr_ptr();
         let column = |name: &str| {
             (0..schema.num_columns())
@@ -143,12 +139,13 @@ impl Frames {
         let (action, stamp) = (column(ACTION), column("timestamp"));
         let (episode, frame) = (column("episode_index"), column("frame_index"));
         for group in 0..reader.num_row_groups() {
-            let group = reader.get_row_group(group).map_err(told)?;
+            let group = theirs(|| reader.get_row_group(group))?;
             let rows = usize::try_from(group.metadata().num_rows())
                 .map_err(|_| "damaged: a negative count of rows".to_owned())?;
             let mut read = |at: usize| -> Result<Vec<f64>, String> {
                 is_unpacked(group.metadata().column(at).compression())?;
-                let values = numbers(group.get_column_reader(at).map_err(told)?, MOST_NUMBERS - self.numbers)?;
+                let column = theirs(|| group.get_column_reader(at))?;
+                let values = numbers(column, MOST_NUMBERS - self.numbers)?;
                 self.numbers += values.len();
                 let is_even = if rows == 0 { values.is_empty() } else { values.len().is_multiple_of(rows) };
                 is_even.then_some(values).ok_or_else(|| {

@@ -2,6 +2,9 @@
 
 use parquet::basic::{Compression, Type};
 use parquet::column::reader::ColumnReader;
+use parquet::errors::ParquetError;
+
+use super::contained::contained;
 
 /// Records read at a time.
 const BATCH: usize = 8192;
@@ -18,6 +21,14 @@ pub(super) fn is_unpacked(packed: Compression) -> Result<(), String> {
     }
 }
 
+/// What the Parquet crate answers; whatever a damaged file makes it do is an error of that file.
+pub(super) fn theirs<T>(work: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, String> {
+    match contained(work) {
+        Some(answer) => answer.map_err(|error| format!("damaged: {error}")),
+        None => Err("damaged: it cannot be decoded".to_owned()),
+    }
+}
+
 /// All numbers of a column, at the most so many.
 pub(super) fn numbers(reader: ColumnReader, most: usize) -> Result<Vec<f64>, String> {
     let mut all = Vec::new();
@@ -26,8 +37,8 @@ pub(super) fn numbers(reader: ColumnReader, most: usize) -> Result<Vec<f64>, Str
             let mut reader = $reader;
             loop {
                 let (mut values, mut definitions, mut repetitions) = (Vec::new(), Vec::new(), Vec::new());
-                let read = reader.read_records(BATCH, Some(&mut definitions), Some(&mut repetitions), &mut values);
-                let (records, _, levels) = read.map_err(|error| format!("damaged: {error}"))?;
+                let (records, _, levels) =
+                    theirs(|| reader.read_records(BATCH, Some(&mut definitions), Some(&mut repetitions), &mut values))?;
                 if definitions.len() > values.len() || levels > values.len() {
                     return Err("empty cells, expected a number in each".to_owned());
                 }

@@ -151,6 +151,9 @@ impl<'a> Table<'a> {
             let row = self.rows.last().copied().unwrap_or(self.header_row);
             return Err(rows::too_few(self.path, row, samples));
         }
+        // What a long log has reserved beyond its samples.
+        self.rows.shrink_to_fit();
+        self.values.iter_mut().for_each(Vec::shrink_to_fit);
         let is_staggered = self.is_staggered();
         if !is_staggered {
             self.empty_defects(|_| true);
@@ -159,7 +162,7 @@ impl<'a> Table<'a> {
             // An angle that is nowhere is none, whatever else comes in messages of its own.
             self.empty_defects(|values| values.is_empty());
         }
-        let time = std::mem::take(&mut self.values[0]);
+        let mut time = std::mem::take(&mut self.values[0]);
         let mut source =
             Source::new(self.path.to_path_buf(), if is_staggered { Format::StaggeredCsv } else { Format::Csv });
         let wanted = &self.heading.wanted;
@@ -179,7 +182,9 @@ impl<'a> Table<'a> {
             }
             let missing = if is_staggered { missing } else { Vec::new() };
             let clock = patterns.iter().position(|known| *known == missing).unwrap_or_else(|| {
-                source.clocks.push(without(&time, &missing));
+                // Where every row has every column there is one clock.
+                let own_s = if is_staggered { without(&time, &missing) } else { std::mem::take(&mut time) };
+                source.clocks.push(own_s);
                 let of = (!missing.is_empty()).then(|| without(&(0..time.len() as u32).collect::<Vec<_>>(), &missing));
                 rows.of_clock.push(of);
                 patterns.push(missing);
