@@ -87,6 +87,8 @@ fn what_cannot_be_demanded_is_refused_with_what_can() {
     refused(&["--fix", "backlash.rotor=2"], &["`backlash.rotor` = 2 is impossible", "0.001 to 0.999"]);
     refused(&["--free", "end_stop.side"], &["`end_stop.side`", "-1 or 1"]);
     refused(&["--start", "inertia=-1"], &["`inertia` = -1 kg m^2", "above zero"]);
+    refused(&["--start", "stribeck.mu_st=0.02"], &["`stribeck.mu_st` is worked out", "write stribeck.static_excess"]);
+    refused(&["--fix", "phi=0.1"], &["write position_friction.a_cos_phi and position_friction.a_sin_phi"]);
     refused(&["--fix", "moment", "--free", "moment"], &["--fix and --free"]);
     fs::write(dir.path().join("chirp-0.csv"), good_log()).unwrap();
     let study = fs::read_to_string(dir.path().join("study.toml")).unwrap();

@@ -35,12 +35,29 @@ pub(super) fn resolved(asked: &Directives, evidence: &Evidence) -> Result<Direct
             return Err(DirectiveError::Ambiguous { name: name.to_owned(), known });
         }
     }
+    if let Some(error) = asked.names().find_map(|name| printed(name, evidence)) {
+        return Err(error);
+    }
     let full = |name: &str| with_effect(name).first().map_or(name, |full| full).to_owned();
     let demands = asked.renamed(full);
     demands.check_names(&[&known])?;
     demands.apply(&mut known)?;
     forms().try_for_each(|form| possible(&demands, form, evidence))?;
     Ok(demands)
+}
+
+/// Why nothing can be demanded of a number that outputs print, where it stands for others that are searched.
+fn printed(name: &str, evidence: &Evidence) -> Option<DirectiveError> {
+    let own = name.split_once('.').map_or(name, |(_, own)| own);
+    let of = |effect: &EffectId| {
+        let (printed, searched) = (effect.named_parameters(), effect.forms().next()?.parameters(&evidence.reach));
+        let is_asked = name == own || name.split_once('.').is_some_and(|(id, _)| id == effect.id());
+        let is_printed = printed.iter().any(|p| p.name == own) && searched.iter().all(|p| p.name != own);
+        let others = searched.iter().filter(|p| printed.iter().all(|named| named.name != p.name));
+        let known: Vec<String> = others.map(|p| format!("{}.{}", effect.id(), p.name)).collect();
+        (is_asked && is_printed).then(|| DirectiveError::Printed { name: name.to_owned(), known: known.join(" and ") })
+    };
+    EffectId::ALL.iter().find_map(of)
 }
 
 /// Whether the values demanded of an effect's parameters are some that a joint may have.

@@ -25,7 +25,8 @@ fn variable_of(law: LawVariable) -> Variable {
 
 /// The place of the gap, and the residual torque of each fitted, then of each held-out log.
 ///
-/// An effect that explains the gap names the stage; otherwise the residual torque's signature does.
+/// An effect that explains the gap, or that is known so far, names the stage; otherwise the residual torque's signature
+/// does.
 pub(super) fn place(evidence: &Evidence, a: &Attribution, decision: &Decision<'_>) -> (Where, Vec<ResidualTorque>) {
     let t = &a.calibrated;
     let fit = evidence.fit.iter().zip(&t.found.starts).zip(&t.fit);
@@ -53,6 +54,7 @@ pub(super) fn place(evidence: &Evidence, a: &Attribution, decision: &Decision<'_
                 place.range = Some(law.strongest(&decision.answer.found.values[decision.answer.model.law_place()]));
             }
         }
+        (Verdict::Unexplained, Some(effect)) => place.stage = Some(effect.stage()),
         _ => {}
     }
     (place, parts.into_iter().map(|p| p.torque).collect())

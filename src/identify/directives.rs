@@ -49,6 +49,14 @@ pub enum DirectiveError {
         /// The names that tell them apart.
         known: String,
     },
+    /// What outputs print of an effect, where other numbers are searched.
+    #[error("`{name}` is worked out of what is searched; write {known}")]
+    Printed {
+        /// As the user wrote it.
+        name: String,
+        /// The numbers that are searched.
+        known: String,
+    },
     /// One of a few values, not a number to be searched.
     #[error("`{name}` is not searched but {allowed}; write --fix {name}=VALUE or leave it out")]
     NotSearched {

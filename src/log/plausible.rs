@@ -87,7 +87,7 @@ pub(super) fn median(values: &mut [f64]) -> f64 {
 }
 
 fn median_moving_speed(t: &[f64], q: &[f64], step_s: f64) -> f64 {
-    let stride = (SPEED_BASE_S / step_s).ceil().clamp(1.0, t.len() as f64) as usize;
+    let stride = ((SPEED_BASE_S / step_s).ceil().clamp(1.0, t.len() as f64) as usize).max(1);
     let pairs = t.iter().zip(q).zip(t.iter().zip(q).skip(stride)).step_by(stride);
     let mut speeds: Vec<f64> =
         pairs.map(|((t0, q0), (t1, q1))| (q1 - q0).abs() / (t1 - t0)).filter(|speed| *speed > 0.0).collect();
@@ -124,6 +124,11 @@ mod tests {
         let t: Vec<f64> = (0..2000).map(|i| f64::from(i) * 1e-5).collect();
         let q: Vec<f64> = (0..2000).map(|i| if i % 2 == 0 { 0.0 } else { 0.002 }).collect();
         assert!(median_moving_speed(&t, &q, 1e-5) < 1.0);
+    }
+
+    #[test]
+    fn stamps_that_are_no_numbers_have_no_speed() {
+        assert_eq!(median_moving_speed(&[f64::NAN; 3], &[0.0, 1.0, 2.0], f64::NAN), 0.0);
     }
 
     #[test]

@@ -68,12 +68,19 @@ pub fn stretches(log: &Log, most: usize) -> Option<(Log, Vec<usize>)> {
     let begins = chosen.windows(2).enumerate().filter(|(_, pair)| pair[1].start > pair[0].end);
     let begins = begins.map(|(k, _)| (k + 1) * width).collect();
     let kept: Vec<usize> = chosen.iter().cloned().flatten().collect();
-    let spans_s = chosen.iter().map(|at| [log.t_s[at.start] - LEAD_S, log.t_s[at.end - 1]]).collect::<Vec<_>>();
     let asked = log.setpoints.as_ref().map(|own| (&own.t_s, &own.values));
-    let setpoints = asked.or_else(|| Some((&log.t_s, log.q_ref_rad.as_ref()?))).map(|(t_s, values)| {
-        let stays = |t: f64| spans_s.iter().any(|[from_s, to_s]| (*from_s..=*to_s).contains(&t));
-        let (t_s, values) = t_s.iter().zip(values).filter(|(t, _)| stays(**t)).unzip();
-        Stamped { t_s, values }
+    let asked = asked.or_else(|| Some((&log.t_s, log.q_ref_rad.as_ref()?)));
+    let setpoints = asked.map(|(t_s, values)| {
+        let mut own = Stamped::default();
+        let mut done = 0;
+        for at in &chosen {
+            // The one that is in force when the second begins, however old it is.
+            let first = t_s.partition_point(|t| *t <= log.t_s[at.start] - LEAD_S).saturating_sub(1).max(done);
+            done = t_s.partition_point(|t| *t <= log.t_s[at.end - 1]).max(first);
+            own.t_s.extend(&t_s[first..done]);
+            own.values.extend(&values[first..done]);
+        }
+        own
     });
     Some((Log { setpoints, ..picked(log, &kept) }, begins))
 }
@@ -175,6 +182,9 @@ mod tests {
             begins.iter().map(|&k| before(k)).collect::<Vec<_>>()
         );
         assert_eq!(asked.t_s, asked.values);
+        let rare = Stamped { t_s: vec![0.0, 9.0], values: vec![0.1, 0.2] };
+        let short = stretches(&Log { setpoints: Some(rare.clone()), ..log.clone() }, 24_000).unwrap().0;
+        assert_eq!(short.setpoints, Some(rare));
         assert_eq!(stretches(&log, 60_000), None);
     }
 }

@@ -390,10 +390,11 @@ fn sentence(
     } else {
         closing_in(figures, REFITTED, newton_metres)
     };
+    let apart = if gap.per_log.len() > 1 { "any two logs" } else { "any two parts of the log" };
     let stays = if gap.after > MUCH_LEFT * gap.floor {
-        " What is left is not the same in any two logs, as far as I can tell, so that no cause is named for it."
+        format!(" What is left is not the same in {apart}, as far as I can tell, so that no cause is named for it.")
     } else {
-        ""
+        String::new()
     };
     let stays = format!("{}{stays}", capital(&format!("{goes}.")));
     match verdict {

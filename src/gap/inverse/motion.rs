@@ -11,7 +11,7 @@ use crate::gap::clamped::{
     BodyCause, ClampedCase, ClampedDiagnosis, ClampedJoint, ClampedSetup, JointAnswer, concluded, diagnose_clamped,
     diagnose_joints,
 };
-use crate::gap::recalibrated::recalibrated_rms_rad;
+use crate::gap::recalibrated::{recalibrated_rms_rad, with_causes_rms_rad};
 use crate::gap::{Diagnosis, GapOptions, Verdict};
 use crate::joint::EffectId;
 use crate::progress::{Progress, Step};
@@ -80,13 +80,17 @@ fn searched_within(
     let carriers: Vec<&str> =
         setup.description.carriers(body.link).iter().map(|at| setup.description.joints[at.0].name.as_str()).collect();
     let carries = |joint: &ClampedJoint| carriers.contains(&joint.name.as_str());
-    // Where numbers alone predict worse with it than without, causes beside it are not worth a search.
-    let numbers_alone = first.joints.iter().filter(|joint| carriers.contains(&joint.joint.as_str()));
-    let without: Vec<f64> =
-        numbers_alone.filter_map(|joint| joint.diagnosis.as_ref()).map(|own| own.gap.calibrated).collect();
+    // Where numbers alone, or with the causes that were found without it, predict worse with it than without, causes beside
+    // it are not worth a search.
+    let before = |joint: &ClampedJoint| found().find(|own| own.joint == joint.name);
+    let alone =
+        |joint: &ClampedJoint| Some([before(joint)?.gap.calibrated, recalibrated_rms_rad(&joint.case, options)?]);
+    let beside_causes = |joint: &ClampedJoint| {
+        let own = before(joint)?;
+        Some([own.causes.last()?.after, with_causes_rms_rad(&joint.case, options, own)?])
+    };
     let carrying: Vec<&ClampedJoint> = with_it.joints.iter().filter(|joint| carries(joint)).collect();
-    let left = carrying.into_par_iter().filter_map(|joint| recalibrated_rms_rad(&joint.case, options));
-    if root_of_mean_square(&left.collect::<Vec<_>>()) > NO_WORSE * root_of_mean_square(&without) {
+    if is_worse(&carrying, alone) || is_worse(&carrying, beside_causes) {
         return Ok((case, refused(first)));
     }
     // To the joints that do not carry it nothing has changed.
@@ -135,8 +139,11 @@ fn followed(
     Ok((case, found))
 }
 
-fn root_of_mean_square(errors: &[f64]) -> f64 {
-    (errors.iter().map(|error| error * error).sum::<f64>() / errors.len().max(1) as f64).sqrt()
+/// Whether joints together predict worse with a body changed, of what each leaves without and with it \[rad\].
+fn is_worse(joints: &[&ClampedJoint], left_rad: impl Fn(&ClampedJoint) -> Option<[f64; 2]> + Sync) -> bool {
+    let left: Vec<[f64; 2]> = joints.par_iter().filter_map(|joint| left_rad(joint)).collect();
+    let [without, with] = [0, 1].map(|k| left.iter().map(|own| own[k] * own[k]).sum::<f64>());
+    with > NO_WORSE * NO_WORSE * without
 }
 
 fn with_body(body: &BodyCause) -> String {

@@ -14,6 +14,8 @@ const CUTOFF_HZ: f64 = 5.0;
 const KNOWN: f64 = 0.05;
 /// Filtered samples in a period of the cutoff frequency.
 const KEPT: f64 = 5.0;
+/// Filtered samples of a log at the most: of six minutes and longer fewer are kept.
+const MOST_KEPT: usize = 9000;
 /// A step by which an angle is moved to see what gravity makes of it \[rad\].
 const NUDGE_RAD: f64 = 1e-5;
 /// Stamps that stray by more than this share of the period are no grid.
@@ -39,7 +41,7 @@ impl Grid {
         let count = ((end - start) / period_s).round() as usize + 1;
         let t_s: Vec<f64> = (0..count).map(|k| start + period_s * k as f64).collect();
         let uneven = |(k, t): (usize, &f64)| (t - start - period_s * k as f64).abs() > UNEVEN * period_s;
-        let stride = ((1.0 / (KEPT * cutoff_hz * period_s)).floor() as usize).max(1);
+        let stride = ((1.0 / (KEPT * cutoff_hz * period_s)).floor() as usize).max(count / MOST_KEPT).max(1);
         Self {
             is_resampled: count != log.len() || log.t_s.iter().enumerate().any(uneven),
             t_s,
