@@ -98,8 +98,11 @@ pub(super) fn run(args: &SimulateArgs) -> Result<u8, CliError> {
         let rms_rad = if let [(_, only)] = &prediction[..] { only.rms_rad } else { (squares / samples as f64).sqrt() };
         let criterion: f64 = prediction.iter().map(|(_, p)| p.criterion_rad2_s).sum();
         let _ = writeln!(text, "{:<40} {role:<9} {samples:>8} {:>12.3}", item.entry.file, 1e3 * rms_rad);
+        for remark in &item.remarks {
+            let _ = writeln!(text, "  {remark}");
+        }
         rows.push(json!({ "file": item.entry.file, "role": role, "rms": rms_rad, "samples": samples,
-            "criterion": criterion, "predicted": csv.display().to_string() }));
+            "criterion": criterion, "remarks": item.remarks, "predicted": csv.display().to_string() }));
     }
     let found = json!({
         "schema": SCHEMA, "joint": case.joint.name, "parameters": in_force.source, "logs": rows,
