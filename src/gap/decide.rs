@@ -9,7 +9,7 @@ use super::diagnosis::{Number, Verdict};
 use super::evidence::Evidence;
 use super::floor::rough_rad;
 use super::held_out::{HeldOut, closed};
-use super::model::{BASELINE, GAIN};
+use super::model::{BASELINE, DERIVATIVE, GAIN, INTEGRAL};
 use super::numbers::numbers;
 use super::score::Measure;
 use super::trial::Trial;
@@ -133,19 +133,25 @@ impl<'a> Judge<'a, '_> {
     }
 
     /// Whether the numbers of the joint cannot do what a refitted gain of the drive does: with the gain as stated they leave what is
-    /// worth an alarm.
+    /// worth an alarm. A gain within what is believed of it is one only where it is that of the whole law: with damping and
+    /// integral shares as stated it leaves no alarm.
     fn needs_another_gain(&self) -> bool {
         let calibrated = &self.a.calibrated;
-        if calibrated.model.parameters()[GAIN].fixed {
-            return false;
-        }
+        let (gain, value) = (&calibrated.model.parameters()[GAIN], calibrated.found.values[GAIN]);
+        !gain.fixed
+            && self.is_alarming(&self.as_stated(&[GAIN]))
+            && (gain.moved(value).abs() > GAIN_SD || !self.is_alarming(&self.as_stated(&[DERIVATIVE, INTEGRAL])))
+    }
+
+    /// The recalibrated joint, fitted again with these shares of its drive's law as stated.
+    fn as_stated(&self, shares: &[usize]) -> Trial {
+        let calibrated = &self.a.calibrated;
         let mut values = calibrated.found.values.clone();
-        values[GAIN] = 1.0;
-        let model = calibrated.model.clone().holding(&[GAIN], &values);
-        let starts = calibrated.found.starts.clone();
-        let mut as_stated = Trial::solved(self.evidence, model, &values, starts, AGAIN);
+        shares.iter().for_each(|&share| values[share] = 1.0);
+        let model = calibrated.model.clone().holding(shares, &values);
+        let mut as_stated = Trial::solved(self.evidence, model, &values, calibrated.found.starts.clone(), AGAIN);
         as_stated.predict(self.evidence, Some(calibrated));
-        self.is_alarming(&as_stated)
+        as_stated
     }
 
     /// Whether the joint is no more than an encoder's step off, and predicts held-out logs as well as the best as it is given; or,
