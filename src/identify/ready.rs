@@ -7,7 +7,7 @@ use crate::log::{DriveMode, Health, Log, SensorSpec, health, stretches, thinned}
 const MOST_SAMPLES: usize = 20_000;
 /// Samples of a driven log that are fitted at the most, in stretches: what drives it between two samples counts.
 const MOST_DRIVEN: usize = 48_000;
-/// Samples of all driven logs together, as far as each keeps [`FEWEST_DRIVEN`].
+/// What the logs of a study share alike, the free ones counted too; a driven one keeps no fewer than [`FEWEST_DRIVEN`].
 const MOST_TOGETHER: usize = 96_000;
 const FEWEST_DRIVEN: usize = 12_000;
 
