@@ -16,12 +16,15 @@ use rayon::prelude::*;
 /// Times that are tried: from the sampling period times the first to that times the second.
 const FROM: f64 = 1.5;
 const TO: f64 = 40.0;
-/// Step from one time to the next, as a share of what moves the last hold of the longest log by one; and most times.
-const STEP: f64 = 0.5;
-const MOST: usize = 5000;
+/// Step from one time to the next, as a share of what moves the last hold of all by one; and most times.
+const STEP: f64 = 0.125;
+const MOST: usize = 20_000;
+/// The best of them about which more are tried, and where, as a share of the same: the dips are narrow.
+const WORTH: usize = 200;
+const FINER: [f64; 4] = [-0.06, -0.03, 0.03, 0.06];
 /// Times that are simulated.
-const BEST: usize = 8;
-/// Two of them differ by this share at least, or are neighbours of a whole number of periods.
+const BEST: usize = 16;
+/// Two of them differ by this share at least.
 const APART: f64 = 0.004;
 
 /// Starting values of the hold \[s\], most promising first; none where no setpoint drives the joint.
@@ -35,31 +38,31 @@ pub(super) fn hold_scan(
     projector: &Projector,
 ) -> Vec<Vec<f64>> {
     let Some(driven) = evidence.reach.driven.filter(|driven| driven.by_setpoint) else { return Vec::new() };
-    let responses: Vec<Option<Response>> = evidence.fit.iter().map(|e| Response::of(e, model, values)).collect();
-    let duration_s = responses.iter().flatten().map(Response::duration_s).fold(0.0, f64::max);
-    let shortest_s = FROM * driven.period_s;
-    let longest_s = TO * driven.period_s;
-    // Steps of equal width in the number of holds over the longest log.
-    let [most, fewest] = [duration_s / shortest_s, duration_s / longest_s];
+    let responses: Vec<(usize, Response)> =
+        evidence.fit.iter().enumerate().filter_map(|(k, e)| Some((k, Response::of(e, model, values)?))).collect();
+    let stays = |k: &usize| responses.iter().all(|(moved, _)| moved != k);
+    let Some(staying) = projector.seen(absent, (0..absent.len()).filter(stays)) else { return Vec::new() };
+    let scanned = |times: Vec<f64>| -> Vec<(f64, f64)> {
+        let left = |hold_s: f64| {
+            let mut seen = staying.clone();
+            for (k, response) in &responses {
+                seen.add(*k, &(&absent[*k] + response.to_hold(hold_s)));
+            }
+            seen.left()
+        };
+        times.into_par_iter().map(|hold_s| (left(hold_s), hold_s)).filter(|(left, _)| left.is_finite()).collect()
+    };
+    // Steps of equal width in the number of holds. They are counted from the beginning of a log, of which this may be a
+    // late part.
+    let end_s = responses.iter().map(|(_, response)| response.end_s()).fold(0.0, f64::max);
+    let [most, fewest] = [FROM, TO].map(|periods| end_s / (periods * driven.period_s));
     let steps = (((most - fewest) / STEP).ceil() as usize).clamp(1, MOST);
-    let between = (0..=steps).map(|n| duration_s / (most + (fewest - most) * n as f64 / steps as f64));
+    let between = (0..=steps).map(|n| end_s / (most + (fewest - most) * n as f64 / steps as f64));
     let whole = (2..=TO as u32).map(|n| f64::from(n) * driven.period_s);
-    let times: Vec<f64> = whole.chain(between).collect();
-    let mut tried: Vec<(f64, f64)> = times
-        .into_par_iter()
-        .map(|hold_s| {
-            let there: Vec<DVector<f64>> = responses
-                .iter()
-                .zip(absent)
-                .map(|(response, absent)| match response {
-                    Some(response) => absent + response.to_hold(hold_s),
-                    None => absent.clone(),
-                })
-                .collect();
-            (projector.left(&there), hold_s)
-        })
-        .filter(|(left, _)| left.is_finite())
-        .collect();
+    let mut tried = scanned(whole.chain(between).collect());
+    tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let about = |&(_, hold_s): &(f64, f64)| FINER.map(|step| end_s / (end_s / hold_s + step));
+    tried.extend(scanned(tried.iter().take(WORTH).flat_map(about).collect()));
     tried.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut best: Vec<f64> = Vec::new();
     for (_, hold_s) in tried {
@@ -104,8 +107,8 @@ impl<'a> Response<'a> {
         })
     }
 
-    fn duration_s(&self) -> f64 {
-        self.e.t_s[self.e.t_s.len() - 1] - self.e.t_s[0]
+    fn end_s(&self) -> f64 {
+        self.e.t_s[self.e.t_s.len() - 1]
     }
 
     /// Setpoint at a time in the sampling interval that begins with sample `k` \[rad\].

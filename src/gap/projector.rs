@@ -81,7 +81,43 @@ impl Projector {
 
     /// Square sum of residuals after the trial's own columns have taken up what they can.
     pub(super) fn left(&self, residuals: &[DVector<f64>]) -> f64 {
-        self.project(residuals).map_or(f64::INFINITY, |left| left.iter().map(|r| r.norm_squared()).sum())
+        self.seen(residuals, 0..residuals.len()).map_or(f64::INFINITY, |seen| seen.left())
+    }
+
+    /// The share of some logs' residuals in what is left, for many trials of what others leave.
+    pub(super) fn seen(&self, residuals: &[DVector<f64>], logs: impl Iterator<Item = usize>) -> Option<Seen<'_>> {
+        let gram = self.gram.as_ref()?;
+        let mut seen = Seen { projector: self, gram, squares: 0.0, product: DVector::zeros(gram.l_dirty().nrows()) };
+        for k in logs {
+            seen.add(k, &residuals[k]);
+        }
+        Some(seen)
+    }
+}
+
+/// What residuals of some logs leave and ask of the shared columns.
+#[derive(Clone)]
+pub(super) struct Seen<'a> {
+    projector: &'a Projector,
+    gram: &'a Cholesky<f64, Dyn>,
+    squares: f64,
+    product: DVector<f64>,
+}
+
+impl Seen<'_> {
+    /// Adds another log's residuals.
+    pub(super) fn add(&mut self, log: usize, residuals: &DVector<f64>) {
+        let (basis, columns) = &self.projector.logs[log];
+        self.product.gemv_tr(1.0, columns, residuals, 1.0);
+        self.squares += residuals.norm_squared();
+        if basis.ncols() > 0 {
+            self.squares -= basis.tr_mul(residuals).norm_squared();
+        }
+    }
+
+    /// Square sum of what was added after the trial's own columns have taken up what they can.
+    pub(super) fn left(&self) -> f64 {
+        self.squares - self.product.dot(&self.gram.solve(&self.product))
     }
 }
 

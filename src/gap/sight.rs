@@ -75,12 +75,19 @@ impl Sight {
             .par_iter()
             .flat_map_iter(|&effect| {
                 let model = base.model.with(effect, &evidence.reach);
-                let mut starts = model.allowed_starts(match effect {
-                    EffectId::SetpointHold => hold_scan(evidence, &base.model, from, &absent, projector),
-                    _ => effect.starts(&evidence.reach),
+                let most = starts_at_most(&base.model);
+                let starts = model.allowed_starts(match effect {
+                    // The best come first.
+                    EffectId::SetpointHold => {
+                        let scanned = hold_scan(evidence, &base.model, from, &absent, projector);
+                        scanned.into_iter().take(most).collect()
+                    }
+                    _ => {
+                        let starts = effect.starts(&evidence.reach);
+                        let every = starts.len().div_ceil(most).max(1);
+                        starts.into_iter().step_by(every).collect()
+                    }
                 });
-                let every = starts.len().div_ceil(starts_at_most(&base.model)).max(1);
-                starts = starts.into_iter().step_by(every).collect();
                 let point = |start: Vec<f64>| {
                     if evidence.deadline.leaves_out("a look at some sizes of causes") {
                         return None;
@@ -107,7 +114,9 @@ impl Sight {
                     let size = (-slope / change).clamp(0.0, LARGEST);
                     let least = left_absent + 2.0 * size * slope + size * size * change;
                     let whole = left_absent + 2.0 * slope + change;
-                    let promise = if least.is_finite() { whole.min(least) } else { whole };
+                    // A hold of another time is no hold of another size.
+                    let scales = effect != EffectId::SetpointHold && least.is_finite();
+                    let promise = if scales { whole.min(least) } else { whole };
                     Some(Point { effect, start, promise, moved: folded(&moved) })
                 };
                 starts.into_iter().filter_map(point).collect::<Vec<_>>()

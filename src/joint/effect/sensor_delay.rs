@@ -26,6 +26,7 @@ impl Effect for Term {
     }
 
     fn apply<T: Real>(self, values: &[T], _bare_kg_m2: T, chain: &mut Chain<T>) {
-        chain.sensor_delay_s = Some(values[0]);
+        // A free log tells its own time: it shows the same swing whenever it is read.
+        chain.sensor_delay_s = chain.motor.as_ref().map(|_| values[0]);
     }
 }
