@@ -215,7 +215,12 @@ impl Growth<'_> {
             let mut found = explore_rivals(self.evidence, without, &sights, (member, best));
             found.retain(|t| !t.effects().contains(&member));
             found.truncate(RIVALS);
-            found
+            // In its default formula what is easily taken for the member may be behind without being wrong.
+            let in_form = |t: Trial| {
+                let last = t.effects().len() - 1;
+                if is_kin(member, t.effects()[last]) && !self.late(FORMS) { self.in_best_form(t, last) } else { t }
+            };
+            found.into_par_iter().map(in_form).collect()
         };
         without.iter().enumerate().map(of).collect()
     }
@@ -267,12 +272,15 @@ impl Growth<'_> {
         for k in from..best.effects().len() {
             if best.fit_loss(self.evidence) > SHAKE * self.enough
                 && !self.late(FORMS)
-                && let Some(other) = self.in_other_form(&best, k)
             {
-                best = other;
+                best = self.in_best_form(best, k);
             }
         }
         best
+    }
+
+    fn in_best_form(&self, trial: Trial, k: usize) -> Trial {
+        self.in_other_form(&trial, k).unwrap_or(trial)
     }
 
     /// Cause number `k` in the form that explains the logs clearly better than its own, if there is one.

@@ -35,7 +35,7 @@ pub use gearing::{Compliance, Play};
 pub use law::{BadLaw, Curve, CurveTable, Law, LawActs, LawTable, LawVariable};
 pub use link::Link;
 pub(crate) use motor::Driven;
-pub use motor::{Beyond, DeadBand, Knee, Motor, Setpoint, SpeedLine, TorqueLimit};
+pub use motor::{Beyond, Braking, DeadBand, Knee, Motor, Setpoint, SpeedLine, TorqueLimit};
 pub use passive::{EndStop, Push, Spring, SpringCurve};
 pub use real::Real;
 pub use sensor::{Eccentric, Encoder};

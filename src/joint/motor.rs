@@ -19,6 +19,18 @@ pub struct SpeedLine<T> {
     pub stall_nm: T,
     /// Speed at which nothing is left \[rad/s\].
     pub no_load_rad_s: T,
+    /// What it may do when it brakes.
+    pub braking: Braking,
+}
+
+/// The largest torque of a motor that brakes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Braking {
+    /// That at standstill: the current is limited too.
+    #[default]
+    Capped,
+    /// The line goes on: the back voltage adds to the supply's. It then acts beyond a dead band too.
+    Line,
 }
 
 /// What moves the joint at an instant, as far as the choice of the step is concerned.
@@ -190,7 +202,14 @@ impl<T: Real> Motor<T> {
         let voltage = self.voltage();
         let mut torque_nm = voltage.map_or(command, |motor| command * motor.stall_nm());
         if let Some(band) = self.dead_band {
-            torque_nm = band.of(torque_nm);
+            torque_nm = match (&self.speed_line, voltage) {
+                // The supply's share of the torque is dead where it is small, not the torque.
+                (Some(line), None) if line.braking == Braking::Line => {
+                    let back_nm = line.stall_nm * rate_rad_s / line.no_load_rad_s;
+                    band.of(torque_nm + back_nm) - back_nm
+                }
+                _ => band.of(torque_nm),
+            };
         }
         if let Some(motor) = voltage {
             torque_nm -= rate_rad_s * motor.braking_nm_s_rad();
@@ -209,7 +228,8 @@ impl<T: Real> Motor<T> {
             let stall_nm = T::constant(stall_nm);
             torque_nm = match law.speed_limit_rad_s {
                 Some(w_max) => {
-                    on_line(torque_nm, rate_rad_s, SpeedLine { stall_nm, no_load_rad_s: T::constant(w_max) })
+                    let no_load_rad_s = T::constant(w_max);
+                    on_line(torque_nm, rate_rad_s, SpeedLine { stall_nm, no_load_rad_s, braking: Braking::Capped })
                 }
                 None => saturated(torque_nm, stall_nm),
             };
@@ -260,13 +280,13 @@ fn saturated<T: Real>(torque_nm: T, limit_nm: T) -> T {
     if torque_nm.re() * sign > limit_nm.re() { limit_nm * sign } else { torque_nm }
 }
 
-/// A torque under a torque-speed line: limited when driving, and by the stall torque when braking.
+/// A torque under a torque-speed line.
 #[inline]
 fn on_line<T: Real>(torque_nm: T, rate_rad_s: T, line: SpeedLine<T>) -> T {
     let sign = if torque_nm.re() < 0.0 { -1.0 } else { 1.0 };
     let driving_speed = rate_rad_s * sign;
     let mut limit = line.stall_nm;
-    if driving_speed.re() > 0.0 {
+    if driving_speed.re() > 0.0 || line.braking == Braking::Line {
         limit = line.stall_nm - line.stall_nm * driving_speed / line.no_load_rad_s;
         if limit.re() < 0.0 {
             limit = T::nought();

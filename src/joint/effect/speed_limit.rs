@@ -1,16 +1,21 @@
-//! The motor's torque is at most `tau_stall (1 - |q'|/w_max)` when it drives, and `tau_stall` when it brakes.
+//! The motor's torque is at most `tau_stall (1 - |q'|/w_max)` when it drives.
+//!
+//! Forms: when it brakes at most `tau_stall`, as a limited current would have it (capped), or `tau_stall (1 + |q'|/w_max)`,
+//! for the back voltage then adds to the supply's (line). This voltage brakes within a dead band too, which is of the
+//! supply's share.
 //!
 //! The back voltage of a motor on a fixed supply: a linear torque-speed curve. Driven logs only; the fast parts fall
 //! behind. With `w_max` far above any speed seen it would be a torque limit, so `w_max` is kept near those speeds.
 
 use super::{Bounds, Effect, EffectParameter, Named, Reach, pairs};
-use crate::joint::{Chain, Real, SpeedLine};
+use crate::joint::{Braking, Chain, Real, SpeedLine};
 
 #[derive(Clone, Copy)]
-pub(super) struct Term;
+pub(super) struct Term(Braking);
 
 impl Effect for Term {
-    const FORMS: &'static [(Self, &'static str)] = &[(Term, "")];
+    const FORMS: &'static [(Self, &'static str)] =
+        &[(Term(Braking::Capped), "capped"), (Term(Braking::Line), "line")];
     const NAMED: &'static [Named] = &[
         Named { name: "w_max", unit: "rad/s", zero: f64::INFINITY, bounds: Bounds::POSITIVE },
         Named { name: "tau_stall", unit: "N m", zero: f64::INFINITY, bounds: Bounds::POSITIVE },
@@ -33,7 +38,8 @@ impl Effect for Term {
 
     fn apply<T: Real>(self, values: &[T], _bare_kg_m2: T, chain: &mut Chain<T>) {
         if let Some(motor) = &mut chain.motor {
-            motor.speed_line = Some(SpeedLine { no_load_rad_s: values[0], stall_nm: values[1] });
+            let [no_load_rad_s, stall_nm] = [values[0], values[1]];
+            motor.speed_line = Some(SpeedLine { no_load_rad_s, stall_nm, braking: self.0 });
         }
     }
 }
