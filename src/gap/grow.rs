@@ -270,9 +270,7 @@ impl Growth<'_> {
     /// formula leaves would be taken for further causes.
     fn reshaped(&self, mut best: Trial, from: usize) -> Trial {
         for k in from..best.effects().len() {
-            if best.fit_loss(self.evidence) > SHAKE * self.enough
-                && !self.late(FORMS)
-            {
+            if best.fit_loss(self.evidence) > SHAKE * self.enough && !self.late(FORMS) {
                 best = self.in_best_form(best, k);
             }
         }

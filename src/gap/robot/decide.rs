@@ -110,7 +110,7 @@ pub(super) fn leaves_enough(bench: &Bench<'_>, first: &Hypothesis) -> bool {
 /// for seconds and differs between any two honest simulations: on the floor only what comes back in cycles that no fit saw
 /// is there.
 fn excess(bench: &Bench<'_>, unseen: &Unseen<'_>, hypothesis: &Hypothesis) -> f64 {
-    let unseen = if bench.case.is_clamped() { None } else { unseen.excess(hypothesis) };
+    let unseen = if bench.case.is_clamped() { None } else { unseen.excess(&attained(bench, hypothesis)) };
     unseen.unwrap_or_else(|| fitted_excess(bench, hypothesis))
 }
 
@@ -149,9 +149,10 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
     let given = attained(bench, &a.given);
     let is_seen = |first: &&Hypothesis| {
         let gained = a.given.loss - first.loss;
-        gained > needed(bench, &a.given).max(material(bench, &first.parts[0].place))
-            && unseen.shows(first, &a.given)
-            && (!bench.case.is_clamped() || given.price - attained(bench, first).price > limits.first)
+        gained > needed(bench, &a.given).max(material(bench, &first.parts[0].place)) && {
+            let attained = attained(bench, first);
+            unseen.shows(&attained, &given) && (!bench.case.is_clamped() || given.price - attained.price > limits.first)
+        }
     };
     // It is one of those that stand equally well that has to be seen: which of them is best is chance.
     let as_good =
@@ -186,11 +187,21 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
         // What is contained in the best, or hardly worse with fewer values, is preferred.
         behind < limits.equal || other.free() < best.free() && behind < SIMPLER * gain
     };
-    let equal: Vec<&Hypothesis> = a.firsts.iter().filter(is_equal).collect();
+    let mut equal: Vec<&Hypothesis> = a.firsts.iter().filter(is_equal).collect();
+    if bench.case.is_clamped() && equal.len() > 1 {
+        // What stands equally well to first order may not with the numbers really adapted.
+        let prices: Vec<f64> = equal.iter().map(|h| attained(bench, h).price).collect();
+        let least = prices.iter().copied().fold(f64::INFINITY, f64::min);
+        let mut behind = prices.iter().map(|price| price - least);
+        equal.retain(|_| behind.next().is_some_and(|behind| behind < limits.equal));
+    }
     let first = *equal.iter().min_by_key(|h| (h.free(), h.parts[0].place.joints.len())).unwrap_or(&best);
     let needed = limits.second.max(limits.second_share * gain);
     let is_needed = |pair: &&Hypothesis| {
-        excess_of(best) > limits.second_excess && best.loss - pair.loss > needed && unseen.shows(pair, best)
+        excess_of(best) > limits.second_excess && best.loss - pair.loss > needed && {
+            let [best, pair] = [best, pair].map(|h| attained(bench, h));
+            best.price - pair.price > needed && unseen.shows(&pair, &best)
+        }
     };
     let second = a.seconds.first().filter(is_needed);
     let answer = second.unwrap_or(first);
@@ -225,13 +236,15 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
     let is_rival =
         |h: &&Hypothesis| h.parts.iter().zip(&answer.parts).any(|(a, b)| (a.cause, &a.place) != (b.cause, &b.place));
     let margin = rivals.iter().find(is_rival).map_or(f64::INFINITY, |rival| rival.loss - answer.loss);
-    let excess = excess_of(answer);
+    let taken = attained(bench, answer);
+    let fitted = |attained: &Attained| attained.price / samples - 1.0;
+    let excess = if bench.case.is_clamped() { fitted(&taken) } else { excess_of(answer) };
     let hunts = answer.parts.iter().any(|part| part.cause.is_play());
     let share = if hunts { HUNTING_CLOSES } else { limits.closes };
     let closes = |given: f64, left: f64| given > 0.0 && left < (1.0 - share) * given;
     let explained = excess < limits.explained
-        || closes(fitted_excess(bench, &a.given), fitted_excess(bench, answer))
-            && unseen.excess(&a.given).zip(unseen.excess(answer)).is_none_or(|(given, left)| closes(given, left));
+        || closes(fitted(&given), fitted(&taken))
+            && unseen.excess(&given).zip(unseen.excess(&taken)).is_none_or(|(given, left)| closes(given, left));
     let calibration = answer.parts.iter().all(|part| part.cause.is_calibration());
     // On the floor, where numbers are not recalibrated one by one, this is where they are.
     let within = !bench.case.is_clamped() && answer.parts.iter().all(|part| part.is_believed(bench));
@@ -243,7 +256,7 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
             (true, false) => Verdict::Effect,
         },
         answer,
-        attained: attained(bench, answer),
+        attained: taken,
         first,
         leading,
         equivalent,

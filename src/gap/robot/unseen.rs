@@ -1,5 +1,6 @@
 //! Samples that no fit saw, and what hypotheses leave of them.
 
+use super::attained::Attained;
 use super::bench::Bench;
 use super::refine::Hypothesis;
 
@@ -30,21 +31,16 @@ impl<'a> Unseen<'a> {
         if stand { hypothesis.residual.clone() } else { adapted }
     }
 
-    /// Weighed sum of squares that a hypothesis leaves, uncertain numbers adapted.
-    pub fn left(&self, hypothesis: &Hypothesis) -> f64 {
-        self.squares(&self.adapted(hypothesis))
-    }
-
-    /// The same per sample, above a noise variance; `None` where every sample was fitted.
-    pub fn excess(&self, hypothesis: &Hypothesis) -> Option<f64> {
-        (!self.samples.is_empty()).then(|| self.left(hypothesis) / self.samples.len() as f64 - 1.0)
+    /// What is left of them per sample, above a noise variance; `None` where every sample was fitted.
+    pub fn excess(&self, attained: &Attained) -> Option<f64> {
+        (!self.samples.is_empty()).then(|| self.squares(&attained.residual) / self.samples.len() as f64 - 1.0)
     }
 
     /// Whether these samples, too, are for the richer hypothesis.
-    pub fn shows(&self, rich: &Hypothesis, simple: &Hypothesis) -> bool {
+    pub fn shows(&self, rich: &Attained, simple: &Attained) -> bool {
         let share = self.samples.len() as f64 / self.bench.noise.count().max(1) as f64;
-        let promised = share * (simple.loss - rich.loss);
-        self.left(simple) - self.left(rich) > GAINED.max(OF_PROMISED * promised)
+        let promised = share * (simple.price - rich.price);
+        self.squares(&simple.residual) - self.squares(&rich.residual) > GAINED.max(OF_PROMISED * promised)
     }
 
     /// Weighed sum of squares of a residual over them.

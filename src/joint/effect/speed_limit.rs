@@ -14,8 +14,7 @@ use crate::joint::{Braking, Chain, Real, SpeedLine};
 pub(super) struct Term(Braking);
 
 impl Effect for Term {
-    const FORMS: &'static [(Self, &'static str)] =
-        &[(Term(Braking::Capped), "capped"), (Term(Braking::Line), "line")];
+    const FORMS: &'static [(Self, &'static str)] = &[(Term(Braking::Capped), "capped"), (Term(Braking::Line), "line")];
     const NAMED: &'static [Named] = &[
         Named { name: "w_max", unit: "rad/s", zero: f64::INFINITY, bounds: Bounds::POSITIVE },
         Named { name: "tau_stall", unit: "N m", zero: f64::INFINITY, bounds: Bounds::POSITIVE },
