@@ -365,6 +365,26 @@ mod tests {
     }
 
     #[test]
+    fn a_torque_speed_line_ends_at_standstill_or_goes_on_and_brakes_within_a_dead_band() {
+        let fed = |braking, band_nm: f64| {
+            let mut motor = Motor::new(spec());
+            motor.speed_line = Some(SpeedLine { stall_nm: 2.0, no_load_rad_s: 10.0, braking });
+            motor.dead_band = (band_nm > 0.0).then_some(DeadBand { band_nm, beyond: Beyond::Rest });
+            move |torque_nm: f64, rate_rad_s: f64| motor.delivered_nm(torque_nm, rate_rad_s)
+        };
+        for (braking, most_nm) in [(Braking::Capped, 2.0), (Braking::Line, 3.0)] {
+            // At half the speed a half is left to drive with.
+            assert_relative_eq!(fed(braking, 0.0)(9.0, 5.0), 1.0, epsilon = 1e-15);
+            assert_relative_eq!(fed(braking, 0.0)(-9.0, 5.0), -most_nm, epsilon = 1e-15);
+            assert_relative_eq!(fed(braking, 0.0)(9.0, -5.0), most_nm, epsilon = 1e-15);
+        }
+        // At 5 rad/s the back voltage takes 1 N m: asked for -1.1 the supply adds 0.1, which is dead.
+        assert_relative_eq!(fed(Braking::Line, 0.3)(-1.1, 5.0), -1.0, epsilon = 1e-15);
+        assert_relative_eq!(fed(Braking::Line, 0.3)(-1.5, 5.0), -1.2, epsilon = 1e-15);
+        assert_relative_eq!(fed(Braking::Capped, 0.3)(-1.1, 5.0), -0.8, epsilon = 1e-15);
+    }
+
+    #[test]
     fn stiffness_and_damping_are_slopes_of_the_delivered_torque() {
         for spec in [spec(), by_voltage()] {
             let motor = Motor { gain: 1.1, ..Motor::new(spec) };
