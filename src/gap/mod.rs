@@ -29,6 +29,7 @@ mod floor;
 mod folds;
 mod grow;
 mod held_out;
+mod held_response;
 mod hold_fit;
 mod hold_scan;
 #[cfg(feature = "robots")]

@@ -4,7 +4,7 @@ use super::bench::Bench;
 use super::cause::Cause;
 use super::decide::{is_explained, leaves_enough};
 use super::refine::{Hypothesis, Part, refine, refine_roughly};
-use super::screen::{Candidate, Column, around, columns, rank};
+use super::screen::{Candidate, Column, around, columns, rank, with_holds_of};
 use rayon::prelude::*;
 
 /// Everything that was tried in full.
@@ -64,6 +64,7 @@ pub(super) fn attribute(
         return Attribution { columns, given, firsts, seconds: Vec::new() };
     };
     progress("looking for a second cause");
+    let columns = with_holds_of(bench, columns, considered, &first.residual);
     let seconds = two_each(bench, first, &rank(bench, &columns, &first.residual));
     let firsts = match seconds.first() {
         Some(pair) => reconsidered(bench, firsts, pair),

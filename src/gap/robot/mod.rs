@@ -19,6 +19,7 @@ mod diagnose;
 mod diagnosis;
 mod forward;
 mod glance;
+mod hold_scan;
 mod layout;
 mod map;
 mod measure;

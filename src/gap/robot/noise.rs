@@ -11,6 +11,23 @@ pub(super) struct Noise {
     inner: Cholesky<f64, Dyn>,
 }
 
+/// Sums over a change that is 0 but for pieces: along a residual, of its squares, along the columns of `U`.
+#[derive(Clone)]
+pub(super) struct Pieces {
+    along: f64,
+    squares: f64,
+    columns: DVector<f64>,
+}
+
+impl std::ops::AddAssign for Pieces {
+    /// Of changes of different samples.
+    fn add_assign(&mut self, other: Self) {
+        self.along += other.along;
+        self.squares += other.squares;
+        self.columns += other.columns;
+    }
+}
+
 /// A vector over all samples, with what [`Noise::dot`] needs of it.
 pub(super) struct Weighed {
     pub column: Vec<f64>,
@@ -60,6 +77,30 @@ impl Noise {
     /// `a' C^-1 b`
     pub fn dot(&self, a: &Weighed, b: &Weighed) -> f64 {
         weighted(&self.weight, &a.column, &b.column) - a.low.dot(&b.low)
+    }
+
+    /// A change of no sample.
+    pub fn nothing(&self) -> Pieces {
+        Pieces { along: 0.0, squares: 0.0, columns: DVector::zeros(self.columns.len()) }
+    }
+
+    /// Adds a piece of a change, the samples from one on, to what was summed of it.
+    pub fn add(&self, sums: &mut Pieces, residual: &Weighed, from: usize, piece: &[f64]) {
+        let range = from..from + piece.len();
+        let weight = &self.weight[range.clone()];
+        sums.along += weighted(weight, &residual.column[range.clone()], piece);
+        sums.squares += weighted(weight, piece, piece);
+        for (sum, column) in sums.columns.iter_mut().zip(&self.columns) {
+            *sum += weighted(weight, &column[range.clone()], piece);
+        }
+    }
+
+    /// How much less a change leaves of a residual: `r' C^-1 r - (r - c)' C^-1 (r - c)`.
+    pub fn gain(&self, change: &Pieces, residual: &Weighed) -> f64 {
+        let low = self.inner.l().solve_lower_triangular(&change.columns);
+        let low = low.expect("no zero on the diagonal of a Cholesky factor");
+        let (along, size) = (change.along - residual.low.dot(&low), change.squares - low.norm_squared());
+        2.0 * along - size
     }
 
     /// Samples that count.
@@ -151,6 +192,20 @@ mod tests {
         let (a, b) = (vec![1.0, -2.0, 0.3], vec![0.2, 0.1, 4.0]);
         let expected = (DVector::from_column_slice(&a).transpose() * inverse * DVector::from_column_slice(&b))[0];
         assert_relative_eq!(noise.dot(&noise.weigh(a), &noise.weigh(b)), expected, max_relative = 1e-12);
+    }
+
+    #[test]
+    fn a_change_in_pieces_gains_what_the_whole_does() {
+        let noise = Noise::new(vec![4.0, 1.0, 0.25], vec![vec![1.0, 0.5, -0.5], vec![0.0, 2.0, 1.0]]).unwrap();
+        let (residual, change) = ([1.0, -2.0, 0.3], [0.2, -1.0, 0.1]);
+        let whole = noise.weigh(residual.to_vec());
+        let (mut sums, mut more) = (noise.nothing(), noise.nothing());
+        noise.add(&mut sums, &whole, 0, &change[..1]);
+        noise.add(&mut more, &whole, 1, &change[1..]);
+        sums += more;
+        let left = noise.weigh(residual.iter().zip(&change).map(|(r, c)| r - c).collect());
+        let expected = noise.dot(&whole, &whole) - noise.dot(&left, &left);
+        assert_relative_eq!(noise.gain(&sums, &whole), expected, max_relative = 1e-12);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 
 use super::bench::Bench;
 use super::cause::{Cause, Change};
+use super::hold_scan::hold_scan;
 use super::layout::compared_from_s;
 use super::place::{Place, places};
 use super::refine::Part;
@@ -40,10 +41,16 @@ const ALONE: usize = 4;
 const IN_PAIRS: usize = 3;
 const IN_SETS: usize = 6;
 
+const HOLD: Cause = Cause::Effect(EffectId::SetpointHold);
+
 /// Columns of all causes that are considered.
 pub(super) fn columns(bench: &Bench<'_>, considered: &(dyn Fn(Cause) -> bool + Sync), residual: &[f64]) -> Vec<Column> {
     let suspects = Suspects::of(bench, residual);
-    if bench.case.is_clamped() { clamped(bench, considered, &suspects) } else { free(bench, considered, &suspects) }
+    if bench.case.is_clamped() {
+        clamped(bench, considered, &suspects, residual)
+    } else {
+        free(bench, considered, &suspects)
+    }
 }
 
 fn joint_causes(considered: &dyn Fn(Cause) -> bool) -> Vec<Cause> {
@@ -64,9 +71,35 @@ pub(super) fn change(bench: &Bench<'_>, cause: Cause, place: &Place, values: &[f
     Change { cause, place: place.clone(), values: cause.to_named(values, coulomb_nm) }
 }
 
+/// Holds of the setpoint that explain most of another residual, in place of those among the columns.
+pub(super) fn with_holds_of(
+    bench: &Bench<'_>,
+    mut columns: Vec<Column>,
+    considered: &(dyn Fn(Cause) -> bool + Sync),
+    residual: &[f64],
+) -> Vec<Column> {
+    let hold = |cause: Cause| cause == HOLD && considered(cause);
+    let has_holds = bench.case.is_clamped() && columns.iter().any(|column| column.cause == HOLD);
+    if has_holds {
+        columns.retain(|column| column.cause != HOLD);
+        columns.extend(clamped(bench, &hold, &Suspects::of(bench, residual), residual));
+    }
+    columns
+}
+
 /// Legs of a clamped robot do not feel each other: the same number of start is tried on all of them at once.
-fn clamped(bench: &Bench<'_>, considered: &dyn Fn(Cause) -> bool, suspects: &Suspects) -> Vec<Column> {
+fn clamped(
+    bench: &Bench<'_>,
+    considered: &dyn Fn(Cause) -> bool,
+    suspects: &Suspects,
+    residual: &[f64],
+) -> Vec<Column> {
     type Try = (Cause, usize, usize, Start);
+    let holds_s = if considered(HOLD) { hold_scan(bench, residual) } else { Vec::new() };
+    let starts = |cause: Cause, joint: usize| match cause == HOLD && !holds_s.is_empty() {
+        true => holds_s.iter().map(|hold_s| Start::fixed(&[*hold_s])).collect(),
+        false => starts(bench, cause, joint, Grid::Fine),
+    };
     let mut by_group: Vec<Vec<Try>> = Vec::new();
     for group in &bench.groups {
         let mut tries = Vec::new();
@@ -75,7 +108,7 @@ fn clamped(bench: &Bench<'_>, considered: &dyn Fn(Cause) -> bool, suspects: &Sus
                 if cause.is_play() && !suspects.play.contains(joint) {
                     continue;
                 }
-                let starts = starts(bench, cause, *joint, Grid::Fine).into_iter().enumerate();
+                let starts = starts(cause, *joint).into_iter().enumerate();
                 tries.extend(starts.map(|(number, start)| (cause, *joint, number, start)));
             }
         }

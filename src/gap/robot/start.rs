@@ -53,6 +53,10 @@ const BEYOND_TORQUE: f64 = 3.0;
 /// How far the zero of an angle may be off \[rad\].
 const ZERO_RAD: f64 = 0.4;
 
+/// Holds of the setpoint, in periods of the log at least, and at most \[s\].
+const SHORTEST_HOLD: f64 = 0.5;
+const LONGEST_HOLD_S: f64 = 0.5;
+
 fn beyond(reach: &Reach) -> Reach {
     let [low, high] = reach.angle_rad;
     Reach { angle_rad: [low - BEYOND_RAD, high + BEYOND_RAD], torque_nm: BEYOND_TORQUE * reach.torque_nm, ..*reach }
@@ -239,6 +243,12 @@ impl Cause {
             }
             // An encoder's zero is off by a tooth of a gear, not by half a turn.
             Cause::Effect(EffectId::AngleOffset) => vec![linear("d", "rad", [-ZERO_RAD, ZERO_RAD], 0.1)],
+            // What moves the last hold of a log by a period.
+            Cause::Effect(EffectId::SetpointHold) => {
+                let period_s = reach.driven.map_or(0.001, |driven| driven.period_s);
+                let steps_s = period_s.powi(2) / reach.duration_s;
+                vec![linear("T_h", "s", [SHORTEST_HOLD * period_s, LONGEST_HOLD_S], steps_s)]
+            }
             Cause::Effect(effect) => effect.parameters(reach),
             Cause::Coulomb => {
                 let [step, most] = [FRICTION_STEP, FRICTION_MOST].map(|share| share * reach.torque_nm);
