@@ -2,9 +2,9 @@
 
 use super::bench::Bench;
 use super::cause::Cause;
-use super::decide::{is_explained, leaves_enough};
-use super::refine::{Hypothesis, Part, refine, refine_roughly};
-use super::screen::{Candidate, Column, around, columns, rank, with_holds_of};
+use super::decide::{is_explained, leaves_enough, leaves_much};
+use super::refine::{Hypothesis, Part, refine, refine_on, refine_roughly};
+use super::screen::{Candidate, Column, around, columns, rank, rescan_holds};
 use rayon::prelude::*;
 
 /// Everything that was tried in full.
@@ -29,6 +29,7 @@ const TRIED_THERE: [usize; 2] = [5, 2];
 const TRIED_ELSEWHERE: usize = 2;
 /// Of those that were fitted roughly so many are fitted in full.
 const IN_FULL: usize = 3;
+const PAIRS_IN_FULL: usize = 2;
 /// Seconds that are refitted; fewer where every trial is a walk.
 const TRIED_SECOND: [usize; 2] = [5, 3];
 const TRIED_BESIDE_PLAY: usize = 1;
@@ -49,23 +50,32 @@ pub(super) fn attribute(
     progress("fitting the likeliest causes");
     let firsts = one_each(bench, &rank(bench, &columns, &given.residual));
     let firsts = elsewhere(bench, firsts, &given.residual);
-    let mut firsts = in_full(bench, firsts);
-    let lead = firsts.first().filter(|first| first.loss < given.loss).unwrap_or(&given);
+    let mut firsts = in_full(bench, firsts, IN_FULL);
+    let lead = firsts.first().filter(|first| first.loss() < given.loss()).unwrap_or(&given);
     if !is_explained(bench, lead) {
         progress("trying free play");
         let play = self::columns(bench, &|cause| cause.is_play() && considered(cause), &given.residual);
         let best_play = rank(bench, &play, &given.residual).into_iter().next();
-        let promising = best_play.filter(|play| play.gain > PLAY_PROMISES * (given.loss - lead.loss));
+        let promising = best_play.filter(|play| play.gain > PLAY_PROMISES * (given.loss() - lead.loss()));
         firsts = best(firsts.into_iter().chain(refitted(bench, promising.as_slice())).collect());
         columns.extend(play);
     }
-    let is_clear = |first: &&Hypothesis| given.loss - first.loss > CLEAR_GAIN && leaves_enough(bench, first);
+    let is_clear = |first: &&Hypothesis| given.loss() - first.loss() > CLEAR_GAIN && leaves_enough(bench, first);
     let Some(first) = firsts.first().filter(is_clear) else {
         return Attribution { columns, given, firsts, seconds: Vec::new() };
     };
     progress("looking for a second cause");
-    let columns = with_holds_of(bench, columns, considered, &first.residual);
-    let seconds = two_each(bench, first, &rank(bench, &columns, &first.residual));
+    let mut beside = |first: &Hypothesis| {
+        rescan_holds(bench, &mut columns, considered, &first.residual);
+        two_each(bench, first, &rank(bench, &columns, &first.residual))
+    };
+    let mut seconds = beside(first);
+    if let Some(pair) = seconds.first().filter(|pair| leaves_much(bench, pair)) {
+        // What is best alone need not be best beside the other.
+        let other = refine(bench, vec![pair.parts[1].clone()]);
+        seconds.extend(other.iter().flat_map(beside));
+        seconds = best(seconds);
+    }
     let firsts = match seconds.first() {
         Some(pair) => reconsidered(bench, firsts, pair),
         None => firsts,
@@ -101,17 +111,10 @@ fn elsewhere(bench: &Bench<'_>, firsts: Vec<Hypothesis>, residual: &[f64]) -> Ve
     best(refitted(bench, &others).into_iter().chain(firsts).collect())
 }
 
-/// On the floor all were fitted roughly: the best, and those that may still pass them, are fitted in full.
-fn in_full(bench: &Bench<'_>, mut firsts: Vec<Hypothesis>) -> Vec<Hypothesis> {
-    if bench.case.is_clamped() {
-        return firsts;
-    }
-    let rest = firsts.split_off(firsts.len().min(IN_FULL));
-    let again = |rough: Hypothesis| match refine(bench, rough.parts.clone()) {
-        Some(fine) if fine.loss < rough.loss => fine,
-        _ => rough,
-    };
-    let fine: Vec<Hypothesis> = firsts.into_par_iter().map(again).collect();
+/// All were fitted roughly: the best, and those that may still pass them, are fitted in full.
+fn in_full(bench: &Bench<'_>, mut rough: Vec<Hypothesis>, count: usize) -> Vec<Hypothesis> {
+    let rest = rough.split_off(rough.len().min(count));
+    let fine: Vec<Hypothesis> = rough.into_par_iter().map(|rough| refine_on(bench, rough)).collect();
     best(fine.into_iter().chain(rest).collect())
 }
 
@@ -127,8 +130,9 @@ fn two_each(bench: &Bench<'_>, first: &Hypothesis, candidates: &[Candidate]) -> 
         true => TRIED_BESIDE_PLAY,
         false => TRIED_SECOND[usize::from(!bench.case.is_clamped())],
     };
-    let pair = |candidate: &Candidate| refine(bench, vec![named.clone(), part(candidate)]);
-    best(chosen(candidates, count, is_other).into_par_iter().filter_map(pair).collect())
+    let pair = |candidate: &Candidate| refine_roughly(bench, vec![named.clone(), part(candidate)]);
+    let rough = best(chosen(candidates, count, is_other).into_par_iter().filter_map(pair).collect());
+    in_full(bench, rough, PAIRS_IN_FULL)
 }
 
 /// A search that began elsewhere may have missed what one of two causes explains alone.
@@ -137,8 +141,9 @@ fn reconsidered(bench: &Bench<'_>, firsts: Vec<Hypothesis>, pair: &Hypothesis) -
         pair.parts.clone().into_par_iter().filter_map(|part| refine(bench, vec![part])).collect();
     let is_same =
         |a: &Hypothesis, b: &Hypothesis| (a.parts[0].cause, &a.parts[0].place) == (b.parts[0].cause, &b.parts[0].place);
-    let is_new =
-        |new: &Hypothesis| firsts.iter().filter(|old| is_same(old, new)).all(|old| new.loss < old.loss - CLEAR_GAIN);
+    let is_new = |new: &Hypothesis| {
+        firsts.iter().filter(|old| is_same(old, new)).all(|old| new.loss() < old.loss() - CLEAR_GAIN)
+    };
     let better: Vec<Hypothesis> = alone.into_iter().filter(is_new).collect();
     let kept = firsts.into_iter().filter(|old| !better.iter().any(|new| is_same(old, new)));
     let kept: Vec<Hypothesis> = kept.collect();
@@ -154,7 +159,7 @@ fn part(candidate: &Candidate) -> Part {
 }
 
 fn best(mut hypotheses: Vec<Hypothesis>) -> Vec<Hypothesis> {
-    hypotheses.sort_by(|a, b| a.loss.total_cmp(&b.loss));
+    hypotheses.sort_by(|a, b| a.loss().total_cmp(&b.loss()));
     hypotheses
 }
 

@@ -62,7 +62,7 @@ fn moved<'a>(bench: &'a Bench<'_>, decision: &'a Decision<'_>) -> Vec<(usize, Un
             parts.clone().any(|part| part.cause == cause && part.place.joints.contains(&joint))
         })
     };
-    let sizes = bench.numbers.iter().zip(&decision.attained.sizes).enumerate();
+    let sizes = bench.numbers.iter().zip(&decision.answer.attained.sizes).enumerate();
     let mut moved: Vec<_> = sizes.map(|(k, (number, size))| (k, *number, *size)).collect();
     moved.retain(|(_, number, _)| !is_named(*number));
     moved.sort_by(|a, b| b.2.abs().total_cmp(&a.2.abs()));

@@ -9,9 +9,10 @@ use super::layout::{Channel, FORWARD_SD_M, Layout};
 use super::noise::Noise;
 use super::place::Place;
 use super::reach::reach_of;
-use super::recalibrate::recalibrated;
 use super::scatter::{Number, Scatter, Spreads};
+use super::settle::settled;
 use super::start::Body;
+use super::still::flickers;
 use crate::deadline::Deadline;
 use crate::joint::Reach;
 use crate::number::math;
@@ -35,6 +36,8 @@ const PLAY: f64 = 5e-5;
 const PLAY_AT_A_GLANCE: f64 = 1e-4;
 /// Differences by which columns of uncertain numbers are taken, in their standard deviations.
 const NUDGE: f64 = 0.2;
+/// Points about which the robot's numbers alone are fitted at most.
+const POINTS: usize = 6;
 /// Robots that are drawn to see how much a walk changes with numbers that are never quite right.
 const DRAWN: u64 = 24;
 /// So many of them however late it is.
@@ -54,13 +57,9 @@ pub(super) struct Bench<'a> {
     pub steps: Steps,
     /// What the logs read.
     pub measured: Vec<f64>,
-    /// The study's robot as stated, at the fine step.
+    /// The study's robot as stated, at the fine and at the coarse step.
     pub stated: Vec<f64>,
-    /// The robot that changes are made to: as stated, once it is recalibrated ...
-    pub base: Scatter,
-    /// ... and what it reads at the fine and at the coarse step.
-    given: Vec<f64>,
-    given_coarse: Vec<f64>,
+    stated_coarse: Vec<f64>,
     /// Clamped: what numbers alone explain, within their beliefs.
     pub recalibrated: Option<Attained>,
     pub given_logs: Vec<Predicted>,
@@ -94,7 +93,7 @@ impl<'a> Bench<'a> {
         let given_logs = simulate_all(case, &none, &[], steps.fine, None).ok_or(RanAway)?;
         let coarse = simulate_all(case, &none, &[], steps.coarse, None).ok_or(RanAway)?;
         let (measured, stated) = (layout.measured(case), layout.predicted(case, &given_logs));
-        let given_coarse = layout.predicted(case, &coarse);
+        let stated_coarse = layout.predicted(case, &coarse);
         let groups = groups(case, &layout.moving());
         let reach: Vec<Reach> = (0..case.names.len()).map(|joint| reach_of(case, &given_logs, joint)).collect();
         let sigma_rad = sigma_rad(case, &layout, &measured, &stated);
@@ -107,10 +106,8 @@ impl<'a> Bench<'a> {
             layout,
             steps,
             measured,
-            given: stated.clone(),
             stated,
-            base: none,
-            given_coarse,
+            stated_coarse,
             recalibrated: None,
             given_logs,
             walks,
@@ -124,7 +121,11 @@ impl<'a> Bench<'a> {
             noise_of_all: blank(),
         };
         if case.is_clamped() {
-            bench.recalibrated = Some(recalibrated(&mut bench)?);
+            let (columns, numbers) = bench.uncertain(&none, &[]).ok_or(RanAway)?;
+            bench.numbers = numbers;
+            bench.weigh_by(columns, &vec![0.0; bench.layout.len])?;
+            let as_stated = vec![0.0; bench.numbers.len()];
+            bench.recalibrated = Some(settled(&bench, Vec::new(), as_stated, POINTS).ok_or(RanAway)?.attained);
         } else {
             let (columns, mut extra) = bench.drawn();
             extra.iter_mut().zip(bench.unresolved()).for_each(|(extra, more)| *extra += more);
@@ -134,33 +135,28 @@ impl<'a> Bench<'a> {
     }
 
     /// Takes columns of what is uncertain, and what each sample's variance has more, for the noise.
-    pub fn weigh_by(&mut self, columns: Vec<Vec<f64>>, extra: &[f64]) -> Result<(), RanAway> {
+    fn weigh_by(&mut self, columns: Vec<Vec<f64>>, extra: &[f64]) -> Result<(), RanAway> {
         let variance = |row: &super::layout::Row| match row.channel {
             Channel::Joint(_) => self.sigma_rad.powi(2),
             Channel::Base(_) => rough(&self.measured[row.range.clone()]).max(1e-4).powi(2),
             Channel::Forward => FORWARD_SD_M.powi(2),
         };
+        let half_rad = self.half_a_step_rad();
         let mut weight = vec![0.0; self.layout.len];
         for row in &self.layout.rows {
             let own = variance(row);
-            for k in row.range.clone() {
+            let flickers = match row.channel {
+                Channel::Joint(_) => flickers(&self.measured[row.range.clone()], 2.0 * half_rad),
+                _ => vec![false; row.range.len()],
+            };
+            for (k, flickers) in row.range.clone().zip(flickers) {
+                let own = if flickers { own.max(half_rad.powi(2)) } else { own };
                 weight[k] = if self.layout.compared[k] { 1.0 / (own + extra[k]) } else { 0.0 };
             }
         }
         self.noise_of_all = Noise::new(weight, columns).ok_or(RanAway)?;
         self.noise = self.noise_of_all.only(|k| !self.layout.held[k]);
         Ok(())
-    }
-
-    /// Makes another robot the one that changes are made to; `false` where it runs away.
-    pub fn rest_on(&mut self, base: Scatter) -> bool {
-        let (fine, coarse) = rayon::join(
-            || self.simulate(&base, &[], self.steps.fine, None),
-            || self.simulate(&base, &[], self.steps.coarse, None),
-        );
-        let Some((fine, coarse)) = fine.zip(coarse) else { return false };
-        (self.base, self.given, self.given_coarse) = (base, fine, coarse);
-        true
     }
 
     /// Readings with changes; NaN beyond `until_s`, `None` where the motion runs away.
@@ -187,9 +183,9 @@ impl<'a> Bench<'a> {
         }
         match (&self.walks, until_s) {
             (Some(walks), Some(until_s)) if !has_play(changes) => {
-                walks.difference(self.case, &self.layout, &self.base, changes, until_s)
+                walks.difference(self.case, &self.layout, changes, until_s)
             }
-            _ => self.difference_at(&self.base, changes, PLAY_AT_A_GLANCE, until_s),
+            _ => self.difference_at(&Scatter::none(self.case.model()), changes, PLAY_AT_A_GLANCE, until_s),
         }
     }
 
@@ -202,18 +198,13 @@ impl<'a> Bench<'a> {
         until_s: Option<f64>,
     ) -> Option<Vec<f64>> {
         let (step_s, given) =
-            if has_play(changes) { (play_s, &self.given) } else { (self.steps.coarse, &self.given_coarse) };
+            if has_play(changes) { (play_s, &self.stated) } else { (self.steps.coarse, &self.stated_coarse) };
         Some(less(&self.simulate(scatter, changes, step_s, until_s)?, given))
     }
 
     /// Measured less stated.
     pub fn gap(&self) -> Vec<f64> {
         self.measured.iter().zip(&self.stated).map(|(measured, stated)| measured - stated).collect()
-    }
-
-    /// Measured less what the robot reads that changes are made to.
-    pub fn left(&self) -> Vec<f64> {
-        self.measured.iter().zip(&self.given).map(|(measured, given)| measured - given).collect()
     }
 
     /// Keeps the rows of some joints, all else 0.
@@ -234,8 +225,9 @@ impl<'a> Bench<'a> {
         Place { joints: self.layout.moving().into_iter().filter(|joint| Some(root(*joint)) == own).collect() }
     }
 
-    /// Clamped: what each mass and friction changes, per standard deviation, and what the sensors may have in common.
-    pub fn uncertain(&self) -> (Vec<Vec<f64>>, Vec<Number>) {
+    /// Clamped: what each mass and friction changes of a robot, per standard deviation, and what the sensors may have in
+    /// common. A number with which it runs away is left out; `None` where it does so without.
+    pub fn uncertain(&self, scatter: &Scatter, changes: &[Change]) -> Option<(Vec<Vec<f64>>, Vec<Number>)> {
         let model = self.case.model();
         let root = |joint: usize| root_of(self.case, joint);
         let mut by_group: Vec<Vec<Number>> = Vec::new();
@@ -248,21 +240,22 @@ impl<'a> Bench<'a> {
             let friction = group.iter().flat_map(|joint| [Number::Coulomb(*joint), Number::Viscous(*joint)]);
             by_group.push(masses.chain(friction).collect());
         }
+        let here = self.difference(scatter, changes)?;
         let longest = by_group.iter().map(Vec::len).max().unwrap_or(0);
         let together = |k: usize| -> Vec<(Vec<f64>, Number)> {
-            let mut scatter = self.base.clone();
+            let mut nudged = scatter.clone();
             for number in by_group.iter().filter_map(|numbers| numbers.get(k)) {
-                scatter.put(*number, NUDGE * self.spreads.sd(*number));
+                nudged.put(*number, NUDGE * self.spreads.sd(*number));
             }
-            let Some(mut column) = self.difference(&scatter, &[]) else { return Vec::new() };
-            column.iter_mut().for_each(|change| *change /= NUDGE);
+            let Some(mut column) = self.difference(&nudged, changes) else { return Vec::new() };
+            column.iter_mut().zip(&here).for_each(|(there, here)| *there = (*there - here) / NUDGE);
             let groups = self.groups.iter().zip(&by_group).filter(|(_, numbers)| numbers.len() > k);
             groups.map(|(group, numbers)| (self.restricted(column.clone(), group), numbers[k])).collect()
         };
         let (mut columns, numbers): (Vec<Vec<f64>>, Vec<Number>) =
             (0..longest).into_par_iter().flat_map(together).unzip();
         columns.push(self.common_offset());
-        (columns, numbers)
+        Some((columns, numbers))
     }
 
     /// On the floor: robots drawn at random. Where and when feet land changes with anything, and not in proportion.
@@ -291,7 +284,7 @@ impl<'a> Bench<'a> {
     /// integrator too \[rad^2\].
     fn unresolved(&self) -> Vec<f64> {
         let squares: Vec<f64> =
-            self.stated.iter().zip(&self.given_coarse).map(|(fine, coarse)| (fine - coarse).powi(2)).collect();
+            self.stated.iter().zip(&self.stated_coarse).map(|(fine, coarse)| (fine - coarse).powi(2)).collect();
         let mut variance = vec![0.0; self.layout.len];
         for row in &self.layout.rows {
             for k in row.range.clone() {
@@ -303,12 +296,16 @@ impl<'a> Bench<'a> {
         variance
     }
 
+    fn half_a_step_rad(&self) -> f64 {
+        0.5 * self.case.study.sensor.resolution_rad.unwrap_or(0.0)
+    }
+
     /// A sensor that reads up or down by half a step, all joints alike (section B.1).
     fn common_offset(&self) -> Vec<f64> {
-        let half = 0.5 * self.case.study.sensor.resolution_rad.unwrap_or(0.0);
+        let half_rad = self.half_a_step_rad();
         let mut column = vec![0.0; self.layout.len];
         for (_, row) in self.layout.joints() {
-            column[row.range.clone()].fill(half);
+            column[row.range.clone()].fill(half_rad);
         }
         column
     }

@@ -1,6 +1,6 @@
 //! From everything that was tried to one answer.
 
-use super::attained::{Attained, attained};
+use super::attained::Attained;
 use super::attribute::Attribution;
 use super::bench::Bench;
 use super::cause::Cause;
@@ -74,8 +74,6 @@ pub(super) struct Decision<'a> {
     pub verdict: Verdict,
     /// What the answer adds to the robot; as given where nothing is named and nothing comes near.
     pub answer: &'a Hypothesis,
-    /// What it leaves with the uncertain numbers as they are best beside it.
-    pub attained: Attained,
     /// Its leading cause alone.
     pub first: &'a Hypothesis,
     /// Which part of the answer is named first, where there are two.
@@ -106,16 +104,21 @@ pub(super) fn leaves_enough(bench: &Bench<'_>, first: &Hypothesis) -> bool {
     excess(bench, &Unseen::of(bench), first) > limits(bench).second_excess
 }
 
+/// Whether beside a clamped trunk two causes leave more than two honest simulations of one robot differ by.
+pub(super) fn leaves_much(bench: &Bench<'_>, pair: &Hypothesis) -> bool {
+    bench.case.is_clamped() && fitted_excess(bench, pair) > MATERIAL
+}
+
 /// What a hypothesis leaves per sample, above a noise variance. A robot that walks lands once, and how it stands then decays
 /// for seconds and differs between any two honest simulations: on the floor only what comes back in cycles that no fit saw
 /// is there.
 fn excess(bench: &Bench<'_>, unseen: &Unseen<'_>, hypothesis: &Hypothesis) -> f64 {
-    let unseen = if bench.case.is_clamped() { None } else { unseen.excess(&attained(bench, hypothesis)) };
+    let unseen = if bench.case.is_clamped() { None } else { unseen.excess(&hypothesis.attained) };
     unseen.unwrap_or_else(|| fitted_excess(bench, hypothesis))
 }
 
 fn fitted_excess(bench: &Bench<'_>, hypothesis: &Hypothesis) -> f64 {
-    hypothesis.loss / bench.noise.count().max(1) as f64 - 1.0
+    hypothesis.loss() / bench.noise.count().max(1) as f64 - 1.0
 }
 
 fn limits(bench: &Bench<'_>) -> &'static Limits {
@@ -137,7 +140,7 @@ pub(super) fn needed(bench: &Bench<'_>, given: &Hypothesis) -> f64 {
 /// What the uncertain numbers take out of the weighed sum of squares.
 fn taken_out(bench: &Bench<'_>, given: &Hypothesis) -> f64 {
     let squares = given.residual.iter().zip(&bench.noise.weight).map(|(left, weight)| weight * left.powi(2));
-    f64::max(squares.sum::<f64>() - given.loss, 0.0)
+    f64::max(squares.sum::<f64>() - given.loss(), 0.0)
 }
 
 /// Weighs what was tried.
@@ -146,17 +149,16 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
     let samples = bench.noise.count().max(1) as f64;
     let unseen = Unseen::of(bench);
     let excess_of = |hypothesis: &Hypothesis| excess(bench, &unseen, hypothesis);
-    let given = attained(bench, &a.given);
+    let given = &a.given.attained;
     let is_seen = |first: &&Hypothesis| {
-        let gained = a.given.loss - first.loss;
+        let gained = a.given.loss() - first.loss();
         gained > needed(bench, &a.given).max(material(bench, &first.parts[0].place)) && {
-            let attained = attained(bench, first);
-            unseen.shows(&attained, &given) && (!bench.case.is_clamped() || given.price - attained.price > limits.first)
+            unseen.shows(&first.attained, given)
         }
     };
     // It is one of those that stand equally well that has to be seen: which of them is best is chance.
     let as_good =
-        |lead: &Hypothesis| a.firsts.iter().take_while(|h| h.loss - lead.loss < limits.equal).any(|h| is_seen(&h));
+        |lead: &Hypothesis| a.firsts.iter().take_while(|h| h.loss() - lead.loss() < limits.equal).any(|h| is_seen(&h));
     let best = a.firsts.first().filter(|lead| as_good(lead));
     let Some(best) = best else {
         // What numbers explain in truth is another matter than what they explain to first order.
@@ -170,7 +172,6 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
         return Decision {
             verdict,
             answer: &a.given,
-            attained: given,
             first: &a.given,
             leading: 0,
             equivalent: Vec::new(),
@@ -181,27 +182,19 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
         };
     };
     // Of those that stand equally well the one with the fewest values, then joints.
-    let gain = a.given.loss - best.loss;
+    let gain = a.given.loss() - best.loss();
     let is_equal = |other: &&Hypothesis| {
-        let behind = other.loss - best.loss;
+        let behind = other.loss() - best.loss();
         // What is contained in the best, or hardly worse with fewer values, is preferred.
         behind < limits.equal || other.free() < best.free() && behind < SIMPLER * gain
     };
-    let mut equal: Vec<&Hypothesis> = a.firsts.iter().filter(is_equal).collect();
-    if bench.case.is_clamped() && equal.len() > 1 {
-        // What stands equally well to first order may not with the numbers really adapted.
-        let prices: Vec<f64> = equal.iter().map(|h| attained(bench, h).price).collect();
-        let least = prices.iter().copied().fold(f64::INFINITY, f64::min);
-        let mut behind = prices.iter().map(|price| price - least);
-        equal.retain(|_| behind.next().is_some_and(|behind| behind < limits.equal));
-    }
+    let equal: Vec<&Hypothesis> = a.firsts.iter().filter(is_equal).collect();
     let first = *equal.iter().min_by_key(|h| (h.free(), h.parts[0].place.joints.len())).unwrap_or(&best);
     let needed = limits.second.max(limits.second_share * gain);
     let is_needed = |pair: &&Hypothesis| {
-        excess_of(best) > limits.second_excess && best.loss - pair.loss > needed && {
-            let [best, pair] = [best, pair].map(|h| attained(bench, h));
-            best.price - pair.price > needed && unseen.shows(&pair, &best)
-        }
+        excess_of(best) > limits.second_excess
+            && best.loss() - pair.loss() > needed
+            && unseen.shows(&pair.attained, &best.attained)
     };
     let second = a.seconds.first().filter(is_needed);
     let answer = second.unwrap_or(first);
@@ -235,16 +228,16 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
     let rivals = if second.is_some() { &a.seconds } else { &a.firsts };
     let is_rival =
         |h: &&Hypothesis| h.parts.iter().zip(&answer.parts).any(|(a, b)| (a.cause, &a.place) != (b.cause, &b.place));
-    let margin = rivals.iter().find(is_rival).map_or(f64::INFINITY, |rival| rival.loss - answer.loss);
-    let taken = attained(bench, answer);
+    let margin = rivals.iter().find(is_rival).map_or(f64::INFINITY, |rival| rival.loss() - answer.loss());
+    let taken = &answer.attained;
     let fitted = |attained: &Attained| attained.price / samples - 1.0;
-    let excess = if bench.case.is_clamped() { fitted(&taken) } else { excess_of(answer) };
+    let excess = if bench.case.is_clamped() { fitted(taken) } else { excess_of(answer) };
     let hunts = answer.parts.iter().any(|part| part.cause.is_play());
     let share = if hunts { HUNTING_CLOSES } else { limits.closes };
     let closes = |given: f64, left: f64| given > 0.0 && left < (1.0 - share) * given;
     let explained = excess < limits.explained
-        || closes(fitted(&given), fitted(&taken))
-            && unseen.excess(&given).zip(unseen.excess(&taken)).is_none_or(|(given, left)| closes(given, left));
+        || closes(fitted(given), fitted(taken))
+            && unseen.excess(given).zip(unseen.excess(taken)).is_none_or(|(given, left)| closes(given, left));
     let calibration = answer.parts.iter().all(|part| part.cause.is_calibration());
     // On the floor, where numbers are not recalibrated one by one, this is where they are.
     let within = !bench.case.is_clamped() && answer.parts.iter().all(|part| part.is_believed(bench));
@@ -256,7 +249,6 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
             (true, false) => Verdict::Effect,
         },
         answer,
-        attained: taken,
         first,
         leading,
         equivalent,

@@ -152,7 +152,7 @@ fn location(
     phases: &[Vec<Vec<GaitPhase>>],
     first: Option<&Found>,
 ) -> RobotWhere {
-    let left = bench.noise_of_all.adapted(&bench.left());
+    let left = bench.noise_of_all.adapted(&bench.gap());
     // What the map shows is the gap itself where a cause is named, for the uncertain numbers would take some of it.
     let shown = if first.is_some() { bench.gap() } else { left };
     let cells = cells(bench, phases, &shown);
@@ -165,7 +165,7 @@ fn location(
             (0..bench.case.names.len()).filter(place).collect()
         }
         (None, true) => {
-            let mut joints = Suspects::of(bench, &bench.left()).joints;
+            let mut joints = Suspects::of(bench, &bench.gap()).joints;
             joints.retain(|joint| of_joint(&bench.case.names[*joint]) > HAS_MUCH);
             joints.truncate(NAMED_AT_MOST);
             joints
@@ -209,7 +209,7 @@ fn ranking(
     gap: &RobotGap,
     probability: f64,
 ) -> Vec<RobotCandidate> {
-    let best = tried.firsts.first().map_or(0.0, |first| first.loss);
+    let best = tried.firsts.first().map_or(0.0, |first| first.loss());
     let stands = |hypothesis: &&Hypothesis| {
         let part = &hypothesis.parts[0];
         decision.verdict == Verdict::Effect
@@ -224,7 +224,7 @@ fn ranking(
             probability: if stands(&hypothesis) { probability / among } else { 0.0 },
             after,
             closed: closed(gap.before, after, gap.floor),
-            behind: hypothesis.loss - best,
+            behind: hypothesis.loss() - best,
             found,
         }
     };
@@ -241,7 +241,7 @@ fn traces(bench: &Bench<'_>, decision: &Decision<'_>, phases: &[Vec<Vec<GaitPhas
     let changes = changes(bench, decision);
     let repaired = || bench.simulate(&Scatter::none(model), &changes, followed_s(bench.steps.fine, &changes), None);
     let after: Vec<f64> = match bench.case.is_clamped() {
-        true => repaired().unwrap_or_else(|| less(&decision.attained.residual)),
+        true => repaired().unwrap_or_else(|| less(&decision.answer.attained.residual)),
         false => less(&decision.answer.residual),
     };
     let trace = |(joint, row): (usize, &super::layout::Row)| {

@@ -28,32 +28,19 @@ impl Walks {
     pub fn new(case: &RobotCase, layout: &Layout) -> Option<Self> {
         let logs = case.logs.iter().map(|log| log.from(log.motion_begins_s() - STANDS_S)).collect();
         let mut walks = Self { logs, given: Vec::new() };
-        walks.given = walks.readings(case, layout, &Scatter::none(case.model()), &[], f64::INFINITY)?;
+        walks.given = walks.readings(case, layout, &[], f64::INFINITY)?;
         Some(walks)
     }
 
     /// What changes make of the readings until a time, 0 beyond; `None` where the robot runs away.
-    pub fn difference(
-        &self,
-        case: &RobotCase,
-        layout: &Layout,
-        scatter: &Scatter,
-        changes: &[Change],
-        until_s: f64,
-    ) -> Option<Vec<f64>> {
-        Some(less(&self.readings(case, layout, scatter, changes, until_s)?, &self.given))
+    pub fn difference(&self, case: &RobotCase, layout: &Layout, changes: &[Change], until_s: f64) -> Option<Vec<f64>> {
+        Some(less(&self.readings(case, layout, changes, until_s)?, &self.given))
     }
 
-    fn readings(
-        &self,
-        case: &RobotCase,
-        layout: &Layout,
-        scatter: &Scatter,
-        changes: &[Change],
-        until_s: f64,
-    ) -> Option<Vec<f64>> {
+    fn readings(&self, case: &RobotCase, layout: &Layout, changes: &[Change], until_s: f64) -> Option<Vec<f64>> {
+        let none = Scatter::none(case.model());
         let walked = |(log, before): &(CaseLog, usize)| {
-            Some(predict(case, log, scatter, changes, STEP_S, until_s).ok().flatten()?.after(*before))
+            Some(predict(case, log, &none, changes, STEP_S, until_s).ok().flatten()?.after(*before))
         };
         Some(layout.predicted(case, &self.logs.iter().map(walked).collect::<Option<Vec<_>>>()?))
     }

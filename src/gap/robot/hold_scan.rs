@@ -5,7 +5,8 @@
 
 use super::bench::Bench;
 use super::layout::{Channel, Row};
-use super::noise::Weighed;
+use super::noise::{Noise, Weighed};
+use super::settle::temper;
 use crate::gap::held_response::{HeldResponse, WORTH, best_apart, finer_holds_s, tried_holds_s};
 use crate::joint::Driven;
 use crate::log::{Derivative, Hold};
@@ -22,7 +23,8 @@ type Tried = (f64, f64, Option<usize>);
 /// Times \[s\] with which holds explain most of a residual on a joint, or on all, the most promising first; none where no
 /// setpoint was logged with the readings.
 pub(super) fn hold_scan(bench: &Bench<'_>, residual: &[f64]) -> Vec<f64> {
-    let residual = bench.noise.weigh(residual.to_vec());
+    let noise = bench.noise.stiffer(temper(bench, residual));
+    let residual = noise.weigh(residual.to_vec());
     let joints: Vec<(usize, Vec<(&Row, HeldResponse<'_>)>)> = bench
         .layout
         .moving()
@@ -38,7 +40,7 @@ pub(super) fn hold_scan(bench: &Bench<'_>, residual: &[f64]) -> Vec<f64> {
         return Vec::new();
     }
     let scanned = |holds_s: Vec<f64>| -> Vec<Tried> {
-        holds_s.into_par_iter().flat_map_iter(|hold_s| gains(bench, &residual, &joints, hold_s)).collect()
+        holds_s.into_par_iter().flat_map_iter(|hold_s| gains(&noise, &residual, &joints, hold_s)).collect()
     };
     let mut tried = scanned(tried_holds_s(end_s, period_s, FROM).collect());
     sort(&mut tried);
@@ -92,12 +94,11 @@ fn responses<'a>(bench: &'a Bench<'_>, joint: usize) -> Vec<(&'a Row, HeldRespon
 
 /// What a hold gains on each joint, and on all of them.
 fn gains(
-    bench: &Bench<'_>,
+    noise: &Noise,
     residual: &Weighed,
     joints: &[(usize, Vec<(&Row, HeldResponse<'_>)>)],
     hold_s: f64,
 ) -> Vec<Tried> {
-    let noise = &bench.noise;
     let mut all = noise.nothing();
     let mut gains = Vec::with_capacity(joints.len() + 1);
     for (joint, responses) in joints {

@@ -2,6 +2,7 @@
 
 use super::case::{CaseLog, RobotCase};
 use super::forward::Predicted;
+use super::still::repeats;
 use std::ops::Range;
 
 /// What a row of the vector is.
@@ -62,8 +63,14 @@ impl Layout {
             }
             for channel in channels {
                 let from = layout.len;
-                for t_s in &log.log.t_s {
-                    layout.compared.push(*t_s >= compared_from_s);
+                let readings = match channel {
+                    Channel::Joint(joint) => log.measured_rad(joint),
+                    _ => None,
+                };
+                let repeats = readings.map(repeats);
+                for (k, t_s) in log.log.t_s.iter().enumerate() {
+                    let is_new = repeats.as_ref().is_none_or(|repeats| !repeats[k]);
+                    layout.compared.push(*t_s >= compared_from_s && is_new);
                     layout.held.push(is_held(*t_s));
                 }
                 layout.len += log.log.len();

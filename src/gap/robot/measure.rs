@@ -1,12 +1,12 @@
 //! How far the gap closes, over the samples that no fit saw.
 
-use super::attained::attained;
 use super::bench::{Bench, followed_s};
 use super::decide::Decision;
 use super::diagnosis::{Displacement, JointGap, RobotGap};
 use super::forward::predict;
 use super::layout::{Channel, displacement_m};
 use super::refine::Hypothesis;
+use super::scatter::Scatter;
 use crate::gap::held_out::closed;
 use crate::gap::{LogGap, Verdict};
 use rand::{Rng, SeedableRng};
@@ -40,19 +40,19 @@ fn rms(bench: &Bench<'_>, left: &[f64], counts: impl Fn(usize, usize) -> bool) -
 /// RMS of a hypothesis over all held-out samples, with what is uncertain adapted \[rad\]: as in [`gap`], so that what
 /// an answer leaves and what the ranking says of it are one number.
 pub(super) fn held_out_rms_rad(bench: &Bench<'_>, hypothesis: &Hypothesis) -> f64 {
-    rms(bench, &attained(bench, hypothesis).residual, |_, _| true)
+    rms(bench, &hypothesis.attained.residual, |_, _| true)
 }
 
 /// The numbers of a decision.
 pub(super) fn gap(bench: &Bench<'_>, given: &Hypothesis, decision: &Decision<'_>) -> RobotGap {
-    let with = |hypothesis: &Hypothesis| attained(bench, hypothesis).residual;
+    let with = |hypothesis: &Hypothesis| hypothesis.attained.residual.clone();
     // With nothing missing, what the answer moves are numbers within their beliefs.
     let recalibrated = if decision.verdict == Verdict::None { decision.answer } else { given };
     let left = Left {
         before: bench.gap(),
         calibrated: with(recalibrated),
         first: with(decision.first),
-        after: decision.attained.residual.clone(),
+        after: decision.answer.attained.residual.clone(),
     };
     let all = |left: &[f64]| rms(bench, left, |_, _| true);
     let floor = bench.sigma_rad;
@@ -133,14 +133,13 @@ fn interval(bench: &Bench<'_>, left: &Left) -> Option<[f64; 2]> {
 }
 
 fn displacement(bench: &Bench<'_>, decision: &Decision<'_>) -> Vec<Displacement> {
-    let changes = decision.answer.changes(bench);
+    let (changes, none) = (decision.answer.changes(bench), Scatter::none(bench.case.model()));
     let has_forward =
         |index: usize| bench.layout.rows.iter().any(|row| row.log == index && row.channel == Channel::Forward);
     let of = |(index, log): (usize, &super::case::CaseLog)| {
-        let after =
-            predict(bench.case, log, &bench.base, &changes, followed_s(bench.steps.fine, &changes), f64::INFINITY)
-                .ok()
-                .flatten()?;
+        let after = predict(bench.case, log, &none, &changes, followed_s(bench.steps.fine, &changes), f64::INFINITY)
+            .ok()
+            .flatten()?;
         Some(Displacement {
             file: log.file.clone(),
             measured: log.forward?.distance_m,

@@ -29,13 +29,14 @@ mod numbers;
 mod phases;
 mod place;
 mod reach;
-mod recalibrate;
 mod refine;
 mod scatter;
 mod screen;
 mod sentence;
+mod settle;
 mod standing;
 mod start;
+mod still;
 mod suspects;
 #[cfg(test)]
 mod tests;

@@ -6,6 +6,7 @@ use super::case::CaseLog;
 use super::decide::{Decision, told_apart};
 use super::forward::predict;
 use super::refine::Hypothesis;
+use super::scatter::Scatter;
 use crate::gap::{Next, Verdict};
 use crate::number::chance::normal_tail;
 
@@ -46,10 +47,11 @@ pub(super) fn next(bench: &Bench<'_>, tried: &Attribution, decision: &Decision<'
 /// Probability that a motion with wider amplitudes tells two hypotheses apart.
 fn power(bench: &Bench<'_>, answer: &Hypothesis, rival: &Hypothesis, factor: f64) -> Option<f64> {
     let wide: Vec<CaseLog> = bench.case.logs.iter().map(|log| log.widened(factor)).collect();
+    let none = Scatter::none(bench.case.model());
     let readings = |h: &Hypothesis| {
         let changes = h.changes(bench);
         let step_s = followed_s(bench.steps.coarse, &changes);
-        let one = |log| predict(bench.case, log, &bench.base, &changes, step_s, f64::INFINITY).ok().flatten();
+        let one = |log| predict(bench.case, log, &none, &changes, step_s, f64::INFINITY).ok().flatten();
         Some(bench.layout.predicted(bench.case, &wide.iter().map(one).collect::<Option<Vec<_>>>()?))
     };
     let (a, b) = (readings(answer)?, readings(rival)?);

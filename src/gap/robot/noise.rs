@@ -58,10 +58,16 @@ impl Noise {
         Self::new(weight, self.columns.clone()).expect("fewer samples of finite columns are finite")
     }
 
-    /// The same of readings that are so much noisier.
-    pub fn tempered(&self, times: f64) -> Self {
-        let weight = self.weight.iter().map(|w| w / times).collect();
-        Self::new(weight, self.columns.clone()).expect("smaller weights of finite columns are finite")
+    /// The same where uncertain numbers vary so many times less.
+    pub fn stiffer(&self, times: f64) -> Self {
+        let share = times.sqrt().recip();
+        let columns = self.columns.iter().map(|column| column.iter().map(|change| share * change).collect());
+        Self::new(self.weight.clone(), columns.collect()).expect("smaller columns that are finite are finite")
+    }
+
+    /// What is uncertain everywhere, per standard deviation.
+    pub fn columns(&self) -> &[Vec<f64>] {
+        &self.columns
     }
 
     fn along(&self, column: &[f64]) -> DVector<f64> {
@@ -115,9 +121,13 @@ impl Noise {
 
     /// Standard deviation of such a number where the samples that count tell of it; 1 where they do not.
     pub fn spread(&self, number: usize) -> f64 {
-        let mut unit = DVector::zeros(self.columns.len());
-        unit[number] = 1.0;
-        self.inner.solve(&unit)[number].max(0.0).sqrt()
+        self.covariance(number..number + 1)[(0, 0)].max(0.0).sqrt()
+    }
+
+    /// Covariance of some such numbers, in their variances, where the samples that count tell of them.
+    pub fn covariance(&self, numbers: std::ops::Range<usize>) -> DMatrix<f64> {
+        let units = DMatrix::from_fn(self.columns.len(), numbers.len(), |row, k| f64::from(row == numbers.start + k));
+        self.inner.solve(&units).rows(numbers.start, numbers.len()).into_owned()
     }
 
     /// A residual less what numbers make of it that are so far off, to first order.

@@ -16,7 +16,7 @@ pub(super) fn found(bench: &Bench<'_>, hypothesis: &Hypothesis, part: usize) -> 
     let of = &hypothesis.parts[part];
     let parameters = of.parameters(bench);
     let samples = bench.noise.count().max(1) as f64;
-    let left = (hypothesis.loss / samples).max(1.0).sqrt();
+    let left = (hypothesis.loss() / samples).max(1.0).sqrt();
     let here = change(bench, of.cause, &of.place, &of.values).values;
     let names = of.cause.named();
     let number = |k: usize| {

@@ -1,13 +1,15 @@
 //! Hypotheses refitted in full: the whole robot is simulated anew at every trial point.
 
-use super::attained::BELIEVED_SD;
+use super::attained::{Attained, BELIEVED_SD};
 use super::beliefs::believed;
 use super::bench::Bench;
 use super::cause::{Cause, Change};
 use super::noise::Weighed;
 use super::place::Place;
-use super::scatter::Number;
+use super::scatter::{Number, Scatter};
 use super::screen::change;
+use super::settle::{Settled, settled, temper};
+use super::unseen::Unseen;
 use crate::joint::{EffectParameter, Scan};
 use crate::number::math;
 use nalgebra::{DMatrix, DVector};
@@ -26,9 +28,9 @@ pub(super) struct Part {
 #[derive(Clone, Debug)]
 pub(super) struct Hypothesis {
     pub parts: Vec<Part>,
-    /// Weighed sum of squares over the samples that fits see.
-    pub loss: f64,
-    /// Measured less predicted.
+    /// What it leaves with the uncertain numbers as they are best beside it.
+    pub attained: Attained,
+    /// Measured less predicted with the numbers as stated.
     pub residual: Vec<f64>,
     /// Values that were searched: part, and place in its values.
     free: Vec<(usize, usize)>,
@@ -36,14 +38,24 @@ pub(super) struct Hypothesis {
     covariance: Option<DMatrix<f64>>,
 }
 
-/// Trial points for one hypothesis. On the floor, where each is a walk, few are spent on most, and more on the best.
-const CLAMPED: usize = 26;
-const ROUGHLY: usize = 6;
-const ON_THE_FLOOR: usize = 24;
+/// How much is spent on a hypothesis: little on most, more on the best.
+#[derive(Clone, Copy)]
+struct Effort {
+    /// Trial points beside a clamped trunk; on the floor each is a walk.
+    clamped: usize,
+    on_the_floor: usize,
+    /// Clamped: points about which values and numbers then settle together.
+    points: usize,
+}
+
+const ROUGHLY: Effort = Effort { clamped: 14, on_the_floor: 6, points: 1 };
+const IN_FULL: Effort = Effort { clamped: 26, on_the_floor: 24, points: 3 };
 /// The same with free play, of which every trial takes as long as dozens of others.
 const HUNTING: usize = 12;
-/// A step gains less than this: done.
+/// A step gains less than this, and, where values settle beside the numbers afterwards, than this share of what is left
+/// beyond noise: done.
 const DONE: f64 = 0.5;
+const DONE_OF_REST: f64 = 3e-3;
 /// Change of a value for its slope, in units of its scale: on the floor only large changes rise above where feet happen
 /// to land, in free play above the joint's hunting.
 const NUDGE_SMOOTH: f64 = 0.03;
@@ -55,17 +67,26 @@ const HALVINGS: usize = 4;
 impl Hypothesis {
     /// The study's robot as given.
     pub fn given(bench: &Bench<'_>) -> Self {
-        Self::of(bench, Vec::new(), bench.left())
+        let residual = bench.gap();
+        let attained = bench.recalibrated.clone().unwrap_or_else(|| to_first_order(bench, &residual));
+        Self { parts: Vec::new(), attained, residual, free: Vec::new(), covariance: None }
     }
 
-    fn of(bench: &Bench<'_>, parts: Vec<Part>, residual: Vec<f64>) -> Self {
-        let weighed = bench.noise.weigh(residual);
-        let loss = bench.noise.dot(&weighed, &weighed);
-        Self { parts, loss, residual: weighed.column, free: Vec::new(), covariance: None }
+    /// What settled beside a clamped trunk, with what was known of its values before.
+    fn of(bench: &Bench<'_>, settled: Settled, known: Option<DMatrix<f64>>) -> Option<Self> {
+        let Settled { parts, attained, covariance } = settled;
+        let residual = left(bench, &Scatter::none(bench.case.model()), &parts)?;
+        let free = free_values(bench, &parts);
+        Some(Self { parts, attained, residual, free, covariance: covariance.or(known) })
+    }
+
+    /// Weighed sum of squares over the samples that fits see, the price of the numbers included.
+    pub fn loss(&self) -> f64 {
+        self.attained.price
     }
 
     pub fn changes(&self, bench: &Bench<'_>) -> Vec<Change> {
-        self.parts.iter().map(|part| change(bench, part.cause, &part.place, &part.values)).collect()
+        changes(bench, &self.parts)
     }
 
     /// How many values were searched.
@@ -102,8 +123,20 @@ impl Part {
     }
 }
 
-fn free_of(parameters: &[EffectParameter]) -> Vec<usize> {
-    (0..parameters.len()).filter(|k| parameters[*k].scan != Scan::Held).collect()
+/// What is attained with numbers that change only what they do to first order.
+fn to_first_order(bench: &Bench<'_>, residual: &[f64]) -> Attained {
+    let weighed = bench.noise.weigh(residual.to_vec());
+    let price = bench.noise.dot(&weighed, &weighed);
+    Attained { price, residual: Unseen::of(bench).adapted(residual), sizes: Vec::new() }
+}
+
+/// Values that are searched: part, and place in its values.
+pub(super) fn free_values(bench: &Bench<'_>, parts: &[Part]) -> Vec<(usize, usize)> {
+    let of = |(part, of): (usize, &Part)| {
+        let parameters = of.parameters(bench);
+        (0..parameters.len()).filter(move |k| parameters[*k].scan != Scan::Held).map(move |value| (part, value))
+    };
+    parts.iter().enumerate().flat_map(of).collect()
 }
 
 /// A value after a step in units of its scale.
@@ -118,47 +151,53 @@ pub(super) fn moved(parameter: &EffectParameter, value: f64, by: f64) -> f64 {
 
 /// The hypothesis with the best values near those given; `None` where the robot runs away there, or it is too late to try.
 pub(super) fn refine(bench: &Bench<'_>, parts: Vec<Part>) -> Option<Hypothesis> {
-    refine_within(bench, parts, if bench.case.is_clamped() { CLAMPED } else { ON_THE_FLOOR })
+    refine_by(bench, parts, IN_FULL)
 }
 
-/// The same, on the floor with a few trials only.
+/// The same with a few trials only.
 pub(super) fn refine_roughly(bench: &Bench<'_>, parts: Vec<Part>) -> Option<Hypothesis> {
-    refine_within(bench, parts, if bench.case.is_clamped() { CLAMPED } else { ROUGHLY })
+    refine_by(bench, parts, ROUGHLY)
 }
 
-fn refine_within(bench: &Bench<'_>, parts: Vec<Part>, most: usize) -> Option<Hypothesis> {
+/// What was refined roughly, in full where that explains more.
+pub(super) fn refine_on(bench: &Bench<'_>, rough: Hypothesis) -> Hypothesis {
+    let fine = match bench.case.is_clamped() {
+        true => settled(bench, rough.parts.clone(), rough.attained.sizes.clone(), IN_FULL.points)
+            .and_then(|settled| Hypothesis::of(bench, settled, rough.covariance.clone())),
+        false => refine(bench, rough.parts.clone()),
+    };
+    fine.filter(|fine| fine.loss() < rough.loss()).unwrap_or(rough)
+}
+
+fn refine_by(bench: &Bench<'_>, parts: Vec<Part>, effort: Effort) -> Option<Hypothesis> {
     if bench.deadline.leaves_out("fits of some likely causes") {
         return None;
     }
     let parameters: Vec<Vec<EffectParameter>> = parts.iter().map(|part| part.parameters(bench)).collect();
-    let free: Vec<(usize, usize)> = parameters
-        .iter()
-        .enumerate()
-        .flat_map(|(part, parameters)| free_of(parameters).into_iter().map(move |value| (part, value)))
-        .collect();
+    let free = free_values(bench, &parts);
     let mut parts = parts;
     for (part, parameters) in parts.iter_mut().zip(&parameters) {
         for (value, parameter) in part.values.iter_mut().zip(parameters) {
             *value = value.clamp(parameter.lower, parameter.upper);
         }
     }
-    let residual = |parts: &[Part]| -> Option<Weighed> {
-        let changes: Vec<Change> =
-            parts.iter().map(|part| change(bench, part.cause, &part.place, &part.values)).collect();
-        let difference = bench.difference(&bench.base, &changes)?;
-        let given = bench.left();
-        Some(bench.noise.weigh(given.iter().zip(&difference).map(|(given, change)| given - change).collect()))
-    };
+    let none = Scatter::none(bench.case.model());
+    let left = |parts: &[Part]| left(bench, &none, parts);
+    let weighed = left(&parts)?;
+    let stiffer = bench.case.is_clamped().then(|| bench.noise.stiffer(temper(bench, &weighed)));
+    let noise = stiffer.as_ref().unwrap_or(&bench.noise);
+    let residual = |parts: &[Part]| -> Option<Weighed> { Some(noise.weigh(left(parts)?)) };
     let hunts = parts.iter().any(|part| part.cause.is_play());
     let nudge = if bench.case.is_clamped() && !hunts { NUDGE_SMOOTH } else { NUDGE_ROUGH };
+    let most = if bench.case.is_clamped() { effort.clamped } else { effort.on_the_floor };
     let most = if hunts { most.min(HUNTING) } else { most };
     let stepped = |parts: &[Part], (part, value): (usize, usize), by: f64| {
         let mut there = parts.to_vec();
         there[part].values[value] = moved(&parameters[part][value], there[part].values[value], by);
         there
     };
-    let mut here = residual(&parts)?;
-    let mut loss = bench.noise.dot(&here, &here);
+    let mut here = noise.weigh(weighed);
+    let mut loss = noise.dot(&here, &here);
     let (mut simulations, mut damping) = (1, 1e-2);
     let n = free.len();
     let mut curvature = DMatrix::zeros(n, n);
@@ -174,7 +213,7 @@ fn refine_within(bench: &Bench<'_>, parts: Vec<Part>, most: usize) -> Option<Hyp
                 }
                 let there = residual(&there)?;
                 let difference = there.column.iter().zip(&here.column).map(|(there, here)| (there - here) / by);
-                Some(bench.noise.weigh(difference.collect()))
+                Some(noise.weigh(difference.collect()))
             })
         };
         let slopes: Vec<Option<Weighed>> = free.par_iter().map(slope).collect();
@@ -183,9 +222,9 @@ fn refine_within(bench: &Bench<'_>, parts: Vec<Part>, most: usize) -> Option<Hyp
         curvature = DMatrix::zeros(n, n);
         for (a, of_a) in slopes.iter().enumerate() {
             let Some(of_a) = of_a else { continue };
-            gradient[a] = bench.noise.dot(of_a, &here);
+            gradient[a] = noise.dot(of_a, &here);
             for (b, of_b) in slopes.iter().enumerate() {
-                curvature[(a, b)] = of_b.as_ref().map_or(0.0, |of_b| bench.noise.dot(of_a, of_b));
+                curvature[(a, b)] = of_b.as_ref().map_or(0.0, |of_b| noise.dot(of_a, of_b));
             }
         }
         let mut gained = None;
@@ -201,7 +240,7 @@ fn refine_within(bench: &Bench<'_>, parts: Vec<Part>, most: usize) -> Option<Hyp
                 .fold(parts.clone(), |parts, (k, by)| stepped(&parts, *k, by.clamp(-LONGEST, LONGEST)));
             simulations += 1;
             if let Some(there) = residual(&trial) {
-                let then = bench.noise.dot(&there, &there);
+                let then = noise.dot(&there, &there);
                 if then < loss {
                     gained = Some(loss - then);
                     (parts, here, loss) = (trial, there, then);
@@ -211,12 +250,26 @@ fn refine_within(bench: &Bench<'_>, parts: Vec<Part>, most: usize) -> Option<Hyp
             }
             damping *= 8.0;
         }
-        if gained.is_none_or(|gained| gained < DONE) || simulations >= most {
+        let rest = if bench.case.is_clamped() { (loss - bench.noise.count() as f64).max(0.0) } else { 0.0 };
+        if gained.is_none_or(|gained| gained < DONE + DONE_OF_REST * rest) || simulations >= most {
             break;
         }
     }
-    let mut hypothesis = Hypothesis::of(bench, parts, here.column);
-    hypothesis.covariance = curvature.try_inverse();
-    hypothesis.free = free;
-    Some(hypothesis)
+    let covariance = curvature.try_inverse();
+    if !bench.case.is_clamped() {
+        let attained = to_first_order(bench, &here.column);
+        return Some(Hypothesis { parts, attained, residual: here.column, free, covariance });
+    }
+    let settled = settled(bench, parts, vec![0.0; bench.numbers.len()], effort.points)?;
+    Hypothesis::of(bench, settled, covariance)
+}
+
+pub(super) fn changes(bench: &Bench<'_>, parts: &[Part]) -> Vec<Change> {
+    parts.iter().map(|part| change(bench, part.cause, &part.place, &part.values)).collect()
+}
+
+/// Measured less what a robot reads with causes; `None` where it runs away.
+pub(super) fn left(bench: &Bench<'_>, scatter: &Scatter, parts: &[Part]) -> Option<Vec<f64>> {
+    let difference = bench.difference(scatter, &changes(bench, parts))?;
+    Some(bench.gap().iter().zip(&difference).map(|(gap, change)| gap - change).collect())
 }

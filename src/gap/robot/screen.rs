@@ -7,6 +7,7 @@ use super::hold_scan::hold_scan;
 use super::layout::compared_from_s;
 use super::place::{Place, places};
 use super::refine::Part;
+use super::settle::temper;
 use super::start::{Grid, Start};
 use super::suspects::Suspects;
 use crate::joint::EffectId;
@@ -71,20 +72,17 @@ pub(super) fn change(bench: &Bench<'_>, cause: Cause, place: &Place, values: &[f
     Change { cause, place: place.clone(), values: cause.to_named(values, coulomb_nm) }
 }
 
-/// Holds of the setpoint that explain most of another residual, in place of those among the columns.
-pub(super) fn with_holds_of(
+/// Puts holds of the setpoint that explain most of another residual in place of those among the columns.
+pub(super) fn rescan_holds(
     bench: &Bench<'_>,
-    mut columns: Vec<Column>,
+    columns: &mut Vec<Column>,
     considered: &(dyn Fn(Cause) -> bool + Sync),
     residual: &[f64],
-) -> Vec<Column> {
-    let hold = |cause: Cause| cause == HOLD && considered(cause);
-    let has_holds = bench.case.is_clamped() && columns.iter().any(|column| column.cause == HOLD);
-    if has_holds {
+) {
+    if bench.case.is_clamped() && considered(HOLD) {
         columns.retain(|column| column.cause != HOLD);
-        columns.extend(clamped(bench, &hold, &Suspects::of(bench, residual), residual));
+        columns.extend(clamped(bench, &|cause| cause == HOLD, &Suspects::of(bench, residual), residual));
     }
-    columns
 }
 
 /// Legs of a clamped robot do not feel each other: the same number of start is tried on all of them at once.
@@ -229,10 +227,13 @@ pub(super) fn rank(bench: &Bench<'_>, columns: &[Column], residual: &[f64]) -> V
         }
         bench.noise.only(|k| seen[k])
     });
-    let whole = bench.noise.weigh(residual.to_vec());
+    // A cause is not to stand behind numbers that would have to be far off.
+    let stiffer = is_clamped.then(|| bench.noise.stiffer(temper(bench, residual)));
+    let noise = stiffer.as_ref().unwrap_or(&bench.noise);
+    let whole = noise.weigh(residual.to_vec());
     let early = windowed.as_ref().map(|noise| (noise, noise.weigh(residual.to_vec())));
     let judge = |members: &[&Column], place: &Place| {
-        let in_full = (&bench.noise, &whole);
+        let in_full = (noise, &whole);
         let (noise, residual) = match &early {
             Some((noise, residual)) if !grows(members.first()?.cause) => (*noise, residual),
             _ => in_full,

@@ -61,7 +61,7 @@ fn a_delay_is_recovered_and_the_held_out_cycle_is_a_whole_one() {
     let late = refine(&bench, vec![part]).expect("it does not run away");
     let (found, sd) = (late.parts[0].values[0], late.sd(0, 0).expect("determined"));
     assert!((found - 0.018).abs() < 5.0 * (0.01 * sd).max(1e-5), "{found} +- {sd} hundredths");
-    let per_sample = late.loss / bench.noise.count() as f64;
+    let per_sample = late.loss() / bench.noise.count() as f64;
     assert!((0.8..1.2).contains(&per_sample), "{per_sample} noise variances are left");
 }
 

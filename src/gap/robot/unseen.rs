@@ -2,7 +2,6 @@
 
 use super::attained::Attained;
 use super::bench::Bench;
-use super::refine::Hypothesis;
 
 /// Samples that no fit saw.
 pub(super) struct Unseen<'a> {
@@ -20,15 +19,13 @@ impl<'a> Unseen<'a> {
         Self { bench, samples: (0..weight.len()).filter(|k| bench.layout.held[*k] && weight[*k] > 0.0).collect() }
     }
 
-    /// What a hypothesis leaves with the uncertain numbers adapted, to first order.
+    /// What is left on the floor with the uncertain numbers adapted, to first order.
     ///
-    /// On the floor the numbers are those of robots drawn at random, and together they imitate much of what a walk does
-    /// once and never again, as it lands. Where they predict the samples that no fit saw worse than the numbers as stated,
-    /// these stand.
-    pub fn adapted(&self, hypothesis: &Hypothesis) -> Vec<f64> {
-        let adapted = self.bench.noise.adapted(&hypothesis.residual);
-        let stand = !self.bench.case.is_clamped() && self.squares(&hypothesis.residual) < self.squares(&adapted);
-        if stand { hypothesis.residual.clone() } else { adapted }
+    /// The numbers are those of robots drawn at random, and together they imitate much of what a walk does once and never
+    /// again, as it lands. Where they predict the samples that no fit saw worse than the numbers as stated, these stand.
+    pub fn adapted(&self, residual: &[f64]) -> Vec<f64> {
+        let adapted = self.bench.noise.adapted(residual);
+        if self.squares(residual) < self.squares(&adapted) { residual.to_vec() } else { adapted }
     }
 
     /// What is left of them per sample, above a noise variance; `None` where every sample was fitted.
