@@ -23,7 +23,7 @@ type Tried = (f64, f64, Option<usize>);
 /// Times \[s\] with which holds explain most of a residual on a joint, or on all, the most promising first; none where no
 /// setpoint was logged with the readings.
 pub(super) fn hold_scan(bench: &Bench<'_>, residual: &[f64]) -> Vec<f64> {
-    let noise = bench.noise.stiffer(temper(bench, residual));
+    let noise = bench.noise.stiffer(temper(&bench.noise, residual));
     let residual = noise.weigh(residual.to_vec());
     let joints: Vec<(usize, Vec<(&Row, HeldResponse<'_>)>)> = bench
         .layout

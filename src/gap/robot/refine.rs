@@ -184,8 +184,7 @@ fn refine_by(bench: &Bench<'_>, parts: Vec<Part>, effort: Effort) -> Option<Hypo
     let none = Scatter::none(bench.case.model());
     let left = |parts: &[Part]| left(bench, &none, parts);
     let weighed = left(&parts)?;
-    let stiffer = bench.case.is_clamped().then(|| bench.noise.stiffer(temper(bench, &weighed)));
-    let noise = stiffer.as_ref().unwrap_or(&bench.noise);
+    let noise = bench.noise.stiffer(temper(&bench.noise, &weighed));
     let residual = |parts: &[Part]| -> Option<Weighed> { Some(noise.weigh(left(parts)?)) };
     let hunts = parts.iter().any(|part| part.cause.is_play());
     let nudge = if bench.case.is_clamped() && !hunts { NUDGE_SMOOTH } else { NUDGE_ROUGH };

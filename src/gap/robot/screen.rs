@@ -5,6 +5,7 @@ use super::bench::Bench;
 use super::cause::{Cause, Change};
 use super::hold_scan::hold_scan;
 use super::layout::compared_from_s;
+use super::noise::Noise;
 use super::place::{Place, places};
 use super::refine::Part;
 use super::settle::temper;
@@ -215,8 +216,7 @@ pub(super) fn window_s(bench: &Bench<'_>) -> f64 {
 
 /// Candidates by gain, best first. A set of joints that was not tried as such is the sum of its joints.
 pub(super) fn rank(bench: &Bench<'_>, columns: &[Column], residual: &[f64]) -> Vec<Candidate> {
-    let is_clamped = bench.case.is_clamped();
-    let windowed = (!is_clamped).then(|| {
+    let windowed = (!bench.case.is_clamped()).then(|| {
         let window = window_s(bench);
         let mut seen = vec![false; bench.layout.len];
         for row in &bench.layout.rows {
@@ -228,14 +228,14 @@ pub(super) fn rank(bench: &Bench<'_>, columns: &[Column], residual: &[f64]) -> V
         bench.noise.only(|k| seen[k])
     });
     // A cause is not to stand behind numbers that would have to be far off.
-    let stiffer = is_clamped.then(|| bench.noise.stiffer(temper(bench, residual)));
-    let noise = stiffer.as_ref().unwrap_or(&bench.noise);
+    let stiffer = |noise: &Noise| noise.stiffer(temper(noise, residual));
+    let noise = stiffer(&bench.noise);
     let whole = noise.weigh(residual.to_vec());
-    let early = windowed.as_ref().map(|noise| (noise, noise.weigh(residual.to_vec())));
+    let early = windowed.as_ref().map(stiffer).map(|noise| (noise.weigh(residual.to_vec()), noise));
     let judge = |members: &[&Column], place: &Place| {
-        let in_full = (noise, &whole);
+        let in_full = (&noise, &whole);
         let (noise, residual) = match &early {
-            Some((noise, residual)) if !grows(members.first()?.cause) => (*noise, residual),
+            Some((residual, noise)) if !grows(members.first()?.cause) => (noise, residual),
             _ => in_full,
         };
         let mut change = members.first()?.change.clone();

@@ -62,7 +62,7 @@ pub(super) fn settled(bench: &Bench<'_>, parts: Vec<Part>, sizes: Vec<f64>, poin
         slopes = here.slopes(bench).unwrap_or(slopes);
         let mut worth = 0;
         for _ in 0..STEPS {
-            let times = temper(bench, &here.left);
+            let times = temper(&bench.noise, &here.left);
             let Some((there, gained)) = here.step(bench, &slopes, times) else { break };
             here = there;
             let rest = bench.noise.count() as f64 * (1.0 - 1.0 / times);
@@ -182,7 +182,7 @@ fn scattered(bench: &Bench<'_>, sizes: &[f64]) -> Scatter {
 }
 
 /// How many times the noise's variance is left per sample that counts, at least once.
-pub(super) fn temper(bench: &Bench<'_>, left: &[f64]) -> f64 {
-    let squares: f64 = bench.noise.weight.iter().zip(left).map(|(weight, left)| weight * left.powi(2)).sum();
-    (squares / bench.noise.count().max(1) as f64).max(1.0)
+pub(super) fn temper(noise: &Noise, left: &[f64]) -> f64 {
+    let squares: f64 = noise.weight.iter().zip(left).map(|(weight, left)| weight * left.powi(2)).sum();
+    (squares / noise.count().max(1) as f64).max(1.0)
 }

@@ -130,7 +130,10 @@ impl Cause {
             Cause::Effect(E::JointSpring) => {
                 let away: &[f64] = if is_coarse { &[0.1] } else { &[0.1, 0.35] };
                 let rests = away.iter().flat_map(|away| [low - away, high + away]);
-                rests.chain([0.5 * (low + high)]).map(|rest| size(&[0.05 * strong, rest], GROWN)).collect()
+                let middle = 0.5 * (low + high);
+                // To first order a stiff spring looks soft.
+                let stiff = Start::fixed(&[3.0 * strong, middle]);
+                rests.chain([middle]).map(|rest| size(&[0.05 * strong, rest], GROWN)).chain([stiff]).collect()
             }
             Cause::Effect(E::EndStop) => {
                 let shares: &[f64] = if is_coarse { &[0.04, 0.2] } else { &[0.01, 0.04, 0.1, 0.2, 0.35] };
@@ -195,7 +198,9 @@ impl Cause {
             Cause::Payload => [[0.0, 0.0], [0.0, -0.07], [0.0, 0.07], [0.04, 0.0], [-0.04, 0.0]]
                 .map(|at| at.map(|m| m * body.longer()))
                 .map(|[right, rear]| size(&[0.15 * body.larger(), right, rear], [0.1, 5.0]))
-                .to_vec(),
+                .into_iter()
+                .chain([Start::fixed(&[0.6 * body.larger(), 0.0, 0.0])])
+                .collect(),
             Cause::FloorFriction => {
                 [0.3, 0.5, 0.7, 1.5].map(|share| Start::fixed(&[share * body.floor.coulomb])).to_vec()
             }
