@@ -3,7 +3,8 @@
 use super::bench::Bench;
 use super::cause::Cause;
 use super::decide::{is_explained, leaves_enough, leaves_much};
-use super::refine::{Hypothesis, Part, refine, refine_on, refine_roughly};
+use super::part::Part;
+use super::refine::{Hypothesis, refine, refine_on, refine_roughly};
 use super::screen::{Candidate, Column, around, columns, rank, rescan_holds};
 use rayon::prelude::*;
 

@@ -6,7 +6,6 @@
 use super::bench::Bench;
 use super::layout::{Channel, Row};
 use super::noise::{Noise, Weighed};
-use super::settle::temper;
 use crate::gap::held_response::{HeldResponse, WORTH, best_apart, finer_holds_s, tried_holds_s};
 use crate::joint::Driven;
 use crate::log::{Derivative, Hold};
@@ -23,7 +22,7 @@ type Tried = (f64, f64, Option<usize>);
 /// Times \[s\] with which holds explain most of a residual on a joint, or on all, the most promising first; none where no
 /// setpoint was logged with the readings.
 pub(super) fn hold_scan(bench: &Bench<'_>, residual: &[f64]) -> Vec<f64> {
-    let noise = bench.noise.stiffer(temper(&bench.noise, residual));
+    let noise = bench.noise.stiffer(bench.noise.temper(residual));
     let residual = noise.weigh(residual.to_vec());
     let joints: Vec<(usize, Vec<(&Row, HeldResponse<'_>)>)> = bench
         .layout

@@ -4,9 +4,9 @@
 //! the robot as given, then with every cause on every joint, pair or set of joints that may have it, refits what comes
 //! near in full, and weighs hypotheses on gait cycles that no fit saw.
 //!
-//! Masses, friction and floor of a real robot are off by some percent everywhere. What that does is part of the noise: with
-//! the trunk clamped to first order, on the floor by robots drawn at random, for there any change makes feet land a
-//! little differently.
+//! Masses, friction and floor of a real robot are off by some percent everywhere. With the trunk clamped these numbers are
+//! fitted beside every hypothesis; on the floor what they do is part of the noise, by robots drawn at random, for there any
+//! change makes feet land a little differently.
 
 mod attained;
 mod attribute;
@@ -26,6 +26,7 @@ mod measure;
 mod next;
 mod noise;
 mod numbers;
+mod part;
 mod phases;
 mod place;
 mod reach;

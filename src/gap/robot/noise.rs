@@ -65,6 +65,12 @@ impl Noise {
         Self::new(self.weight.clone(), columns.collect()).expect("smaller columns that are finite are finite")
     }
 
+    /// How many times its variance is left per sample that counts, at least once.
+    pub fn temper(&self, left: &[f64]) -> f64 {
+        let squares: f64 = self.weight.iter().zip(left).map(|(weight, left)| weight * left.powi(2)).sum();
+        (squares / self.count().max(1) as f64).max(1.0)
+    }
+
     /// What is uncertain everywhere, per standard deviation.
     pub fn columns(&self) -> &[Vec<f64>] {
         &self.columns

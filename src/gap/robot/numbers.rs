@@ -2,8 +2,8 @@
 
 use super::bench::Bench;
 use super::diagnosis::Found;
-use super::refine::{Hypothesis, moved};
-use super::screen::change;
+use super::part::{change, moved};
+use super::refine::Hypothesis;
 use crate::gap::Number;
 
 /// Two-sided 95 % of a normal variable.

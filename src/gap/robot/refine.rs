@@ -1,28 +1,16 @@
 //! Hypotheses refitted in full: the whole robot is simulated anew at every trial point.
 
-use super::attained::{Attained, BELIEVED_SD};
-use super::beliefs::believed;
+use super::attained::Attained;
 use super::bench::Bench;
-use super::cause::{Cause, Change};
+use super::cause::Change;
 use super::noise::Weighed;
-use super::place::Place;
-use super::scatter::{Number, Scatter};
-use super::screen::change;
-use super::settle::{Settled, settled, temper};
+use super::part::{Part, changes, free_values, left, moved};
+use super::scatter::Scatter;
+use super::settle::{Settled, settled};
 use super::unseen::Unseen;
-use crate::joint::{EffectParameter, Scan};
-use crate::number::math;
+use crate::joint::EffectParameter;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-
-/// One cause of a hypothesis.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Part {
-    pub cause: Cause,
-    pub place: Place,
-    /// As they are searched.
-    pub values: Vec<f64>,
-}
 
 /// A hypothesis about the robot: some causes, or none.
 #[derive(Clone, Debug)]
@@ -102,51 +90,11 @@ impl Hypothesis {
     }
 }
 
-impl Part {
-    /// Whether it is friction that is off by no more than the study allows for.
-    pub fn is_believed(&self, bench: &Bench<'_>) -> bool {
-        let number = match self.cause {
-            Cause::Coulomb => Number::Coulomb,
-            Cause::Viscous => Number::Viscous,
-            _ => return false,
-        };
-        let off = |joint: &usize| {
-            let number = number(*joint);
-            (self.values[0] - believed(bench, number)).abs() <= BELIEVED_SD * bench.spreads.sd(number)
-        };
-        self.place.joints.iter().all(off)
-    }
-
-    pub fn parameters(&self, bench: &Bench<'_>) -> Vec<EffectParameter> {
-        let joint = self.place.joints.first().copied().unwrap_or(0);
-        self.cause.parameters(&bench.reach[joint], &bench.body)
-    }
-}
-
 /// What is attained with numbers that change only what they do to first order.
 fn to_first_order(bench: &Bench<'_>, residual: &[f64]) -> Attained {
     let weighed = bench.noise.weigh(residual.to_vec());
     let price = bench.noise.dot(&weighed, &weighed);
     Attained { price, residual: Unseen::of(bench).adapted(residual), sizes: Vec::new() }
-}
-
-/// Values that are searched: part, and place in its values.
-pub(super) fn free_values(bench: &Bench<'_>, parts: &[Part]) -> Vec<(usize, usize)> {
-    let of = |(part, of): (usize, &Part)| {
-        let parameters = of.parameters(bench);
-        (0..parameters.len()).filter(move |k| parameters[*k].scan != Scan::Held).map(move |value| (part, value))
-    };
-    parts.iter().enumerate().flat_map(of).collect()
-}
-
-/// A value after a step in units of its scale.
-pub(super) fn moved(parameter: &EffectParameter, value: f64, by: f64) -> f64 {
-    let there = match parameter.scan {
-        Scan::Logarithm => value * math::exp(by),
-        Scan::Linear(scale) => value + scale * by,
-        Scan::Held => value,
-    };
-    there.clamp(parameter.lower, parameter.upper)
 }
 
 /// The hypothesis with the best values near those given; `None` where the robot runs away there, or it is too late to try.
@@ -184,7 +132,7 @@ fn refine_by(bench: &Bench<'_>, parts: Vec<Part>, effort: Effort) -> Option<Hypo
     let none = Scatter::none(bench.case.model());
     let left = |parts: &[Part]| left(bench, &none, parts);
     let weighed = left(&parts)?;
-    let noise = bench.noise.stiffer(temper(&bench.noise, &weighed));
+    let noise = bench.noise.stiffer(bench.noise.temper(&weighed));
     let residual = |parts: &[Part]| -> Option<Weighed> { Some(noise.weigh(left(parts)?)) };
     let hunts = parts.iter().any(|part| part.cause.is_play());
     let nudge = if bench.case.is_clamped() && !hunts { NUDGE_SMOOTH } else { NUDGE_ROUGH };
@@ -261,14 +209,4 @@ fn refine_by(bench: &Bench<'_>, parts: Vec<Part>, effort: Effort) -> Option<Hypo
     }
     let settled = settled(bench, parts, vec![0.0; bench.numbers.len()], effort.points)?;
     Hypothesis::of(bench, settled, covariance)
-}
-
-pub(super) fn changes(bench: &Bench<'_>, parts: &[Part]) -> Vec<Change> {
-    parts.iter().map(|part| change(bench, part.cause, &part.place, &part.values)).collect()
-}
-
-/// Measured less what a robot reads with causes; `None` where it runs away.
-pub(super) fn left(bench: &Bench<'_>, scatter: &Scatter, parts: &[Part]) -> Option<Vec<f64>> {
-    let difference = bench.difference(scatter, &changes(bench, parts))?;
-    Some(bench.gap().iter().zip(&difference).map(|(gap, change)| gap - change).collect())
 }

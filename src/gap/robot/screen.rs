@@ -6,9 +6,8 @@ use super::cause::{Cause, Change};
 use super::hold_scan::hold_scan;
 use super::layout::compared_from_s;
 use super::noise::Noise;
+use super::part::{Part, change};
 use super::place::{Place, places};
-use super::refine::Part;
-use super::settle::temper;
 use super::start::{Grid, Start};
 use super::suspects::Suspects;
 use crate::joint::EffectId;
@@ -66,11 +65,6 @@ fn starts(bench: &Bench<'_>, cause: Cause, joint: usize, grid: Grid) -> Vec<Star
         [law.coulomb_nm, law.viscous_nm_s_rad]
     });
     cause.starts(&bench.reach[joint], friction, &bench.body, grid)
-}
-
-pub(super) fn change(bench: &Bench<'_>, cause: Cause, place: &Place, values: &[f64]) -> Change {
-    let coulomb_nm = place.joints.first().map_or(0.0, |joint| bench.reach[*joint].coulomb_nm);
-    Change { cause, place: place.clone(), values: cause.to_named(values, coulomb_nm) }
 }
 
 /// Puts holds of the setpoint that explain most of another residual in place of those among the columns.
@@ -228,7 +222,7 @@ pub(super) fn rank(bench: &Bench<'_>, columns: &[Column], residual: &[f64]) -> V
         bench.noise.only(|k| seen[k])
     });
     // A cause is not to stand behind numbers that would have to be far off.
-    let stiffer = |noise: &Noise| noise.stiffer(temper(noise, residual));
+    let stiffer = |noise: &Noise| noise.stiffer(noise.temper(residual));
     let noise = stiffer(&bench.noise);
     let whole = noise.weigh(residual.to_vec());
     let early = windowed.as_ref().map(stiffer).map(|noise| (noise.weigh(residual.to_vec()), noise));

@@ -8,7 +8,7 @@
 use super::attained::Attained;
 use super::bench::Bench;
 use super::noise::Noise;
-use super::refine::{Part, changes, free_values, left, moved};
+use super::part::{Part, changes, free_values, left, moved};
 use super::scatter::Scatter;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -62,7 +62,7 @@ pub(super) fn settled(bench: &Bench<'_>, parts: Vec<Part>, sizes: Vec<f64>, poin
         slopes = here.slopes(bench).unwrap_or(slopes);
         let mut worth = 0;
         for _ in 0..STEPS {
-            let times = temper(&bench.noise, &here.left);
+            let times = bench.noise.temper(&here.left);
             let Some((there, gained)) = here.step(bench, &slopes, times) else { break };
             here = there;
             let rest = bench.noise.count() as f64 * (1.0 - 1.0 / times);
@@ -179,10 +179,4 @@ fn scattered(bench: &Bench<'_>, sizes: &[f64]) -> Scatter {
     let numbers = bench.numbers.iter().zip(sizes);
     numbers.for_each(|(number, size)| scatter.put(*number, size * bench.spreads.sd(*number)));
     scatter
-}
-
-/// How many times the noise's variance is left per sample that counts, at least once.
-pub(super) fn temper(noise: &Noise, left: &[f64]) -> f64 {
-    let squares: f64 = noise.weight.iter().zip(left).map(|(weight, left)| weight * left.powi(2)).sum();
-    (squares / noise.count().max(1) as f64).max(1.0)
 }
