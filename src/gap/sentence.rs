@@ -42,26 +42,32 @@ fn only(decision: &Decision<'_>, effect: EffectId) -> String {
 
 /// The error as given, with refitted numbers and with the causes, and what these close of what the numbers leave.
 ///
-/// All in rad, with the sensor's noise last; `refitted` is what the second one is with.
-pub(super) fn closing(figures: [f64; 4], refitted: &str) -> String {
-    closing_in(figures, refitted, mrad)
+/// All in rad, with the sensor's noise last; `refitted` is what the second one is with, `causes` how many the third is with.
+pub(super) fn closing(figures: [f64; 4], refitted: &str, causes: usize) -> String {
+    closing_in(figures, refitted, causes, mrad)
 }
 
 /// The same of errors in any unit, each written by `with_unit`.
 pub(super) fn closing_in(
     [before, calibrated, after, floor]: [f64; 4],
     refitted: &str,
+    causes: usize,
     with_unit: fn(f64) -> String,
 ) -> String {
+    let them = match causes {
+        0 | 1 => "it",
+        2 => "both",
+        _ => "all of them",
+    };
     let left = calibrated - floor;
     let closed = share(((calibrated - after) / left).clamp(0.0, 1.0));
     let [before, calibrated, after] = [before, calibrated, after].map(with_unit);
     if !(left > 0.0) {
-        return format!("the error goes from {before} as given to {after} with it");
+        return format!("the error goes from {before} as given to {after} with {them}");
     }
     format!(
-        "the error goes from {before} as given to {calibrated} with {refitted} and to {after} with it, which closes {closed} of what they \
-         leave"
+        "the error goes from {before} as given to {calibrated} with {refitted} and to {after} with {them}, which closes {closed} of what \
+         they leave"
     )
 }
 
@@ -194,7 +200,8 @@ pub(super) fn sentence(
         ),
         (Verdict::Effect, Some(effect)) => {
             let (how_much, left) = of_the_gap(figures);
-            let mut text = format!("{joint}: {how_much} {}; {}.{left}", all(), closing(figures, refitted));
+            let mut text =
+                format!("{joint}: {how_much} {}; {}.{left}", all(), closing(figures, refitted, decision.effects.len()));
             let others: Vec<&str> = decision.equivalent.iter().filter(|e| **e != effect).map(|e| words(*e)).collect();
             if !others.is_empty() {
                 text += &format!(" These logs cannot tell the first apart from {}.", others.join(", nor from "));
@@ -215,7 +222,9 @@ pub(super) fn sentence(
                     together(open)
                 ),
             };
-            let nearest = partial.map_or(String::new(), |_| format!(" {known}; {}.", closing(figures, refitted)));
+            let nearest = partial.map_or(String::new(), |_| {
+                format!(" {known}; {}.", closing(figures, refitted, decision.effects.len()))
+            });
             let unnamed = law.map_or(String::new(), |law| format!(" Without a name {}", unnamed(law)));
             let stays = format!("{} are left, and the sensor itself makes {}", mrad(gap.after), mrad(gap.floor));
             if gap.calibrated < MOST_BY_NUMBERS * gap.before {

@@ -388,7 +388,7 @@ fn sentence(
     let goes = if causes.is_empty() && law.is_none() {
         format!("the error goes from {before} as given to {calibrated} with {REFITTED}")
     } else {
-        closing_in(figures, REFITTED, newton_metres)
+        closing_in(figures, REFITTED, causes.len() + usize::from(law.is_some()), newton_metres)
     };
     let apart = if gap.per_log.len() > 1 { "any two logs" } else { "any two parts of the log" };
     let stays = if gap.after > MUCH_LEFT * gap.floor {

@@ -72,7 +72,8 @@ pub(super) fn sentence(said: &Said<'_>, gap: &RobotGap) -> String {
             if let Some(second) = second {
                 text += &format!(", together with {}", sized(second));
             }
-            text += &format!("; {}.", closing(figures, REFITTED));
+            let causes = 1 + usize::from(second.is_some());
+            text += &format!("; {}.", closing(figures, REFITTED, causes));
             let others: Vec<&str> =
                 equivalent.iter().filter(|cause| **cause != first.cause).map(|cause| words(*cause)).collect();
             if !others.is_empty() {
@@ -87,7 +88,7 @@ pub(super) fn sentence(said: &Said<'_>, gap: &RobotGap) -> String {
         }
         _ => {
             let nearest = partial.map_or(String::new(), |found| {
-                format!(" What comes closest is {}; {}.", sized(found), closing(figures, REFITTED))
+                format!(" What comes closest is {}; {}.", sized(found), closing(figures, REFITTED, 1))
             });
             let far = far(broken).unwrap_or_default();
             format!(
