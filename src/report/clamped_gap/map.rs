@@ -20,7 +20,7 @@ fn above(diagnosis: &Diagnosis) -> f64 {
     (diagnosis.gap.before.powi(2) - diagnosis.gap.floor.powi(2)).max(0.0)
 }
 
-/// Draws the share of the robot's gap by joint and phase; `None` where no joint has a map.
+/// Draws the share of the robot's gap by joint and phase; `None` where no joint has a map, or none has a gap.
 pub(super) fn map(report: &ClampedGapReport) -> Result<Option<String>, ReportError> {
     let joints: Vec<&Diagnosis> = report.joints.iter().map(|(_, joint)| &joint.diagnosis).collect();
     let occurs = |phase: &Phase| joints.iter().any(|own| own.location.cells.iter().any(|cell| cell.phase == *phase));
@@ -33,6 +33,9 @@ pub(super) fn map(report: &ClampedGapReport) -> Result<Option<String>, ReportErr
         joints.iter().flat_map(|own| phases.iter().map(|phase| cell(own, *phase, all))).collect();
     let of_all: Vec<f64> = cells.iter().map(|cell| cell.map_or(0.0, |(share, _)| share)).collect();
     let (percents, most) = (share_percents(&of_all), of_all.iter().copied().fold(0.0, f64::max));
+    if most <= 0.0 {
+        return Ok(None);
+    }
     let rows: Vec<String> = joints.iter().map(|own| own.joint.clone()).collect();
     let mut columns: Vec<String> = phases.iter().map(|phase| phase.name().to_owned()).collect();
     columns.push("all".to_owned());
@@ -57,7 +60,7 @@ pub(super) fn map(report: &ClampedGapReport) -> Result<Option<String>, ReportErr
             return HeatCell { words: format!("{all} %"), ..none };
         }
         cells.get(first + column).copied().flatten().map_or(none, |(of_all, significant)| HeatCell {
-            ground: tint(if significant { POSITIVE } else { SHADE }, if most > 0.0 { of_all / most } else { 0.0 }),
+            ground: tint(if significant { POSITIVE } else { SHADE }, of_all / most),
             words: format!("{} %", percents[first + column]),
             framed: significant,
         })
