@@ -13,8 +13,8 @@ const WIDTH: usize = 100;
 /// Writes the tables and the explanation as plain text at most 100 columns wide, ending in a newline.
 pub fn thesis_text(report: &ThesisReport) -> String {
     let sections = sections(&report.tables);
-    let opening = verdict(&sections).into_iter().chain(summary(&sections));
-    let mut blocks: Vec<String> = opening.map(|words| wrap(WIDTH, &words, "", "")).collect();
+    let opening = verdict(&sections).map(|words| wrap(WIDTH, &words, "", ""));
+    let mut blocks: Vec<String> = opening.into_iter().chain(summary(&sections)).collect();
     blocks.extend(sections.iter().filter(|s| !s.rows.is_empty()).map(block));
     for answer in explanations(report) {
         let mut text = wrap(WIDTH, &answer.question, "", "");
@@ -36,11 +36,13 @@ fn summary(sections: &[Section<'_>]) -> Option<String> {
     let printed = sections.iter().filter(|section| section.beside == "thesis").filter_map(|section| {
         let judged: Vec<bool> = section.rows.iter().filter_map(|row| row.inside()).collect();
         let inside = judged.iter().filter(|inside| **inside).count();
-        (!judged.is_empty()).then(|| format!("{}: {inside} of {}", section.title, judged.len()))
+        (!judged.is_empty()).then(|| vec![section.title.to_owned(), format!("{inside} of {}", judged.len())])
     });
-    let printed: Vec<String> = printed.collect();
+    let printed: Vec<Vec<String>> = printed.collect();
     (!printed.is_empty()).then(|| {
-        format!("Printed numbers inside the 95 % intervals of these swings, table by table: {}.", printed.join("; "))
+        let mut lines = table(WIDTH, &["printed numbers"], &["inside the 95 % interval of these swings"]);
+        add_rows(&mut lines, 1, &printed);
+        finish(&mut lines)
     })
 }
 
