@@ -232,8 +232,14 @@ impl Cause {
             likely: None,
         };
         match self {
-            Cause::Effect(effect @ (EffectId::JointSpring | EffectId::AsymmetricFriction | EffectId::Stribeck)) => {
+            Cause::Effect(effect @ (EffectId::AsymmetricFriction | EffectId::Stribeck)) => {
                 effect.parameters(&beyond(reach))
+            }
+            // From one that hardly shows to one that holds the joint.
+            Cause::Effect(EffectId::JointSpring) => {
+                let mut parameters = EffectId::JointSpring.parameters(&beyond(reach));
+                parameters[0] = logarithm("k", "N m/rad", [1e-3, 300.0].map(|share| share * reach.torque_nm));
+                parameters
             }
             Cause::Effect(EffectId::SpeedLimit) => {
                 let most_nm = reach.driven.map_or(reach.torque_nm, |driven| driven.command_nm);

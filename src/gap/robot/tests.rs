@@ -6,6 +6,7 @@ use super::bench::Bench;
 use super::case::RobotCase;
 use super::cause::Cause;
 use super::diagnosis::GaitPhase;
+use super::hold_scan::hold_scan;
 use super::layout::period_s;
 use super::part::{Part, left};
 use super::phases::phases;
@@ -86,6 +87,17 @@ fn a_cause_and_numbers_that_are_off_are_found_together() {
     // Readings have no noise: the robot that they are of costs what its numbers do, and the best no more.
     let truth = off.iter().map(|(_, sds)| sds * sds).sum::<f64>();
     assert!(found.loss() < truth, "{} and not {truth}", found.loss());
+}
+
+#[test]
+fn a_hold_of_any_time_is_scanned() {
+    let folder = tempfile::tempdir().unwrap();
+    let effect = "[[effect]]\nid = \"setpoint_hold\"\njoints = [\"lf3\"]\nT_h = 0.0437\n";
+    let held = spec("air", 0.002, 5e-4, &format!("{effect}[[log]]\nfile = \"trot.csv\"\nduration = 5.0\n"));
+    let case = case_of(folder.path(), &held);
+    let bench = Bench::new(&case, &Deadline::default()).unwrap();
+    let tried_s = hold_scan(&bench, &bench.gap());
+    assert!(tried_s.iter().any(|hold_s| (hold_s / 0.0437 - 1.0).abs() < 2e-3), "{tried_s:?}");
 }
 
 #[test]

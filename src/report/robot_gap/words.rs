@@ -17,8 +17,8 @@ pub(super) const DETECTABLE: &str =
 /// What the columns of the ranking mean.
 pub(super) const BEHIND: &str = "Gap closed: share of the whole gap above the sensor's noise. Behind: how much worse than the best a cause \
     explains the samples it was fitted to, as a sum of squares in units of the sensor's noise; below ten or so it may be chance. \
-    Causes that are not here explain less already to first order. RMS: of a robot simulated with the cause, masses and friction \
-    adapted within what is uncertain anyway; behind: with those adapted to first order only.";
+    Causes that are not here explain less already to first order. Both are of a robot simulated with the cause, masses and friction \
+    adapted within what is uncertain anyway; on a floor these to first order only.";
 
 /// Probabilities of the answer, of its rivals, and of something else, as they are shown.
 pub(super) fn chances(diagnosis: &RobotDiagnosis) -> Chances {
