@@ -68,11 +68,14 @@ fn worker_of(fleet: u32, study: &str) -> Option<u32> {
     let processes = fs::read_dir("/proc").ok()?;
     let mut ids = processes.filter_map(|entry| entry.ok()?.file_name().to_str()?.parse::<u32>().ok());
     ids.find(|id| {
-        let words = fs::read(format!("/proc/{id}/cmdline")).unwrap_or_default();
-        let is_asked = || words.split(|byte| *byte == 0).any(|word| word == study.as_bytes());
+        let is_asked = || {
+            let words = fs::read(format!("/proc/{id}/cmdline")).unwrap_or_default();
+            words.split(|byte| *byte == 0).any(|word| word == study.as_bytes())
+        };
         // After the name, which may hold anything: the state, then the parent.
         let stat = fs::read_to_string(format!("/proc/{id}/stat")).unwrap_or_default();
         let parent = stat.rsplit(')').next().and_then(|rest| rest.split_whitespace().nth(1)?.parse().ok());
+        // Asked after its parent: a number may be another process's by now.
         parent == Some(fleet) && is_asked()
     })
 }
@@ -118,7 +121,8 @@ fn bad_studies_killed_workers_and_a_killed_fleet_lose_nothing() {
     assert_eq!(hunt(&mut fleet, &victim, 1), 1);
     assert_eq!(fleet.wait().unwrap().code(), Some(1), "three studies are broken");
     let whole = document();
-    assert_eq!((failed(&whole), answered(&whole)), (broken.clone(), expected(STUDIES, &broken)));
+    let found = (failed(&whole), answered(&whole));
+    assert_eq!(found, (broken.clone(), expected(STUDIES, &broken)), "{}", whole["failed"]);
     assert!(!dir.path().join("once/working").exists());
 
     // One that is killed each time is a row, and the next run tries that study alone.
