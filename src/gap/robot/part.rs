@@ -58,6 +58,17 @@ pub(super) fn moved(parameter: &EffectParameter, value: f64, by: f64) -> f64 {
     there.clamp(parameter.lower, parameter.upper)
 }
 
+/// Longest step of a search in a value, in units of its scale.
+pub(super) const LONGEST: f64 = 1.5;
+
+/// Causes of which one value, by part and place in its values, moved by a step in units of its scale.
+pub(super) fn stepped(bench: &Bench<'_>, parts: &[Part], (part, value): (usize, usize), by: f64) -> Vec<Part> {
+    let mut there = parts.to_vec();
+    let parameter = &parts[part].parameters(bench)[value];
+    there[part].values[value] = moved(parameter, parts[part].values[value], by);
+    there
+}
+
 pub(super) fn change(bench: &Bench<'_>, cause: Cause, place: &Place, values: &[f64]) -> Change {
     let coulomb_nm = place.joints.first().map_or(0.0, |joint| bench.reach[*joint].coulomb_nm);
     Change { cause, place: place.clone(), values: cause.to_named(values, coulomb_nm) }

@@ -4,11 +4,10 @@ use super::attained::Attained;
 use super::bench::Bench;
 use super::cause::Change;
 use super::noise::Weighed;
-use super::part::{Part, changes, free_values, left, moved};
+use super::part::{LONGEST, Part, changes, free_values, left, stepped};
 use super::scatter::Scatter;
 use super::settle::{Settled, settled};
 use super::unseen::Unseen;
-use crate::joint::EffectParameter;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -48,8 +47,6 @@ const DONE_OF_REST: f64 = 3e-3;
 /// to land, in free play above the joint's hunting.
 const NUDGE_SMOOTH: f64 = 0.03;
 const NUDGE_ROUGH: f64 = 0.15;
-/// Longest step in a value, in units of its scale.
-const LONGEST: f64 = 1.5;
 const HALVINGS: usize = 4;
 
 impl Hypothesis {
@@ -121,10 +118,10 @@ fn refine_by(bench: &Bench<'_>, parts: Vec<Part>, effort: Effort) -> Option<Hypo
     if bench.deadline.leaves_out("fits of some likely causes") {
         return None;
     }
-    let parameters: Vec<Vec<EffectParameter>> = parts.iter().map(|part| part.parameters(bench)).collect();
     let free = free_values(bench, &parts);
     let mut parts = parts;
-    for (part, parameters) in parts.iter_mut().zip(&parameters) {
+    for part in &mut parts {
+        let parameters = part.parameters(bench);
         for (value, parameter) in part.values.iter_mut().zip(parameters) {
             *value = value.clamp(parameter.lower, parameter.upper);
         }
@@ -138,11 +135,7 @@ fn refine_by(bench: &Bench<'_>, parts: Vec<Part>, effort: Effort) -> Option<Hypo
     let nudge = if bench.case.is_clamped() && !hunts { NUDGE_SMOOTH } else { NUDGE_ROUGH };
     let most = if bench.case.is_clamped() { effort.clamped } else { effort.on_the_floor };
     let most = if hunts { most.min(HUNTING) } else { most };
-    let stepped = |parts: &[Part], (part, value): (usize, usize), by: f64| {
-        let mut there = parts.to_vec();
-        there[part].values[value] = moved(&parameters[part][value], there[part].values[value], by);
-        there
-    };
+    let stepped = |parts: &[Part], k: (usize, usize), by: f64| stepped(bench, parts, k, by);
     let mut here = noise.weigh(weighed);
     let mut loss = noise.dot(&here, &here);
     let (mut simulations, mut damping) = (1, 1e-2);

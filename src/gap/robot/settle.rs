@@ -8,7 +8,7 @@
 use super::attained::Attained;
 use super::bench::Bench;
 use super::noise::Noise;
-use super::part::{Part, changes, free_values, left, moved};
+use super::part::{LONGEST, Part, changes, free_values, left, stepped};
 use super::scatter::Scatter;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -19,9 +19,8 @@ const HALVINGS: i32 = 3;
 /// A step gains less than this, and less than this share of what is left beyond noise: done.
 const DONE: f64 = 1.0;
 const DONE_OF_REST: f64 = 2e-3;
-/// Change of a value for what it does, in units of its scale, the longest step, and how well it is known before.
+/// Change of a value for what it does, in units of its scale, and how well it is known before.
 const NUDGE: f64 = 0.03;
-const LONGEST: f64 = 1.5;
 const KNOWN: f64 = 30.0;
 
 /// Causes and numbers at their best.
@@ -108,7 +107,7 @@ impl Point {
         let scatter = scattered(bench, &self.sizes);
         let of_value = |k: &(usize, usize)| -> Vec<f64> {
             let nudged = |by: f64| {
-                let parts = Some(self.moved(bench, *k, by)).filter(|parts| *parts != self.parts)?;
+                let parts = Some(stepped(bench, &self.parts, *k, by)).filter(|parts| *parts != self.parts)?;
                 let there = left(bench, &scatter, &parts)?;
                 Some(self.left.iter().zip(there).map(|(here, there)| (here - there) / by).collect())
             };
@@ -121,13 +120,6 @@ impl Point {
         let (mut columns, numbers) = uncertain?;
         columns.extend(values);
         (numbers == bench.numbers).then_some(Slopes { columns, has_values: !self.parts.is_empty() })
-    }
-
-    fn moved(&self, bench: &Bench<'_>, (part, value): (usize, usize), by: f64) -> Vec<Part> {
-        let mut parts = self.parts.clone();
-        let parameter = &parts[part].parameters(bench)[value];
-        parts[part].values[value] = moved(parameter, parts[part].values[value], by);
-        parts
     }
 
     /// Goes towards what is best to first order as far as that explains more, and by how much; `None` where it does not.
@@ -145,7 +137,7 @@ impl Point {
             let mut there = self.clone();
             if slopes.has_values {
                 for (k, step) in free_values(bench, &self.parts).into_iter().zip(&wanted[count + 1..]) {
-                    there.parts = there.moved(bench, k, (share * KNOWN * step).clamp(-LONGEST, LONGEST));
+                    there.parts = stepped(bench, &there.parts, k, (share * KNOWN * step).clamp(-LONGEST, LONGEST));
                 }
             }
             let there = Self::of(bench, there.parts, sizes, wanted[count])?;
