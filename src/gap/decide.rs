@@ -6,7 +6,7 @@
 
 use super::attribute::Attribution;
 use super::diagnosis::{Number, Verdict};
-use super::evidence::Evidence;
+use super::evidence::{Evidence, WholeLeft};
 use super::floor::rough_rad;
 use super::held_out::{HeldOut, closed};
 use super::model::{BASELINE, DERIVATIVE, GAIN, INTEGRAL};
@@ -130,6 +130,17 @@ impl<'a> Judge<'a, '_> {
         shape >= NO_ALARM
             && self.held.rms_rad(&self.held.residuals(self.evidence, trial)) > noise_rad
             && self.exceeds_a_step(trial)
+            && !self.whole_explains()
+    }
+
+    /// Whether the whole robot, simulated at its best with what was found so far, leaves no more of the joint than noise: what is
+    /// left along the measured motion is how that motion was followed.
+    fn whole_explains(&self) -> bool {
+        self.evidence.whole.is_some_and(|whole| self.is_noise(whole.found_rad))
+    }
+
+    fn is_noise(&self, rms_rad: f64) -> bool {
+        rms_rad.powi(2) < (1.0 + NO_ALARM) * self.a.noise_rad.powi(2)
     }
 
     /// Whether the numbers of the joint cannot do what a refitted gain of the drive does: with the gain as stated they leave what is
@@ -164,7 +175,11 @@ impl<'a> Judge<'a, '_> {
             let times = if self.has_causes_of_no_size() { f64::INFINITY } else { HARDLY_A_GAP };
             stands(&self.a.calibrated, times)
         };
-        stands(&self.a.given, 1.0) || self.evidence.is_carried() && numbers_do()
+        // The whole robot needs no cause to predict the joint as well.
+        let whole_does = |whole: WholeLeft| self.is_noise(whole.bare_rad) && whole.bare_rad <= held_rad(&self.a.best);
+        stands(&self.a.given, 1.0)
+            || self.evidence.is_carried() && numbers_do()
+            || self.evidence.whole.is_some_and(whole_does)
     }
 
     /// Whether every cause was found where there is none of it.
@@ -182,7 +197,7 @@ impl<'a> Judge<'a, '_> {
         let answer = &a.best;
         let excess = a.excess(self.evidence, answer);
         let closes = self.closed(&a.calibrated, answer).unwrap_or(0.0);
-        let explained = excess < EXPLAINED || closes > CLOSES || !self.exceeds_a_step(answer);
+        let explained = excess < EXPLAINED || closes > CLOSES || !self.exceeds_a_step(answer) || self.whole_explains();
         let mut effects = answer.effects().to_vec();
         let (mut equivalent, margin) = equivalent_of(self.evidence, a, 0);
         let mut chosen = answer;

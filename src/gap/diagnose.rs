@@ -9,7 +9,7 @@ use super::diagnosis::{
     Answer, Candidate, Diagnosis, Gap, GapOptions, LogGap, LogTraces, Number, ResidualTorque, Verdict,
 };
 use super::differs::{Differs, differing};
-use super::evidence::Evidence;
+use super::evidence::{Evidence, WholeLeft};
 use super::held_out::{HeldOut, closed};
 use super::law_found::law_found;
 use super::model::GAIN;
@@ -63,19 +63,30 @@ const UNNAMED: &str = "what effects that are not named would move the numbers by
 /// # Errors
 /// [`GapError`] where there is nothing to diagnose.
 pub fn diagnose(case: &Case, options: &GapOptions, progress: &dyn Progress) -> Result<Diagnosis, GapError> {
-    diagnose_from(case, options, None, progress)
+    diagnose_from(case, options, Beside::default(), progress)
 }
 
-/// The same of a joint that carries bodies which are other than described: what it is as given is that of the robot as described.
+/// What the robot says beside a joint's own logs.
+#[derive(Default)]
+pub(super) struct Beside<'a> {
+    /// What the joint is as given, where it carries bodies which are other than described: that of the robot as described.
+    pub described: Option<&'a AsGiven>,
+    /// What the whole robot leaves of it.
+    pub whole: Option<WholeLeft>,
+}
+
+/// The same of a joint of a robot.
 pub(super) fn diagnose_from(
     case: &Case,
     options: &GapOptions,
-    described: Option<&AsGiven>,
+    beside: Beside<'_>,
     progress: &dyn Progress,
 ) -> Result<Diagnosis, GapError> {
     let stage = |stage| progress.go_on(Step::stage(stage));
     let nominal = case.joint.nominal.ok_or(GapError::NoNominal)?;
     let mut evidence = Evidence::of(case, nominal).ok_or(GapError::NeverMoved)?;
+    let described = beside.described;
+    evidence.whole = beside.whole;
     evidence.deadline = options.deadline.clone();
     evidence.demands = Arc::new(resolved(&options.demands, &evidence)?);
     let demands = Arc::clone(&evidence.demands);

@@ -10,6 +10,15 @@ use crate::joint::Reach;
 use crate::log::{Nominal, Role, Uncertain};
 use std::sync::Arc;
 
+/// What a simulation of the whole robot, at its best, leaves of a joint: root of the mean square on held-out logs \[rad\].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct WholeLeft {
+    /// With numbers alone.
+    pub bare_rad: f64,
+    /// With all causes that were found so far.
+    pub found_rad: f64,
+}
+
 /// A study's logs, made ready to be argued from.
 pub(super) struct Evidence {
     /// Logs that parameters are fitted to.
@@ -26,6 +35,8 @@ pub(super) struct Evidence {
     pub normal_beliefs: bool,
     /// What logged torques say of the drive's gain.
     pub gain_seen: Option<Belief>,
+    /// Of a joint of a robot: what the whole robot leaves of it.
+    pub whole: Option<WholeLeft>,
     /// What the user demands of numbers and of parameters of effects.
     pub demands: Arc<Directives>,
     /// Where it hangs, as given; 0 where nothing is said \[rad\].
@@ -72,6 +83,7 @@ impl Evidence {
             uncertain: case.uncertain.clone(),
             normal_beliefs: false,
             gain_seen: gain_seen(&all, &case.uncertain),
+            whole: None,
             demands: Arc::default(),
             rest_rad: case.joint.rest_rad.unwrap_or(0.0),
             scale_known,

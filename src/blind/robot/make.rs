@@ -171,8 +171,8 @@ fn finish(
     let must_stick = faults.iter().any(|(fault, _)| fault.sticks());
     let (method, step, tolerance) = match scene.setting {
         _ if faults.iter().any(|(fault, _)| fault.is_stiff()) => ("stiff", Some(FINE_S), None),
-        // A joint that comes to rest by itself must stick truly.
-        Setting::Drop => ("stiff", Some(STIFF_S), None),
+        // A joint that comes to rest by itself, as arms do between two steps, must stick truly: a smooth sign would creep.
+        Setting::Drop | Setting::Arm => ("stiff", Some(STIFF_S), None),
         _ if must_stick || dice.chance(0.4) => ("stiff", Some(STIFF_S), None),
         _ => ("bdf", None, Some(TOLERANCE)),
     };

@@ -108,7 +108,7 @@ fn found_in(file: &Path) -> Result<Found, CliError> {
             let parameters: BTreeMap<String, Quantity> = serde_json::from_value(effect["parameters"].clone())
                 .map_err(|error| bad(format!("{form}: {error}")))?;
             let values = named_values(form, &parameters).map_err(bad)?;
-            causes.push(PlacedCause { joint: joint.clone(), form, values });
+            causes.push(PlacedCause { joint: joint.clone(), form, values, spreads: Vec::new() });
         }
     }
     Ok((numbers, causes, left_out))

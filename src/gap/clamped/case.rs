@@ -3,6 +3,7 @@
 use super::along::Along;
 use super::followed::SimulatedMotion;
 use super::setup::{ClampedCaseError, ClampedSetup};
+use crate::gap::evidence::WholeLeft;
 use crate::identify::Case;
 use crate::log::{ArrayLog, DriveMode, JointBeliefs, JointSpec, Nominal, RobotLog, Spread, Uncertain};
 use crate::robot::description::{FoundNumber, Mover, MoverId};
@@ -30,6 +31,8 @@ pub struct ClampedJoint {
     pub case: Case,
     /// The same of the robot as described, where bodies have other masses in `case`.
     pub as_described: Option<Case>,
+    /// What the whole robot, simulated at its best, leaves of it.
+    pub(in crate::gap) whole: Option<WholeLeft>,
 }
 
 impl ClampedCase {
@@ -69,7 +72,7 @@ impl ClampedCase {
                     e.carriage = Some(carriage.clone());
                 }
             }
-            joints.push(ClampedJoint { name: mover.name.clone(), case, as_described: None });
+            joints.push(ClampedJoint { name: mover.name.clone(), case, as_described: None, whole: None });
         }
         let mut notes = Vec::new();
         if !unseen.is_empty() {

@@ -5,7 +5,7 @@ use super::case::{ClampedCase, ClampedJoint};
 use super::pooled::{PooledNumber, one_size, pooled};
 use crate::deadline::{Deadline, Spent};
 use crate::gap::as_given::AsGiven;
-use crate::gap::diagnose::diagnose_from;
+use crate::gap::diagnose::{Beside, diagnose_from};
 use crate::gap::sentence::{REFITTED, words};
 use crate::gap::{CauseShare, Diagnosis, GapError, GapOptions, Number, Verdict};
 use crate::joint::EffectId;
@@ -112,33 +112,39 @@ pub fn diagnose_clamped(
     options: &GapOptions,
     progress: &dyn Progress,
 ) -> Result<ClampedDiagnosis, GapError> {
-    let joints = diagnose_joints(case, options, &[], progress)?;
+    let joints = diagnose_joints(&case.joints.iter().collect::<Vec<_>>(), options, &[], progress)?;
     if joints.iter().all(|joint| joint.diagnosis.is_none()) {
         return Err(GapError::NeverMoved);
     }
+    Ok(concluded_of(case, joints))
+}
+
+/// What the joints' answers come to where bodies are as described.
+pub(in crate::gap) fn concluded_of(case: &ClampedCase, joints: Vec<JointAnswer>) -> ClampedDiagnosis {
     let mut notes = case.notes.clone();
     notes.push(
         "Each joint is simulated along the measured motion of the others: it answers for its own fault.".to_owned(),
     );
-    Ok(concluded(&case.robot, &case.groups, joints, Vec::new(), None, notes))
+    concluded(&case.robot, &case.groups, joints, Vec::new(), None, notes)
 }
 
-/// Each joint's own answer; those of `described` are what they were before a body was changed.
+/// Every one of some joints' own answer; those of `described` are what they were before a body was changed.
 pub(in crate::gap) fn diagnose_joints(
-    case: &ClampedCase,
+    joints: &[&ClampedJoint],
     options: &GapOptions,
     described: &[JointAnswer],
     progress: &dyn Progress,
 ) -> Result<Vec<JointAnswer>, GapError> {
-    let counted = Counted { progress, done: AtomicUsize::new(0), of: case.joints.len() };
+    let counted = Counted { progress, done: AtomicUsize::new(0), of: joints.len() };
     let begun = AtomicUsize::new(0);
-    let of_joint = |joint: &ClampedJoint| {
-        let still = case.joints.len() - begun.fetch_add(1, Ordering::Relaxed);
+    let of_joint = |joint: &&ClampedJoint| {
+        let still = joints.len() - begun.fetch_add(1, Ordering::Relaxed);
         let own = GapOptions { deadline: options.deadline.part(still), ..options.clone() };
         let first = described.iter().find(|first| first.joint == joint.name);
         let first = first.and_then(|first| first.diagnosis.as_ref()).map(AsGiven::of);
         let first = first.or_else(|| joint.as_described.as_ref().and_then(AsGiven::simulated));
-        let found = match diagnose_from(&joint.case, &own, first.as_ref(), &counted) {
+        let beside = Beside { described: first.as_ref(), whole: joint.whole };
+        let found = match diagnose_from(&joint.case, &own, beside, &counted) {
             Ok(diagnosis) => Ok(Some(diagnosis)),
             Err(GapError::NeverMoved) => Ok(None),
             Err(other) => Err(other),
@@ -146,7 +152,7 @@ pub(in crate::gap) fn diagnose_joints(
         counted.done.fetch_add(1, Ordering::Relaxed);
         Ok(JointAnswer { joint: joint.name.clone(), diagnosis: found? })
     };
-    case.joints.par_iter().map(of_joint).collect()
+    joints.par_iter().map(of_joint).collect()
 }
 
 /// What the joints' answers come to; `first` are those before a body was changed, where one was.
@@ -198,7 +204,7 @@ impl ClampedDiagnosis {
         let told: Vec<String> = told.collect();
         if !told.is_empty() {
             self.notes.push(format!(
-                "Joints push one another through the masses of bodies. All torques together ask for these, within what is \
+                "Joints push one another through the masses of bodies. All of them together ask for these, within what is \
                  believed: {}.",
                 told.join("; ")
             ));

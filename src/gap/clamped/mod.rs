@@ -18,7 +18,7 @@ pub use super::BodyKind;
 pub use body::BodyCause;
 pub use case::{ClampedCase, ClampedJoint};
 pub use diagnose::{ClampedAnswer, ClampedDiagnosis, ClampedGap, JointAnswer, SharedCause, diagnose_clamped};
-pub(super) use diagnose::{concluded, diagnose_joints};
+pub(super) use diagnose::{concluded, concluded_of, diagnose_joints};
 pub(super) use followed::SimulatedMotion;
 pub use pooled::PooledNumber;
 pub use setup::{ClampedCaseError, ClampedSetup};

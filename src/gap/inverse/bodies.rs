@@ -41,6 +41,8 @@ const OPEN: f64 = 0.7;
 const STEPS: usize = 8;
 /// Of differences, in units of what is believed.
 const NUDGE: f64 = 1e-3;
+/// The least payload whose place is told, in such units.
+const LEAST_PAYLOAD: f64 = 0.05;
 
 /// A body that may be other than described.
 #[derive(Clone, Debug)]
@@ -62,6 +64,15 @@ impl Hypothesis {
             BodyKind::BodyMass => BodyChange::Mass { factor: 1.0 + x[0] },
             BodyKind::BodyCom => BodyChange::Centre { shift_m: vector(x) },
         }
+    }
+
+    /// Where torques are made linear for unknowns near these: the place of no mass at all would not matter.
+    fn linear_at(&self, x: &[f64]) -> Vec<f64> {
+        let mut at = x.to_vec();
+        if self.kind == BodyKind::Payload {
+            at[0] = at[0].max(LEAST_PAYLOAD * self.sd[0]);
+        }
+        at
     }
 
     /// Bounds of the unknowns.
@@ -242,10 +253,11 @@ impl<'a> Bench<'a> {
         for _ in 0..STEPS {
             let torques =
                 |x: &[f64]| self.torques(&self.setup.description.with_change(hypothesis.link, &hypothesis.change(x)));
-            let here = torques(&x)?;
+            let at = hypothesis.linear_at(&x);
+            let here = torques(&at)?;
             let mut shared: Shared = Vec::new();
             for k in 0..x.len() {
-                let mut there = x.clone();
+                let mut there = at.clone();
                 let step = NUDGE * hypothesis.sd[k];
                 there[k] += step;
                 shared.push(differences(&torques(&there)?, &here, step));
@@ -259,7 +271,7 @@ impl<'a> Bench<'a> {
                     let joint = |joint: usize| {
                         let added = here[joint].iter().zip(&described[joint]).map(|(a, b)| a - b);
                         let told =
-                            |s: usize| x.iter().zip(&shared).map(|(x, column)| x * column[log][joint][s]).sum::<f64>();
+                            |s: usize| at.iter().zip(&shared).map(|(x, column)| x * column[log][joint][s]).sum::<f64>();
                         added.enumerate().map(|(s, added)| added - told(s)).collect()
                     };
                     (0..here.len()).map(joint).collect()
@@ -353,25 +365,6 @@ fn bare_tree(setup: &ClampedSetup, description: &Description) -> Result<Tree, Cl
     Ok(Tree::new(&bare, TreeBase::Fixed).map_err(of_tree)?.with_gravity(setup.tree.gravity_m_s2()))
 }
 
-/// The heaviest link of each body that moves: links that no joint parts are one body.
-pub(super) fn heaviest(robot: &Description) -> Vec<LinkId> {
-    let mut heaviest: Vec<(Vec<usize>, LinkId)> = Vec::new();
-    for k in 0..robot.links.len() {
-        let carriers: Vec<usize> = robot.carriers(LinkId(k)).iter().map(|joint| joint.0).collect();
-        if carriers.is_empty() || robot.links[k].inertia.mass_kg <= 0.0 {
-            continue;
-        }
-        match heaviest.iter_mut().find(|(known, _)| *known == carriers) {
-            Some((_, link)) if robot.links[link.0].inertia.mass_kg < robot.links[k].inertia.mass_kg => {
-                *link = LinkId(k)
-            }
-            Some(_) => {}
-            None => heaviest.push((carriers, LinkId(k))),
-        }
-    }
-    heaviest.into_iter().map(|(_, link)| link).collect()
-}
-
 /// Bodies that may be other than described: the heaviest link of each that moves, and the tip.
 fn hypotheses(setup: &ClampedSetup) -> Vec<Hypothesis> {
     let robot = &setup.description;
@@ -379,7 +372,7 @@ fn hypotheses(setup: &ClampedSetup) -> Vec<Hypothesis> {
         .filter(|k| !robot.carriers(LinkId(*k)).is_empty())
         .map(|k| robot.links[k].inertia.mass_kg)
         .sum();
-    let heaviest = heaviest(robot);
+    let heaviest = robot.heaviest();
     let named = setup.study.tip.as_ref().and_then(|tip| robot.link(tip));
     let tip = named.or_else(|| robot.tip());
     let mut all = Vec::new();

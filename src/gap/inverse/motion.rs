@@ -8,11 +8,13 @@ use super::case::TorqueCase;
 use super::diagnose::{TorqueError, searched};
 use super::weigh::weighed_case;
 use crate::gap::clamped::{
-    BodyCause, ClampedCase, ClampedDiagnosis, ClampedJoint, ClampedSetup, JointAnswer, concluded, diagnose_clamped,
-    diagnose_joints,
+    BodyCause, ClampedCase, ClampedDiagnosis, ClampedJoint, ClampedSetup, JointAnswer, concluded, concluded_of,
+    diagnose_clamped, diagnose_joints,
 };
+use crate::gap::evidence::WholeLeft;
 use crate::gap::recalibrated::{recalibrated_rms_rad, with_causes_rms_rad};
-use crate::gap::{Diagnosis, GapOptions, Verdict};
+use crate::gap::whole::as_found;
+use crate::gap::{Diagnosis, GapError, GapOptions, Verdict};
 use crate::joint::EffectId;
 use crate::progress::{Progress, Step};
 use rayon::prelude::*;
@@ -21,6 +23,8 @@ use std::collections::BTreeMap;
 /// Times that joints are followed anew along the robot as found, and what of the error another has to leave at most.
 const ROUNDS: usize = 2;
 const WORTH_A_ROUND: f64 = 0.9;
+/// The whole robot explains a joint of which it leaves so many times the noise at most.
+const EXPLAINED: f64 = 1.14;
 /// What is left out where that is not.
 const AS_FOUND: &str = "joints along the robot as found";
 /// With a body changed the joints' error may be so much larger, relative.
@@ -96,7 +100,7 @@ fn searched_within(
     // To the joints that do not carry it nothing has changed.
     let (carrying, others) = std::mem::take(&mut with_it.joints).into_iter().partition(carries);
     with_it.joints = carrying;
-    let again = diagnose_joints(&with_it, options, &first.joints, progress)?;
+    let again = diagnose_joints(&with_it.joints.iter().collect::<Vec<_>>(), options, &first.joints, progress)?;
     let own = |joint: &JointAnswer| again.iter().find(|own| own.joint == joint.joint).unwrap_or(joint).clone();
     let joints: Vec<JointAnswer> = first.joints.iter().map(own).collect();
     with_it.joints.extend::<Vec<ClampedJoint>>(others);
@@ -125,18 +129,49 @@ fn followed(
         if is_sound || options.deadline.leaves_out(AS_FOUND) {
             break;
         }
-        let Some(mut again) = ClampedCase::as_found(setup, &found)? else { break };
+        let Some(whole) = as_found(setup, &found, &options.deadline) else { break };
+        progress.go_on(Step::stage(AS_FOUND))?;
+        for joint in &mut case.joints {
+            let left_rad = joint.whole.zip(whole.left_rad(&joint.name));
+            joint.whole = left_rad.map(|(before, rad)| WholeLeft { found_rad: rad, ..before });
+        }
+        found = explained(&case, options, progress, found)?;
+        let Some(mut again) = ClampedCase::as_found(setup, &found.masses, &whole)? else { break };
         for (joint, before) in again.joints.iter_mut().zip(&case.joints) {
             joint.as_described.clone_from(&before.as_described);
+            joint.whole = before.whole;
         }
-        progress.go_on(Step::stage(AS_FOUND))?;
-        let second = diagnose_clamped(&again, options, progress)?.weighed(found.masses.clone());
+        let second = diagnose_clamped(&again, options, progress)?.weighed(whole.masses());
         if second.gap.after >= WORTH_A_ROUND * found.gap.after {
             break;
         }
         (case, found) = (again, second);
     }
     Ok((case, found))
+}
+
+/// The same with joints diagnosed again that nothing explained but the whole robot does.
+fn explained(
+    case: &ClampedCase,
+    options: &GapOptions,
+    progress: &dyn Progress,
+    found: ClampedDiagnosis,
+) -> Result<ClampedDiagnosis, GapError> {
+    let is_explained = |joint: &&ClampedJoint| {
+        let own = found.joints.iter().find(|own| own.joint == joint.name).and_then(|own| own.diagnosis.as_ref());
+        own.is_some_and(|own| {
+            let left_rad = joint.whole.map_or(f64::INFINITY, |whole| whole.found_rad);
+            own.answer.verdict == Verdict::Unexplained && left_rad < own.gap.after.min(EXPLAINED * own.gap.floor)
+        })
+    };
+    let those: Vec<&ClampedJoint> = case.joints.iter().filter(is_explained).collect();
+    if those.is_empty() {
+        return Ok(found);
+    }
+    let again = diagnose_joints(&those, options, &[], progress)?;
+    let own = |joint: &JointAnswer| again.iter().find(|own| own.joint == joint.joint).unwrap_or(joint).clone();
+    let joints: Vec<JointAnswer> = found.joints.iter().map(own).collect();
+    Ok(concluded_of(case, joints).weighed(found.masses))
 }
 
 /// Whether joints together predict worse with a body changed, of what each leaves without and with it \[rad\].

@@ -4,7 +4,7 @@
 //! masses of single bodies, which no joint tells alone. Here they are unknowns that all joints share, beside each joint's
 //! friction, gain and causes, but instead of its inertia and moment.
 
-use super::bodies::{Bench, differences, heaviest};
+use super::bodies::{Bench, differences};
 use super::case::TorqueCase;
 use super::diagnose::{TorqueError, searched};
 use super::numbers::Which;
@@ -13,7 +13,9 @@ use super::search::{Choice, Found};
 use super::system::{Block, System, Unknown};
 use crate::gap::GapOptions;
 use crate::gap::clamped::{ClampedCase, ClampedCaseError, ClampedSetup};
+use crate::gap::evidence::WholeLeft;
 use crate::gap::recalibrated::recalibrated_rms_rad;
+use crate::gap::whole::{Settled, as_stated_at_best};
 use crate::number::math;
 use crate::progress::{Progress, Step};
 use crate::robot::description::{BodyChange, FoundKey, FoundNumber, LinkId};
@@ -44,26 +46,49 @@ pub(super) fn weighed_case(
         return Ok((described, Vec::new()));
     }
     progress.go_on(Step::stage(MASSES))?;
-    let commanded = TorqueCase::commanded(setup, &BTreeMap::new())?;
-    let (_, founds, moving) = searched(&commanded, &[], &|effect| !options.without.contains(&effect));
-    if founds.is_empty() {
-        return Ok((described, Vec::new()));
-    }
-    let masses = weighed(setup, &moving, &founds)?;
-    let mut case = ClampedCase::with_masses(setup, &masses)?;
     let left = |case: &ClampedCase| -> Vec<Option<f64>> {
         case.joints.par_iter().map(|joint| recalibrated_rms_rad(&joint.case, options)).collect()
     };
-    let pairs = left(&described).into_iter().zip(left(&case));
-    let ratios: Vec<f64> = pairs.filter_map(|(described, weighed)| Some(math::ln(weighed? / described?))).collect();
-    let mean = ratios.iter().sum::<f64>() / ratios.len().max(1) as f64;
-    if !(mean < math::ln(WORTH_WEIGHING)) {
-        return Ok((described, Vec::new()));
-    }
-    for (joint, described) in case.joints.iter_mut().zip(described.joints) {
-        joint.as_described = Some(described.case);
+    let left_as_described = left(&described);
+    let share = |case: &ClampedCase| {
+        let pairs = left_as_described.iter().zip(left(case));
+        let ratios: Vec<f64> =
+            pairs.filter_map(|(described, weighed)| Some(math::ln(weighed? / (*described)?))).collect();
+        math::exp(ratios.iter().sum::<f64>() / ratios.len().max(1) as f64)
+    };
+    let whole = as_stated_at_best(setup, &options.deadline);
+    let along = |whole: &Settled| Ok::<_, ClampedCaseError>((ClampedCase::settled(setup, whole)?, whole.masses()));
+    let rivals = [by_torques(setup, options)?, whole.as_ref().map(along).transpose()?];
+    let tried = rivals.into_iter().flatten().map(|(case, masses)| (share(&case), case, masses));
+    let best = tried.filter(|(share, ..)| *share < WORTH_WEIGHING).min_by(|a, b| a.0.total_cmp(&b.0));
+    let (mut case, masses) = match best {
+        None => (described, Vec::new()),
+        Some((_, mut case, masses)) => {
+            for (joint, described) in case.joints.iter_mut().zip(described.joints) {
+                joint.as_described = Some(described.case);
+            }
+            (case, masses)
+        }
+    };
+    for joint in &mut case.joints {
+        let left_rad = whole.as_ref().and_then(|whole| whole.left_rad(&joint.name));
+        joint.whole = left_rad.map(|rad| WholeLeft { bare_rad: rad, found_rad: rad });
     }
     Ok((case, masses))
+}
+
+/// The case with masses that torques along the measured motion ask for.
+fn by_torques(
+    setup: &ClampedSetup,
+    options: &GapOptions,
+) -> Result<Option<(ClampedCase, Vec<FoundNumber>)>, TorqueError> {
+    let commanded = TorqueCase::commanded(setup, &BTreeMap::new())?;
+    let (_, founds, moving) = searched(&commanded, &[], &|effect| !options.without.contains(&effect));
+    if founds.is_empty() {
+        return Ok(None);
+    }
+    let masses = weighed(setup, &moving, &founds)?;
+    Ok(Some((ClampedCase::with_masses(setup, &masses)?, masses)))
 }
 
 /// The mass of each body that moves and is believed to be uncertain. `founds` are the joints' own answers, in the case's order.
@@ -73,7 +98,7 @@ fn weighed(setup: &ClampedSetup, case: &TorqueCase, founds: &[Found]) -> Result<
         let carrier = robot.carriers(link).last().map_or("", |joint| robot.joints[joint.0].name.as_str());
         setup.study.uncertain.mass.of(carrier)
     };
-    let links: Vec<(LinkId, f64)> = heaviest(robot).into_iter().map(|link| (link, believed(link))).collect();
+    let links: Vec<(LinkId, f64)> = robot.heaviest().into_iter().map(|link| (link, believed(link))).collect();
     let links: Vec<(LinkId, f64)> = links.into_iter().filter(|(_, sd)| *sd > 0.0).collect();
     let bench = Bench::new(setup, case, founds)?;
     let described = bench.torques(robot)?;

@@ -2,8 +2,10 @@
 //! resolve.
 
 use super::numbers::found_robot;
-use super::robot::{WholeRobot, placed_causes};
+use super::robot::{Stretch, WholeRobot, placed_causes};
+use super::settled::{Settled, settled};
 use super::simulated::simulated;
+use crate::deadline::Deadline;
 use crate::gap::clamped::{ClampedCase, ClampedCaseError, ClampedDiagnosis, ClampedSetup, SimulatedMotion};
 use crate::log::{DriveMode, RobotLog};
 use crate::robot::description::FoundNumber;
@@ -30,12 +32,24 @@ impl ClampedCase {
         Self::along(setup, masses, &as_stated(setup, masses))
     }
 
-    /// The same with joints followed along the robot as found, where that follows any of them better; `None` elsewhere.
+    /// The same with joints followed along the whole robot at its best.
     ///
     /// # Errors
     /// [`ClampedCaseError`] where a joint's logs make no case.
-    pub fn as_found(setup: &ClampedSetup, diagnosis: &ClampedDiagnosis) -> Result<Option<Self>, ClampedCaseError> {
-        let (stated, found) = (as_stated(setup, &diagnosis.masses), as_found(setup, diagnosis));
+    pub(in crate::gap) fn settled(setup: &ClampedSetup, whole: &Settled) -> Result<Self, ClampedCaseError> {
+        Self::along(setup, &whole.masses(), &of_settled(setup, whole))
+    }
+
+    /// The same where that follows any of them better than the robot as stated, but for these masses; `None` elsewhere.
+    ///
+    /// # Errors
+    /// [`ClampedCaseError`] where a joint's logs make no case.
+    pub(in crate::gap) fn as_found(
+        setup: &ClampedSetup,
+        masses: &[FoundNumber],
+        whole: &Settled,
+    ) -> Result<Option<Self>, ClampedCaseError> {
+        let (stated, found) = (as_stated(setup, masses), of_settled(setup, whole));
         let is_better = |(log, (found, stated)): (&RobotLog, (&Option<SimulatedMotion>, &Option<SimulatedMotion>))| {
             found.as_ref().is_some_and(|found| found.follows_better(log, stated.as_ref()))
         };
@@ -45,8 +59,30 @@ impl ClampedCase {
         }
         let both = found.into_iter().zip(stated).zip(better);
         let motions: Vec<_> = both.map(|((found, stated), better)| if better { found } else { stated }).collect();
-        Self::along(setup, &diagnosis.masses, &motions).map(Some)
+        Self::along(setup, &whole.masses(), &motions).map(Some)
     }
+}
+
+/// The whole robot with what was found, less what it refutes, at its best beside that.
+pub(in crate::gap) fn as_found(
+    setup: &ClampedSetup,
+    diagnosis: &ClampedDiagnosis,
+    deadline: &Deadline,
+) -> Option<Settled> {
+    let whole = simulated(setup, diagnosis).ok()?;
+    let is_left_out = |joint: &String| whole.left_out.iter().any(|left| left.joint.as_ref() == Some(joint));
+    let mut causes = placed_causes(diagnosis);
+    causes.retain(|cause| !is_left_out(&cause.joint));
+    settled(setup, &whole.robot.numbers, &causes, deadline)
+}
+
+/// The whole robot as stated, at its best.
+pub(in crate::gap) fn as_stated_at_best(setup: &ClampedSetup, deadline: &Deadline) -> Option<Settled> {
+    settled(setup, &found_robot(setup, None).ok()?.numbers, &[], deadline)
+}
+
+fn of_settled(setup: &ClampedSetup, whole: &Settled) -> Vec<Option<SimulatedMotion>> {
+    motions(setup, WholeRobot::of(setup, &whole.numbers, &whole.causes))
 }
 
 /// Each log as the robot as stated, but for these masses, moves under its setpoints, where anything drives it so and it does not
@@ -55,17 +91,6 @@ fn as_stated(setup: &ClampedSetup, masses: &[FoundNumber]) -> Vec<Option<Simulat
     let stated = found_robot(setup, None).map_err(|error| error.to_string());
     let numbers = stated.map(|stated| [stated.numbers, masses.to_vec()].concat());
     motions(setup, numbers.and_then(|numbers| WholeRobot::of(setup, &numbers, &[])))
-}
-
-/// The same of the robot with what was found, less what the whole robot refutes.
-fn as_found(setup: &ClampedSetup, diagnosis: &ClampedDiagnosis) -> Vec<Option<SimulatedMotion>> {
-    let robot = simulated(setup, diagnosis).and_then(|whole| {
-        let is_left_out = |joint: &String| whole.left_out.iter().any(|left| left.joint.as_ref() == Some(joint));
-        let mut causes = placed_causes(diagnosis);
-        causes.retain(|cause| !is_left_out(&cause.joint));
-        WholeRobot::of(setup, &whole.robot.numbers, &causes)
-    });
-    motions(setup, robot)
 }
 
 fn motions(setup: &ClampedSetup, robot: Result<WholeRobot, String>) -> Vec<Option<SimulatedMotion>> {
@@ -81,7 +106,7 @@ fn motions(setup: &ClampedSetup, robot: Result<WholeRobot, String>) -> Vec<Optio
 fn motion(robot: &mut WholeRobot, setup: &ClampedSetup, log: &RobotLog) -> Option<SimulatedMotion> {
     let period_s = (log.t_s.last()? - log.t_s[0]) / (log.len() - 1) as f64;
     let per_sample = (period_s / DENSE_S).ceil().min(MOST_PER_SAMPLE);
-    let recording = robot.motion(setup, log, period_s / per_sample).ok()?;
+    let recording = robot.motion(setup, log, &Stretch::whole(period_s / per_sample)).ok()?;
     let t_s = &recording.t_s;
     let joints = log.joints.iter().map(|joint| {
         let id = robot.model.joint(&joint.name).ok()?.index();

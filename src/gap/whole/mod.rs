@@ -5,9 +5,12 @@ mod followed;
 mod masses;
 mod numbers;
 mod robot;
+mod settled;
 mod simulated;
 
+pub(in crate::gap) use followed::{as_found, as_stated_at_best};
 pub use numbers::{FoundRobot, found_robot};
 pub use robot::{PlacedCause, WholeRobot, placed_causes};
+pub(in crate::gap) use settled::Settled;
 pub(crate) use simulated::predicted_csv;
 pub use simulated::{LeftOut, Whole, WholeJoint, WholeMotion, simulated};

@@ -1,7 +1,7 @@
 //! A described robot as something to simulate: with what study and description believe, numbers that are others, and causes.
 
-use crate::gap::CauseShare;
 use crate::gap::clamped::{ClampedDiagnosis, ClampedSetup};
+use crate::gap::{CauseShare, Number};
 use crate::joint::{EffectForm, EffectId, Knee, Motor, TorqueLimit};
 use crate::log::RobotLog;
 use crate::robot::description::{Description, FoundKey, FoundNumber, MoverId};
@@ -12,6 +12,22 @@ use crate::robot::{Model, State};
 /// Longest step \[s\].
 const STEP_S: f64 = 1e-3;
 
+/// Of a log what is simulated, and how.
+pub(super) struct Stretch {
+    /// Between two instants that are recorded \[s\].
+    pub period_s: f64,
+    pub step_s: f64,
+    /// Up to when \[s\].
+    pub until_s: f64,
+}
+
+impl Stretch {
+    /// All of a log.
+    pub fn whole(period_s: f64) -> Self {
+        Self { period_s, step_s: STEP_S, until_s: f64::INFINITY }
+    }
+}
+
 /// An effect of the catalogue on a joint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlacedCause {
@@ -21,6 +37,19 @@ pub struct PlacedCause {
     pub form: EffectForm,
     /// Its values under the catalogue's names, in their order.
     pub values: Vec<f64>,
+    /// How far each of them may be off; 0: it is as it is.
+    pub spreads: Vec<f64>,
+}
+
+/// A value may be off by so many of its standard deviations, and by at least this share of it: the rest of the robot moves
+/// as well.
+const LOOSE: f64 = 5.0;
+const LEAST_LOOSE: f64 = 0.05;
+
+/// How far a value that was found may be off.
+fn spread(number: &Number) -> f64 {
+    let sd = number.interval.map_or(0.0, |[low, high]| (high - low) / (2.0 * 1.96));
+    (LOOSE * sd).min(0.5 * number.value.abs()).max(LEAST_LOOSE * number.value.abs())
 }
 
 /// What a diagnosis puts on joints beside numbers of the description; what holds in some logs only, springs before the link
@@ -36,7 +65,8 @@ pub fn placed_causes(diagnosis: &ClampedDiagnosis) -> Vec<PlacedCause> {
             let form = EffectForm::named_so(cause.effect, Some(cause.form).filter(|form| !form.is_empty())).ok()?;
             let is_said = in_description.contains(&cause.effect) && form.is_default();
             let values = cause.parameters.iter().map(|number| number.value).collect();
-            (!is_said).then(|| PlacedCause { joint: own.joint.clone(), form, values })
+            let spreads = cause.parameters.iter().map(spread).collect();
+            (!is_said).then(|| PlacedCause { joint: own.joint.clone(), form, values, spreads })
         })
     });
     placed.collect()
@@ -86,13 +116,19 @@ impl WholeRobot {
     /// Why it cannot be, in words.
     pub fn readings(&mut self, setup: &ClampedSetup, log: &RobotLog) -> Result<Vec<Vec<f64>>, String> {
         let period_s = (log.t_s[log.len() - 1] - log.t_s[0]) / (log.len() - 1) as f64;
-        let recording = self.motion(setup, log, period_s)?;
+        let recording = self.motion(setup, log, &Stretch::whole(period_s))?;
         self.read(&recording, log)
     }
 
-    /// The whole robot along a log, from its start under its setpoints; recorded every so often \[s\].
-    pub(super) fn motion(&mut self, setup: &ClampedSetup, log: &RobotLog, period_s: f64) -> Result<Recording, String> {
-        let (t_s, hold) = (asked::times(log), setup.study.hold);
+    /// The whole robot along a stretch of a log, from the log's start under its setpoints.
+    pub(super) fn motion(
+        &mut self,
+        setup: &ClampedSetup,
+        log: &RobotLog,
+        stretch: &Stretch,
+    ) -> Result<Recording, String> {
+        let (mut t_s, hold) = (asked::times(log), setup.study.hold);
+        t_s.truncate(t_s.partition_point(|t| *t <= stretch.until_s).max(2));
         let mut start = State::at_rest(&self.model);
         let mut columns = vec![None; self.model.joints().len()];
         for id in self.model.joint_ids() {
@@ -113,9 +149,9 @@ impl WholeRobot {
             self.joints.drive_mut(ids[one.follower]).is_rigid = self.joints.drive(ids[one.leader]).is_rigid;
         }
         let setpoints = Setpoints { t_s, columns, hold };
-        let (model, joints) = (&self.model, &self.joints);
+        let (model, joints, period_s) = (&self.model, &self.joints, stretch.period_s);
         let scenario = Scenario { model, joints, setpoints: &setpoints, start: &start, surroundings: None, period_s };
-        let recording = run(&scenario, Method::Stiff { step_s: STEP_S }).map_err(text)?;
+        let recording = run(&scenario, Method::Stiff { step_s: stretch.step_s }).map_err(text)?;
         match &recording.diverged {
             Some(diverged) => Err(diverged.to_string()),
             None => Ok(recording),

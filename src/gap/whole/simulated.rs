@@ -241,8 +241,12 @@ mod tests {
     #[test]
     fn what_makes_the_whole_worse_is_left_out_and_said_the_masses_first() {
         let good = number("a", FoundKey::Kp, -0.018);
-        let late =
-            PlacedCause { joint: "b".to_owned(), form: crate::joint::EffectId::Delay.into(), values: vec![0.02] };
+        let late = PlacedCause {
+            joint: "b".to_owned(),
+            form: crate::joint::EffectId::Delay.into(),
+            values: vec![0.02],
+            spreads: Vec::new(),
+        };
         let found = vec![good.clone(), number("b", FoundKey::Kp, 0.03), number("hand", FoundKey::Mass, 0.1)];
         let kept = kept_of(found, vec![late]);
         assert_eq!(kept.found.numbers, std::slice::from_ref(&good));

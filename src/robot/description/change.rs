@@ -57,6 +57,23 @@ impl Description {
         joints
     }
 
+    /// The heaviest link of each body that moves: links that no joint parts are one body.
+    pub fn heaviest(&self) -> Vec<LinkId> {
+        let mut heaviest: Vec<(Vec<super::MoverId>, LinkId)> = Vec::new();
+        for (k, link) in self.links.iter().enumerate() {
+            let carriers = self.carriers(LinkId(k));
+            if carriers.is_empty() || link.inertia.mass_kg <= 0.0 {
+                continue;
+            }
+            match heaviest.iter_mut().find(|(known, _)| *known == carriers) {
+                Some((_, other)) if self.links[other.0].inertia.mass_kg < link.inertia.mass_kg => *other = LinkId(k),
+                Some(_) => {}
+                None => heaviest.push((carriers, LinkId(k))),
+            }
+        }
+        heaviest.into_iter().map(|(_, link)| link).collect()
+    }
+
     /// The link at the end of the longest chain of joints; of several the last.
     pub fn tip(&self) -> Option<LinkId> {
         let depth = |k: &usize| self.carriers(LinkId(*k)).len();

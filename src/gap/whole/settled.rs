@@ -1,0 +1,403 @@
+//! The whole robot with the numbers at which it follows its logs best, within what is believed of them: masses, friction,
+//! gains and what turns with the motors, and the sizes of causes, by steps of Gauss and Newton with all joints simulated at
+//! once.
+//!
+//! Along the measured motion alone the joints' pushes on one another are known no better than the readings' second
+//! derivatives and the described masses: a joint that no cause explains there may be explained here.
+
+use super::robot::{PlacedCause, Stretch, WholeRobot};
+use crate::deadline::Deadline;
+use crate::gap::clamped::ClampedSetup;
+use crate::joint::EffectId;
+use crate::log::{DriveMode, JointColumns, RobotLog, Role};
+use crate::robot::description::{FoundKey, FoundNumber, MoverId};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// Time of all fitted logs that steps are told by \[s\], and steps of the simulation \[s\].
+const SIMULATED_S: f64 = 45.0;
+const STEP_S: f64 = 2e-3;
+/// Points about which the robot is made linear at most, and halvings of a step that explains less.
+const POINTS: usize = 5;
+const HALVINGS: i32 = 3;
+/// A step that gains less than this share is the last.
+const DONE: f64 = 5e-3;
+/// Change of a number for what it does, in its standard deviations.
+const NUDGE: f64 = 0.2;
+/// Standard deviations within which a number stays.
+const BELIEVED: f64 = 3.0;
+/// Two-sided 95 % of a normal variable.
+const HALF_95: f64 = 1.96;
+/// Nobody reads angles better than this \[rad\].
+const LEAST_NOISE_RAD: f64 = 1e-4;
+/// A joint that goes less far does not move \[rad\].
+const MOVES_RAD: f64 = 0.01;
+/// What turns with a motor is known to this share of what its joint moves.
+const ARMATURE: f64 = 0.1;
+
+/// The whole robot at its best.
+pub(in crate::gap) struct Settled {
+    /// Numbers of its description.
+    pub numbers: Vec<FoundNumber>,
+    /// Its causes.
+    pub causes: Vec<PlacedCause>,
+    /// Root of the mean square that it leaves of each joint that moves, on held-out logs where these show that \[rad\].
+    pub left_rad: Vec<(String, f64)>,
+}
+
+impl Settled {
+    /// Its masses.
+    pub fn masses(&self) -> Vec<FoundNumber> {
+        self.numbers.iter().filter(|number| number.key == FoundKey::Mass).cloned().collect()
+    }
+
+    /// What it leaves of a joint \[rad\].
+    pub fn left_rad(&self, joint: &str) -> Option<f64> {
+        self.left_rad.iter().find(|(name, _)| name == joint).map(|(_, left)| *left)
+    }
+}
+
+/// The robot at its best with causes, from `numbers` on; `None` where no log is driven by setpoints, nothing is uncertain,
+/// a joint has free play, in which it would hunt, or the robot runs away.
+pub(in crate::gap) fn settled(
+    setup: &ClampedSetup,
+    numbers: &[FoundNumber],
+    causes: &[PlacedCause],
+    deadline: &Deadline,
+) -> Option<Settled> {
+    if causes.iter().any(|cause| cause.form.id == EffectId::Backlash) {
+        return None;
+    }
+    let bench = Bench::new(setup, numbers, causes)?;
+    let mut here = bench.point(bench.unknowns.iter().map(|unknown| unknown.size_in(numbers)).collect())?;
+    for _ in 0..POINTS {
+        if deadline.leaves_out("the whole robot at its best") {
+            break;
+        }
+        let Some((there, share)) = bench.stepped(&here, &bench.weights(&here.left)) else { break };
+        here = there;
+        if share < DONE {
+            break;
+        }
+    }
+    bench.settled(&here)
+}
+
+/// What is never quite right.
+enum Quantity {
+    /// A number of the description.
+    Number { key: FoundKey, name: String, unit: &'static str },
+    /// A value of a cause, by place among the causes and among its values.
+    Value { cause: usize, value: usize },
+}
+
+/// Such a quantity with what is believed of it.
+struct Unknown {
+    quantity: Quantity,
+    was: f64,
+    sd: f64,
+}
+
+impl Unknown {
+    /// Its size in a list of numbers, in standard deviations.
+    fn size_in(&self, numbers: &[FoundNumber]) -> f64 {
+        let Quantity::Number { key, name, .. } = &self.quantity else { return 0.0 };
+        let own = numbers.iter().find(|number| number.key == *key && number.name == *name);
+        own.map_or(0.0, |own| ((own.value - self.was) / self.sd).clamp(-BELIEVED, BELIEVED))
+    }
+}
+
+/// What a robot leaves of its logs.
+struct Point {
+    /// In standard deviations of the unknowns.
+    sizes: Vec<f64>,
+    /// Measured less simulated \[rad\], joint by joint of log by log.
+    left: Vec<Vec<f64>>,
+    /// How well the sizes are known, as told where the last step began; 1 before any.
+    sd: Vec<f64>,
+}
+
+/// What the unknowns are tried on.
+struct Bench<'a> {
+    setup: &'a ClampedSetup,
+    logs: Vec<&'a RobotLog>,
+    unknowns: Vec<Unknown>,
+    /// Those that are not uncertain.
+    others: Vec<FoundNumber>,
+    causes: &'a [PlacedCause],
+}
+
+impl<'a> Bench<'a> {
+    fn new(setup: &'a ClampedSetup, numbers: &[FoundNumber], causes: &'a [PlacedCause]) -> Option<Self> {
+        let logs = driven(setup, |role| role != Role::Validate);
+        let mut unknowns = believed(setup, &logs);
+        let values = causes.iter().enumerate().flat_map(|(cause, placed)| {
+            let each = placed.values.iter().zip(&placed.spreads).enumerate();
+            each.map(move |(value, (was, sd))| (Quantity::Value { cause, value }, *was, *sd))
+        });
+        let known = values.filter(|(_, _, sd)| *sd > 0.0);
+        unknowns.extend(known.map(|(quantity, was, sd)| Unknown { quantity, was, sd }));
+        if logs.is_empty() || unknowns.is_empty() {
+            return None;
+        }
+        let is_unknown = |number: &FoundNumber| {
+            unknowns.iter().any(|unknown| match &unknown.quantity {
+                Quantity::Number { key, name, .. } => *key == number.key && *name == number.name,
+                Quantity::Value { .. } => false,
+            })
+        };
+        let others = numbers.iter().filter(|number| !is_unknown(number)).cloned().collect();
+        Some(Self { setup, logs, unknowns, others, causes })
+    }
+
+    /// The robot where the unknowns have these sizes, known so well.
+    fn robot(&self, sizes: &[f64], sd: &[f64]) -> (Vec<FoundNumber>, Vec<PlacedCause>) {
+        let (mut numbers, mut causes) = (self.others.clone(), self.causes.to_vec());
+        for (unknown, (size, sd)) in self.unknowns.iter().zip(sizes.iter().zip(sd)) {
+            let at = |size: f64| unknown.was + size * unknown.sd;
+            match &unknown.quantity {
+                Quantity::Number { key, name, unit } => numbers.push(FoundNumber {
+                    name: name.clone(),
+                    key: *key,
+                    was: Some(unknown.was),
+                    value: at(*size).max(0.0),
+                    interval: Some([-HALF_95, HALF_95].map(|side| at(size + side * sd).max(0.0))),
+                    unit: (*unit).to_owned(),
+                    place_m: None,
+                }),
+                Quantity::Value { cause, value } => causes[*cause].values[*value] = at(*size),
+            }
+        }
+        (numbers, causes)
+    }
+
+    fn point(&self, sizes: Vec<f64>) -> Option<Point> {
+        let sd = vec![1.0; sizes.len()];
+        let (numbers, causes) = self.robot(&sizes, &sd);
+        let mut robot = WholeRobot::of(self.setup, &numbers, &causes).ok()?;
+        let left = self.left(&mut robot, &self.logs, SIMULATED_S / self.logs.len() as f64)?;
+        Some(Point { sizes, left, sd })
+    }
+
+    /// Measured less simulated of every joint of logs, up to so long after their start \[rad, s\].
+    fn left(&self, robot: &mut WholeRobot, logs: &[&RobotLog], until_s: f64) -> Option<Vec<Vec<f64>>> {
+        let mut left: Vec<Vec<f64>> = Vec::new();
+        for log in logs {
+            let period_s = (log.t_s[log.len() - 1] - log.t_s[0]) / (log.len() - 1) as f64;
+            let until_s = log.t_s[0] + until_s;
+            let recording = robot.motion(self.setup, log, &Stretch { period_s, step_s: STEP_S, until_s }).ok()?;
+            let samples = log.t_s.partition_point(|t| *t <= until_s);
+            let of_joint = |(joint, read): (&JointColumns, Vec<f64>)| {
+                joint.q_rad.iter().zip(read).take(samples).map(|(measured, read)| measured - read).collect()
+            };
+            left.extend(log.joints.iter().zip(robot.read(&recording, log).ok()?).map(of_joint));
+        }
+        left.iter().flatten().all(|left: &f64| left.is_finite()).then_some(left)
+    }
+
+    /// One over the variance of each row: what it leaves is taken as its noise.
+    fn weights(&self, left: &[Vec<f64>]) -> Vec<f64> {
+        let rounding_rad = self.setup.study.sensor.resolution_rad.map_or(0.0, |step| step / 12f64.sqrt());
+        let least = rounding_rad.max(LEAST_NOISE_RAD).powi(2);
+        left.iter().map(|row| mean_square(row).max(least).recip()).collect()
+    }
+
+    /// Goes to what is best to first order as far as that explains more, and by which share.
+    fn stepped(&self, here: &Point, weights: &[f64]) -> Option<(Point, f64)> {
+        let n = self.unknowns.len();
+        let column = |k: usize| -> Option<Vec<Vec<f64>>> {
+            let nudged = |by: f64| {
+                let mut sizes = here.sizes.clone();
+                sizes[k] += by;
+                let there = self.point(sizes)?;
+                let rows = here.left.iter().zip(there.left);
+                Some(rows.map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b) / by).collect()).collect())
+            };
+            [NUDGE, -NUDGE].into_iter().find_map(nudged)
+        };
+        let columns: Vec<Option<Vec<Vec<f64>>>> = (0..n).into_par_iter().map(column).collect();
+        let dot = |a: &[Vec<f64>], b: &[Vec<f64>]| -> f64 {
+            let rows = weights.iter().zip(a.iter().zip(b));
+            rows.map(|(weight, (a, b))| weight * a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>()).sum()
+        };
+        let (mut inner, mut right) = (DMatrix::identity(n, n), DVector::zeros(n));
+        for (a, of_a) in columns.iter().enumerate() {
+            right[a] = -here.sizes[a];
+            let Some(of_a) = of_a else { continue };
+            right[a] += dot(of_a, &here.left);
+            for (b, of_b) in columns.iter().enumerate() {
+                inner[(a, b)] += of_b.as_ref().map_or(0.0, |of_b| dot(of_a, of_b));
+            }
+        }
+        let factors = inner.cholesky()?;
+        let step = factors.solve(&right);
+        let sd: Vec<f64> = factors.inverse().diagonal().iter().map(|variance| variance.max(0.0).sqrt()).collect();
+        let price =
+            |point: &Point| dot(&point.left, &point.left) + point.sizes.iter().map(|size| size * size).sum::<f64>();
+        let before = price(here);
+        (0..=HALVINGS).find_map(|halving| {
+            let share = 0.5_f64.powi(halving);
+            let sizes = here.sizes.iter().zip(step.iter());
+            let sizes = sizes.map(|(size, by)| (size + share * by).clamp(-BELIEVED, BELIEVED));
+            let there = self.point(sizes.collect())?;
+            let gained = 1.0 - price(&there) / before;
+            (gained > 0.0).then(|| (Point { sd: sd.clone(), ..there }, gained))
+        })
+    }
+
+    fn settled(&self, here: &Point) -> Option<Settled> {
+        let (numbers, causes) = self.robot(&here.sizes, &here.sd);
+        let mut robot = WholeRobot::of(self.setup, &numbers, &causes).ok()?;
+        let held_out = driven(self.setup, |role| role == Role::Validate);
+        let mut rows: [Vec<(&str, Vec<f64>)>; 2] = Default::default();
+        for (rows, logs) in rows.iter_mut().zip([&held_out, &self.logs]) {
+            let left = self.left(&mut robot, logs, f64::INFINITY)?;
+            let joints = logs.iter().flat_map(|log| &log.joints).zip(left);
+            rows.extend(joints.filter(|(joint, _)| moves(joint)).map(|(joint, left)| (joint.name.as_str(), left)));
+        }
+        let of_joint = |name: &str| {
+            let own = |rows: &[(&str, Vec<f64>)]| -> Vec<f64> {
+                rows.iter().filter(|(of, _)| *of == name).flat_map(|(_, left)| left.clone()).collect()
+            };
+            let left = rows.iter().map(|rows| own(rows)).find(|left| !left.is_empty())?;
+            Some((name.to_owned(), mean_square(&left).sqrt()))
+        };
+        let left_rad = self.setup.description.joints.iter().filter_map(|joint| of_joint(&joint.name)).collect();
+        Some(Settled { numbers, causes, left_rad })
+    }
+}
+
+/// Whether a log shows a joint moving.
+fn moves(joint: &JointColumns) -> bool {
+    let (low, high) = joint.q_rad.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), q| (l.min(*q), h.max(*q)));
+    high - low > MOVES_RAD
+}
+
+fn mean_square(values: &[f64]) -> f64 {
+    values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64
+}
+
+/// Logs that setpoints drive.
+fn driven(setup: &ClampedSetup, is_asked: impl Fn(Role) -> bool) -> Vec<&RobotLog> {
+    let entries = setup.study.logs.iter().zip(&setup.logs);
+    let those = entries.filter(|(entry, _)| entry.drive == DriveMode::Position && is_asked(entry.role));
+    those.map(|(_, log)| log).filter(|log| log.len() > 1).collect()
+}
+
+/// Numbers of the description that logs move, with what is believed of them.
+fn believed(setup: &ClampedSetup, logs: &[&RobotLog]) -> Vec<Unknown> {
+    let (robot, spreads) = (&setup.description, &setup.study.uncertain);
+    let mut all = Vec::new();
+    let mut add = |key: FoundKey, name: &str, unit: &'static str, was: f64, sd: f64| {
+        if sd > 0.0 {
+            all.push(Unknown { quantity: Quantity::Number { key, name: name.to_owned(), unit }, was, sd });
+        }
+    };
+    for link in robot.heaviest() {
+        let carrier = robot.carriers(link).last().map_or("", |joint| robot.joints[joint.0].name.as_str());
+        let body = &robot.links[link.0];
+        let mass_kg = body.inertia.mass_kg;
+        add(FoundKey::Mass, &body.name, "kg", mass_kg, spreads.mass.of(carrier) * mass_kg);
+    }
+    let inertias = super::masses::own_inertias(setup, robot);
+    for (at, mover) in robot.joints.iter().enumerate() {
+        let name = mover.name.as_str();
+        if !logs.iter().any(|log| log.joint(name).is_some_and(|own| own.q_ref_rad.is_some())) {
+            continue;
+        }
+        let said = setup.beliefs(MoverId(at));
+        let (friction, gain) = (spreads.friction.of(name), spreads.gain.of(name));
+        let coulomb_nm = said.coulomb_nm.unwrap_or(mover.friction_nm);
+        add(FoundKey::Frictionloss, name, "N m", coulomb_nm, friction * coulomb_nm);
+        let viscous = said.viscous_nm_s_rad.unwrap_or(mover.damping[0]);
+        add(FoundKey::Damping, name, "N m s/rad", viscous, friction * viscous);
+        let armature = said.armature_kg_m2.unwrap_or(mover.armature_kg_m2);
+        let links = inertias.iter().find(|(joint, _)| joint == name).map_or(0.0, |(_, inertia)| *inertia);
+        add(FoundKey::Armature, name, "kg m^2", armature, ARMATURE * (armature + links));
+        if let Some(kp) = said.kp_nm_rad {
+            add(FoundKey::Kp, name, "N m/rad", kp, gain * kp);
+        }
+        if let Some(kd) = said.kd_nm_s_rad {
+            add(FoundKey::Kd, name, "N m s/rad", kd, gain * kd);
+        }
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::whole::as_stated_at_best;
+    use crate::synth::{AnySpec, make_described};
+
+    const ARM: &str = r#"<robot name="arm"><link name="base"/>
+<link name="upper"><inertial><origin xyz="0.01 0 0.15"/><mass value="1.2"/>
+  <inertia ixx="0.01" iyy="0.01" izz="0.002" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="lower"><inertial><origin xyz="0 0.01 0.1"/><mass value="0.6"/>
+  <inertia ixx="0.003" iyy="0.003" izz="0.0005" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 1 0"/>
+  <dynamics damping="0.3" friction="0.2"/><limit lower="-2" upper="2" effort="40" velocity="8"/></joint>
+<joint name="elbow" type="revolute"><parent link="upper"/><child link="lower"/><origin xyz="0 0 0.3"/><axis xyz="0 1 0"/>
+  <dynamics damping="0.1" friction="0.06"/><limit lower="-2" upper="2" effort="20" velocity="8"/></joint>
+</robot>"#;
+    const SPEC: &str = r#"schema = 1
+seed = 11
+[robot]
+model = "arm.urdf"
+scenario = "fixed"
+[joints.shoulder]
+kp = 60.0
+kd = 3.0
+armature = 0.02
+[joints.elbow]
+kp = 20.0
+kd = 0.8
+armature = 0.005
+[sensor]
+period = 0.01
+resolution = 0.0003
+[truth]
+scatter = 0.08
+friction_scatter = 0.25
+noise = 0.0004
+method = "bdf"
+tolerance = 1e-6
+[[log]]
+file = "log-00.csv"
+gait = "sines"
+role = "fit"
+duration = 10.0
+[[log]]
+file = "log-01.csv"
+gait = "sines"
+role = "validate"
+duration = 6.0
+"#;
+
+    /// Made by another integrator, with masses and friction that are off.
+    #[test]
+    fn a_sound_arm_at_its_best_leaves_noise_in_logs_that_no_step_saw() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("arm.urdf"), ARM).unwrap();
+        let spec = AnySpec::from_toml(&folder.path().join("study.toml"), SPEC).unwrap();
+        let AnySpec::Described(spec) = spec else { panic!("it has a clamped base") };
+        for (name, text) in make_described(&spec, None).unwrap().files() {
+            std::fs::write(folder.path().join(name), text).unwrap();
+        }
+        let setup = ClampedSetup::read(&folder.path().join("study.toml")).unwrap();
+        let logs = driven(&setup, |role| role == Role::Validate);
+        let bench = Bench::new(&setup, &[], &[]).unwrap();
+        let (numbers, _) = bench.robot(&vec![0.0; bench.unknowns.len()], &vec![1.0; bench.unknowns.len()]);
+        let mut stated = WholeRobot::of(&setup, &numbers, &[]).unwrap();
+        let stated = bench.left(&mut stated, &logs, f64::INFINITY).unwrap();
+        let best = as_stated_at_best(&setup, &Deadline::default()).unwrap();
+        for (row, (joint, left_rad)) in stated.iter().zip(&best.left_rad) {
+            let noise_rad = 0.0004_f64.hypot(0.0003 / 12f64.sqrt());
+            assert!(*left_rad < 1.1 * noise_rad, "{joint}: {left_rad}");
+            assert!(mean_square(row).sqrt() > 3.0 * noise_rad, "{joint}: {}", mean_square(row).sqrt());
+        }
+        let masses = best.masses();
+        assert_eq!(masses.len(), 2);
+        assert!(masses.iter().all(|mass| mass.interval.is_some_and(|[low, high]| low < high)), "{masses:?}");
+    }
+}
