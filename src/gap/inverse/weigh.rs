@@ -58,7 +58,15 @@ pub(super) fn weighed_case(
     };
     let whole = as_stated_at_best(setup, &options.deadline);
     let along = |whole: &Settled| Ok::<_, ClampedCaseError>((ClampedCase::settled(setup, whole)?, whole.masses()));
-    let rivals = [by_torques(setup, options)?, whole.as_ref().map(along).transpose()?];
+    // Of an arm that is not as it is simulated, masses bend to what is missing.
+    let leaves_no_more = |whole: &&Settled| {
+        let joints = described.joints.iter().zip(&left_as_described);
+        let ratios: Vec<f64> =
+            joints.filter_map(|(joint, own)| Some(math::ln(whole.left_rad(&joint.name)? / (*own)?))).collect();
+        ratios.iter().sum::<f64>() <= 0.0
+    };
+    let at_best = whole.as_ref().filter(leaves_no_more);
+    let rivals = [by_torques(setup, options)?, at_best.map(along).transpose()?];
     let tried = rivals.into_iter().flatten().map(|(case, masses)| (share(&case), case, masses));
     let best = tried.filter(|(share, ..)| *share < WORTH_WEIGHING).min_by(|a, b| a.0.total_cmp(&b.0));
     let (mut case, masses) = match best {
