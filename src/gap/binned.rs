@@ -4,6 +4,7 @@
 //! other way round. Blocks are longer than the torque's own correlation, so that noise explains nothing.
 
 use super::diagnosis::ProfileBin;
+use crate::number::chance::HALF_95;
 use crate::number::math;
 
 /// Bins of equal numbers of samples.
@@ -208,7 +209,7 @@ impl Binned {
         let bin = |b: &Bin| ProfileBin {
             at: b.at,
             torque_nm: b.mean_nm,
-            band_nm: [b.mean_nm - 1.96 * b.sd_nm, b.mean_nm + 1.96 * b.sd_nm],
+            band_nm: [b.mean_nm - HALF_95 * b.sd_nm, b.mean_nm + HALF_95 * b.sd_nm],
         };
         self.bins.iter().map(bin).collect()
     }

@@ -30,12 +30,17 @@ const OVERWHELMING: f64 = 400.0;
 /// Share by which squared residuals may exceed the noise in a joint that is explained: the noise is not known better.
 pub(super) const EXPLAINED: f64 = 0.12;
 /// The same where no effect improves anything: only a clear rest is worth an alarm.
-pub(super) const NO_ALARM: f64 = 0.3;
+const NO_ALARM: f64 = 0.3;
 /// Share of the recalibrated gap that the causes must close to be called its causes while something is left.
 const CLOSES: f64 = 0.75;
 /// Deviance within which hypotheses count as equally good, and standard deviations of their difference.
 pub const EQUAL_DEVIANCE: f64 = 9.0;
 const EQUAL_Z: f64 = 1.7;
+
+/// Whether an RMS is more than noise of this size, where no cause improves anything.
+pub fn leaves_something(rms_rad: f64, noise_rad: f64) -> bool {
+    (rms_rad / noise_rad).powi(2) - 1.0 > NO_ALARM
+}
 
 /// Evaluations of a fit that begins near its end.
 const AGAIN: Budget = Budget { evaluations: 24 };
@@ -136,11 +141,7 @@ impl<'a> Judge<'a, '_> {
     /// Whether the whole robot, simulated at its best with what was found so far, leaves no more of the joint than noise: what is
     /// left along the measured motion is how that motion was followed.
     fn whole_explains(&self) -> bool {
-        self.evidence.whole.is_some_and(|whole| self.is_noise(whole.found_rad))
-    }
-
-    fn is_noise(&self, rms_rad: f64) -> bool {
-        rms_rad.powi(2) < (1.0 + NO_ALARM) * self.a.noise_rad.powi(2)
+        self.evidence.whole.is_some_and(|whole| !leaves_something(whole.found_rad, self.a.noise_rad))
     }
 
     /// Whether the numbers of the joint cannot do what a refitted gain of the drive does: with the gain as stated they leave what is
@@ -176,7 +177,9 @@ impl<'a> Judge<'a, '_> {
             stands(&self.a.calibrated, times)
         };
         // The whole robot needs no cause to predict the joint as well.
-        let whole_does = |whole: WholeLeft| self.is_noise(whole.bare_rad) && whole.bare_rad <= held_rad(&self.a.best);
+        let whole_does = |whole: WholeLeft| {
+            !leaves_something(whole.bare_rad, self.a.noise_rad) && whole.bare_rad <= held_rad(&self.a.best)
+        };
         stands(&self.a.given, 1.0)
             || self.evidence.is_carried() && numbers_do()
             || self.evidence.whole.is_some_and(whole_does)

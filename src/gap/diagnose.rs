@@ -19,6 +19,7 @@ use super::place::place;
 use super::rates::{Rates, probability, share_out, standing};
 use super::refuted::soundly_believed;
 use super::sentence::{far, sentence};
+use super::told::{AtBest, tell};
 use super::trial::{Trial, loss};
 use super::twins::measure;
 use super::waterfall::{beliefs, causes};
@@ -73,6 +74,8 @@ pub(super) struct Beside<'a> {
     pub described: Option<&'a AsGiven>,
     /// What the whole robot leaves of it.
     pub whole: Option<WholeLeft>,
+    /// Its causes as the whole robot has them, where that explains all joints.
+    pub at_best: &'a [AtBest],
 }
 
 /// The same of a joint of a robot.
@@ -85,8 +88,8 @@ pub(super) fn diagnose_from(
     let stage = |stage| progress.go_on(Step::stage(stage));
     let nominal = case.joint.nominal.ok_or(GapError::NoNominal)?;
     let mut evidence = Evidence::of(case, nominal).ok_or(GapError::NeverMoved)?;
-    let described = beside.described;
-    evidence.whole = beside.whole;
+    let Beside { described, whole, at_best } = beside;
+    evidence.whole = whole;
     evidence.deadline = options.deadline.clone();
     evidence.demands = Arc::new(resolved(&options.demands, &evidence)?);
     let demands = Arc::clone(&evidence.demands);
@@ -126,6 +129,7 @@ pub(super) fn diagnose_from(
     };
     let beside: &[EffectId] = if options.deadline.leaves_aside(UNNAMED) { &[] } else { &effects };
     let (parameters, mut effect_parameters) = numbers_beside(&evidence, around, beside);
+    tell(at_best, around, &mut effect_parameters);
     if around.effects().is_empty() && decision.effect() == Some(EffectId::MotorGain) {
         effect_parameters.push((EffectId::MotorGain, vec![gain_as_effect(&parameters)]));
     }
@@ -148,6 +152,10 @@ pub(super) fn diagnose_from(
     sentence.extend(far(&broken(&beliefs, &decision)));
     sentence.extend(differs.first().and_then(Differs::instead_of_causes));
     let mut ranking = ranking(&evidence, &held, &attribution, decision.answer, &gap);
+    if let [(effect, numbers)] = &effect_parameters[..] {
+        let own = ranking.iter_mut().filter(|candidate| candidate.effect == *effect);
+        own.for_each(|candidate| candidate.parameters.clone_from(numbers));
+    }
     stage("what would tell more")?;
     let rivals = rivals(&attribution, &decision);
     let next = match rivals.is_empty() || options.deadline.leaves_aside("the next experiment") {

@@ -69,6 +69,7 @@ mod sight;
 mod smoother;
 mod stage;
 mod strength;
+mod told;
 mod torque_seen;
 mod trial;
 mod twins;

@@ -15,6 +15,9 @@ const TERMS: usize = 20_000;
 /// Keeps a denominator of a continued fraction from vanishing.
 const TINY: f64 = 1e-300;
 
+/// Half of what a normal deviate is within at 95 %, in its standard deviations.
+pub(crate) const HALF_95: f64 = 1.96;
+
 /// Probability that a normal deviate is above `z`.
 pub(crate) fn normal_tail(z: f64) -> f64 {
     0.5 * libm::erfc(z / SQRT_2)

@@ -453,11 +453,11 @@ impl<T: Real> TwoBodies<'_, T> {
 }
 
 /// The instant between `low` and `high`, to within a millionth of their distance, at which a margin that is negative at
-/// `high` falls through zero (Illinois method); `high` where it is negative at `low` too.
+/// `high` falls through zero (Illinois method); `high` where it is negative at `low` too, or a motion that runs away has none.
 fn falls_through_zero(margin: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     let precise = 1e-6 * (high - low);
     let (mut f_low, mut f_high) = (margin(low), margin(high));
-    if f_low <= 0.0 {
+    if !(f_low > 0.0 && f_high < 0.0) {
         return high;
     }
     let mut last = 0;
@@ -465,9 +465,10 @@ fn falls_through_zero(margin: impl Fn(f64) -> f64, mut low: f64, mut high: f64) 
         if high - low <= precise {
             break;
         }
-        let middle = ((low * f_high - high * f_low) / (f_high - f_low)).clamp(low, high);
+        let between = (low * f_high - high * f_low) / (f_high - f_low);
+        let middle = if between.is_finite() { between.clamp(low, high) } else { 0.5 * (low + high) };
         let f = margin(middle);
-        if f == 0.0 {
+        if f == 0.0 || f.is_nan() {
             return middle;
         }
         if f > 0.0 {
@@ -481,4 +482,21 @@ fn falls_through_zero(margin: impl Fn(f64) -> f64, mut low: f64, mut high: f64) 
         }
     }
     high
+}
+
+#[cfg(test)]
+mod tests {
+    use super::falls_through_zero;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn a_margin_that_becomes_no_number_ends_the_search_within_its_bounds() {
+        assert_relative_eq!(falls_through_zero(|x| 2.0 - x * x, 0.0, 2.0), 2f64.sqrt(), max_relative = 1e-5);
+        assert_eq!(falls_through_zero(|x| if x < 1.0 { 1.0 } else { f64::NAN }, 0.0, 2.0), 2.0);
+        let lost_inside = |x: f64| if (0.5..1.5).contains(&x) { f64::NAN } else { 1.0 - x };
+        let end = falls_through_zero(lost_inside, 0.0, 2.0);
+        assert!((0.0..=2.0).contains(&end), "{end}");
+        let huge = |x: f64| 1e308 * (1.0 - x);
+        assert_relative_eq!(falls_through_zero(huge, 0.0, 9.0), 1.0, max_relative = 1e-5);
+    }
 }

@@ -11,6 +11,7 @@ use super::swings::JointSwings;
 use crate::fit::{Normal, Residuals};
 use crate::geometry::{Ers7Tables, LegJoint, LegPose, LinkBody, joint_name, lump};
 use crate::identify::{Experiment, ExtensiveModel, JointModel, LegCase, Named, Problem, Scale, Signal};
+use crate::number::chance::HALF_95;
 use crate::number::math;
 use crate::pendulum::Start;
 
@@ -168,6 +169,6 @@ fn proposal(
     };
     let Some(at) = answering.iter().position(|&i| i == place) else { return Ok(none) };
     let Some(covariance) = reduced.try_inverse() else { return Ok(none) };
-    let by_noise = 1.96 * NOISE_RAD * (PERIOD_S * covariance[(at, at)]).max(0.0).sqrt();
+    let by_noise = HALF_95 * NOISE_RAD * (PERIOD_S * covariance[(at, at)]).max(0.0).sqrt();
     Ok(Proposal { by_noise, with_bench: math::hypot(by_noise, BENCH / share), ..none })
 }

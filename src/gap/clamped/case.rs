@@ -4,6 +4,7 @@ use super::along::Along;
 use super::followed::SimulatedMotion;
 use super::setup::{ClampedCaseError, ClampedSetup};
 use crate::gap::evidence::WholeLeft;
+use crate::gap::told::AtBest;
 use crate::identify::Case;
 use crate::log::{ArrayLog, DriveMode, JointBeliefs, JointSpec, Nominal, RobotLog, Spread, Uncertain};
 use crate::robot::description::{FoundNumber, Mover, MoverId};
@@ -33,6 +34,8 @@ pub struct ClampedJoint {
     pub as_described: Option<Case>,
     /// What the whole robot, simulated at its best, leaves of it.
     pub(in crate::gap) whole: Option<WholeLeft>,
+    /// Its causes as that has them, where it explains all joints.
+    pub(in crate::gap) at_best: Vec<AtBest>,
 }
 
 impl ClampedCase {
@@ -72,7 +75,13 @@ impl ClampedCase {
                     e.carriage = Some(carriage.clone());
                 }
             }
-            joints.push(ClampedJoint { name: mover.name.clone(), case, as_described: None, whole: None });
+            joints.push(ClampedJoint {
+                name: mover.name.clone(),
+                case,
+                as_described: None,
+                whole: None,
+                at_best: Vec::new(),
+            });
         }
         let mut notes = Vec::new();
         if !unseen.is_empty() {

@@ -11,7 +11,7 @@ use crate::gap::{CauseShare, Diagnosis, GapError, GapOptions, Number, Verdict};
 use crate::joint::EffectId;
 use crate::number::{capital, mrad, newton_metres, quantity};
 use crate::progress::{Progress, Step};
-use crate::robot::description::FoundNumber;
+use crate::robot::description::{FoundKey, FoundNumber};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -29,9 +29,9 @@ pub struct ClampedDiagnosis {
     /// What is other than described about bodies, found over all joints that carry them.
     #[serde(skip)]
     pub bodies: Vec<BodyCause>,
-    /// Masses of bodies within what is believed of them, weighed by what all joints' motion asks for at once; empty where that
-    /// follows the logs no better than masses as described.
-    pub masses: Vec<FoundNumber>,
+    /// Numbers of the whole robot that all joints' motion asks for at once, within what is believed of them: masses, where that
+    /// follows the logs better than masses as described, and all numbers of joints where they explain everything.
+    pub weighed: Vec<FoundNumber>,
     /// Causes with all joints that have them, the one that closes most first.
     pub causes: Vec<SharedCause>,
     /// Numbers that groups of joints have elsewhere alike.
@@ -143,7 +143,7 @@ pub(in crate::gap) fn diagnose_joints(
         let first = described.iter().find(|first| first.joint == joint.name);
         let first = first.and_then(|first| first.diagnosis.as_ref()).map(AsGiven::of);
         let first = first.or_else(|| joint.as_described.as_ref().and_then(AsGiven::simulated));
-        let beside = Beside { described: first.as_ref(), whole: joint.whole };
+        let beside = Beside { described: first.as_ref(), whole: joint.whole, at_best: &joint.at_best };
         let found = match diagnose_from(&joint.case, &own, beside, &counted) {
             Ok(diagnosis) => Ok(Some(diagnosis)),
             Err(GapError::NeverMoved) => Ok(None),
@@ -194,13 +194,34 @@ pub(in crate::gap) fn concluded(
         ));
     }
     let robot = robot.to_owned();
-    ClampedDiagnosis { robot, answer, gap, bodies, masses: Vec::new(), causes, pooled, joints, notes, budget: None }
+    ClampedDiagnosis { robot, answer, gap, bodies, weighed: Vec::new(), causes, pooled, joints, notes, budget: None }
 }
 
 impl ClampedDiagnosis {
-    /// The same of joints that push one another as bodies of these masses do.
-    pub(in crate::gap) fn weighed(mut self, masses: Vec<FoundNumber>) -> Self {
-        let told = masses.iter().map(|mass| format!("{}: {}", mass.name, mass.words()));
+    /// Joints that causes were found on, the one first where these close most.
+    pub(in crate::gap) fn accused(&self) -> Vec<&str> {
+        let found = self.joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
+        let mut accused: Vec<&Diagnosis> = found.filter(|own| !own.causes.is_empty()).collect();
+        let closes = |own: &Diagnosis| own.gap.calibrated.powi(2) - own.gap.after.powi(2);
+        accused.sort_by(|a, b| closes(b).total_cmp(&closes(a)));
+        accused.into_iter().map(|own| own.joint.as_str()).collect()
+    }
+
+    /// The same without what was found on other joints than these.
+    pub(in crate::gap) fn with_answers_of(&self, joints: &[&str]) -> Self {
+        let mut less = self.clone();
+        less.joints.iter_mut().filter(|own| !joints.contains(&own.joint.as_str())).for_each(|own| own.diagnosis = None);
+        less
+    }
+
+    /// The same of joints that push one another as bodies of these masses do, with numbers of their own where these are told.
+    pub(in crate::gap) fn with_weighed(mut self, weighed: Vec<FoundNumber>) -> Self {
+        let is_other = |number: &&FoundNumber| {
+            let within = number.interval.zip(number.was).is_some_and(|([low, high], was)| (low..=high).contains(&was));
+            number.key == FoundKey::Mass && !within
+        };
+        let masses = weighed.iter().filter(is_other);
+        let told = masses.map(|mass| format!("{}: {}", mass.name, mass.words()));
         let told: Vec<String> = told.collect();
         if !told.is_empty() {
             self.notes.push(format!(
@@ -209,7 +230,7 @@ impl ClampedDiagnosis {
                 told.join("; ")
             ));
         }
-        self.masses = masses;
+        self.weighed = weighed;
         self
     }
 

@@ -6,13 +6,12 @@
 use super::diagnose::JointAnswer;
 use crate::gap::sentence::number_words;
 use crate::gap::{Diagnosis, Number};
+use crate::number::chance::HALF_95;
 use crate::number::{math, quantity};
 use crate::robot::description::{Description, LinkId, MoverId};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Standard deviations in half a 95 % interval.
-const HALF_95: f64 = 1.96;
 /// Joints of one make are never alike to more than this share.
 const SCATTER: f64 = 0.05;
 /// A ratio that stands out of one by so many standard deviations is said.

@@ -2,7 +2,7 @@
 
 use super::design::{JointData, LogData};
 use super::numbers::Which;
-use super::parameters::{Estimated, HALF_95, detectable, law, named};
+use super::parameters::{Estimated, detectable, law, named};
 use super::search::{Choice, Found, values};
 use super::sure::Redraws;
 use crate::gap::as_given::AsGiven;
@@ -12,6 +12,7 @@ use crate::gap::{
 };
 use crate::identify::{BeliefFound, Directives, Estimate, Status};
 use crate::joint::{EffectId, LawVariable};
+use crate::number::chance::HALF_95;
 use crate::number::{capital, newton_metres, quantity};
 
 /// A number of which the logs leave more than this share of what was believed open is not determined by them.

@@ -5,13 +5,14 @@
 //! of several numbers, or causes joint by joint.
 
 use super::case::TorqueCase;
-use super::parameters::{Estimated, HALF_95};
+use super::parameters::Estimated;
 use super::search::{Choice, Found};
 use super::signals::Motion;
 use super::system::{Block, Solved, System, Unknown};
 use crate::deadline::Deadline;
 use crate::gap::Number;
 use crate::gap::clamped::{BodyCause, BodyKind, ClampedCaseError, ClampedSetup};
+use crate::number::chance::HALF_95;
 use crate::robot::description::{BodyChange, Description, LinkId};
 use crate::robot::tree::{Tree, TreeBase};
 use nalgebra::Vector3;

@@ -11,20 +11,20 @@ use crate::gap::clamped::{
     BodyCause, ClampedCase, ClampedDiagnosis, ClampedJoint, ClampedSetup, JointAnswer, concluded, concluded_of,
     diagnose_clamped, diagnose_joints,
 };
+use crate::gap::decide::leaves_something;
 use crate::gap::evidence::WholeLeft;
 use crate::gap::recalibrated::{recalibrated_rms_rad, with_causes_rms_rad};
-use crate::gap::whole::as_found;
+use crate::gap::whole::{AsFound, as_found};
 use crate::gap::{Diagnosis, GapError, GapOptions, Verdict};
 use crate::joint::EffectId;
 use crate::progress::{Progress, Step};
+use crate::robot::description::{FoundKey, FoundNumber};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Times that joints are followed anew along the robot as found, and what of the error another has to leave at most.
 const ROUNDS: usize = 2;
 const WORTH_A_ROUND: f64 = 0.9;
-/// The whole robot explains a joint of which it leaves so many times the noise at most.
-const EXPLAINED: f64 = 1.14;
 /// What is left out where that is not.
 const AS_FOUND: &str = "joints along the robot as found";
 /// With a body changed the joints' error may be so much larger, relative.
@@ -51,7 +51,7 @@ fn searched_within(
     progress: &dyn Progress,
 ) -> Result<(ClampedCase, ClampedDiagnosis), TorqueError> {
     let (case, masses) = weighed_case(setup, options, progress)?;
-    let first = diagnose_clamped(&case, options, progress)?.weighed(masses);
+    let first = diagnose_clamped(&case, options, progress)?.with_weighed(masses);
     let (case, first) = followed(setup, options, progress, (case, first))?;
     let found = || first.joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
     if !options.only.is_empty() || !found().any(asks) || options.deadline.leaves_out(BODIES) {
@@ -109,7 +109,7 @@ fn searched_within(
     notes.push(with_body(&body));
     let named = vec![body.clone()];
     let diagnosis = concluded(&case.robot, &case.groups, joints, named, Some(&first.joints), notes);
-    let diagnosis = diagnosis.weighed(masses);
+    let diagnosis = diagnosis.with_weighed(masses);
     if diagnosis.gap.after > NO_WORSE * first.gap.after {
         return Ok((case, refused(first)));
     }
@@ -129,40 +129,63 @@ fn followed(
         if is_sound || options.deadline.leaves_out(AS_FOUND) {
             break;
         }
-        let Some(whole) = as_found(setup, &found, &options.deadline) else { break };
+        let Some(AsFound { whole, joints, explains }) = as_found(setup, &found, &options.deadline) else { break };
         progress.go_on(Step::stage(AS_FOUND))?;
         for joint in &mut case.joints {
+            let is_bare = !joints.contains(&joint.name);
             let left_rad = joint.whole.zip(whole.left_rad(&joint.name));
-            joint.whole = left_rad.map(|(before, rad)| WholeLeft { found_rad: rad, ..before });
+            joint.whole = left_rad.map(|(before, rad)| WholeLeft {
+                bare_rad: if is_bare { rad } else { before.bare_rad },
+                found_rad: rad,
+            });
+            joint.at_best = if explains { whole.causes_of(&joint.name) } else { Vec::new() };
         }
-        found = explained(&case, options, progress, found)?;
-        let Some(mut again) = ClampedCase::as_found(setup, &found.masses, &whole)? else { break };
+        let weighed = if explains { whole.numbers_of(&joints) } else { whole.masses() };
+        let of_case: Vec<FoundNumber> =
+            found.weighed.iter().filter(|number| number.key == FoundKey::Mass).cloned().collect();
+        let beside_those = if explains { weighed.clone() } else { of_case.clone() };
+        let Some(mut again) = ClampedCase::as_found(setup, &of_case, &whole)? else {
+            found = explained(&case, options, progress, found, beside_those)?;
+            break;
+        };
         for (joint, before) in again.joints.iter_mut().zip(&case.joints) {
             joint.as_described.clone_from(&before.as_described);
             joint.whole = before.whole;
+            joint.at_best.clone_from(&before.at_best);
         }
-        let second = diagnose_clamped(&again, options, progress)?.weighed(whole.masses());
-        if second.gap.after >= WORTH_A_ROUND * found.gap.after {
+        let second = diagnose_clamped(&again, options, progress)?.with_weighed(weighed);
+        let worth = if explains { NO_WORSE } else { WORTH_A_ROUND };
+        if second.gap.after >= worth * found.gap.after {
+            found = explained(&case, options, progress, found, beside_those)?;
             break;
         }
+        let is_settled = explains && second.accused().len() <= joints.len();
         (case, found) = (again, second);
+        if is_settled {
+            break;
+        }
     }
     Ok((case, found))
 }
 
-/// The same with joints diagnosed again that nothing explained but the whole robot does.
+/// The same with joints diagnosed again that the whole robot explains but nothing did, that have causes which it does not need,
+/// or of which it knows the causes better.
 fn explained(
     case: &ClampedCase,
     options: &GapOptions,
     progress: &dyn Progress,
     found: ClampedDiagnosis,
+    weighed: Vec<FoundNumber>,
 ) -> Result<ClampedDiagnosis, GapError> {
     let is_explained = |joint: &&ClampedJoint| {
         let own = found.joints.iter().find(|own| own.joint == joint.name).and_then(|own| own.diagnosis.as_ref());
-        own.is_some_and(|own| {
-            let left_rad = joint.whole.map_or(f64::INFINITY, |whole| whole.found_rad);
-            own.answer.verdict == Verdict::Unexplained && left_rad < own.gap.after.min(EXPLAINED * own.gap.floor)
-        })
+        own.zip(joint.whole).is_some_and(|(own, whole)| {
+            let is_better = |left_rad: f64| left_rad < own.gap.after && !leaves_something(left_rad, own.gap.floor);
+            match own.answer.verdict {
+                Verdict::Unexplained => is_better(whole.found_rad),
+                _ => !own.causes.is_empty() && is_better(whole.bare_rad),
+            }
+        }) || !joint.at_best.is_empty()
     };
     let those: Vec<&ClampedJoint> = case.joints.iter().filter(is_explained).collect();
     if those.is_empty() {
@@ -171,7 +194,7 @@ fn explained(
     let again = diagnose_joints(&those, options, &[], progress)?;
     let own = |joint: &JointAnswer| again.iter().find(|own| own.joint == joint.joint).unwrap_or(joint).clone();
     let joints: Vec<JointAnswer> = found.joints.iter().map(own).collect();
-    Ok(concluded_of(case, joints).weighed(found.masses))
+    Ok(concluded_of(case, joints).with_weighed(weighed))
 }
 
 /// Whether joints together predict worse with a body changed, of what each leaves without and with it \[rad\].

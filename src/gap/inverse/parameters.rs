@@ -6,10 +6,9 @@ use super::system::Solved;
 use crate::gap::looks_like;
 use crate::gap::{Detectable, LawFound, Number};
 use crate::joint::{EffectId, LawActs, LawTable};
+use crate::number::chance::HALF_95;
 use crate::number::math;
 
-/// Standard deviations in half a 95 % interval.
-pub(super) const HALF_95: f64 = 1.96;
 /// A size that stands out of what the logs leave open by so many standard deviations would have been seen.
 const SEEN: f64 = 3.0;
 

@@ -8,7 +8,7 @@ use super::bodies::{Bench, differences};
 use super::case::TorqueCase;
 use super::diagnose::{TorqueError, searched};
 use super::numbers::Which;
-use super::parameters::{Estimated, HALF_95};
+use super::parameters::Estimated;
 use super::search::{Choice, Found};
 use super::system::{Block, System, Unknown};
 use crate::gap::GapOptions;
@@ -16,6 +16,7 @@ use crate::gap::clamped::{ClampedCase, ClampedCaseError, ClampedSetup};
 use crate::gap::evidence::WholeLeft;
 use crate::gap::recalibrated::recalibrated_rms_rad;
 use crate::gap::whole::{Settled, as_stated_at_best};
+use crate::number::chance::HALF_95;
 use crate::number::math;
 use crate::progress::{Progress, Step};
 use crate::robot::description::{BodyChange, FoundKey, FoundNumber, LinkId};
@@ -50,20 +51,13 @@ pub(super) fn weighed_case(
         case.joints.par_iter().map(|joint| recalibrated_rms_rad(&joint.case, options)).collect()
     };
     let left_as_described = left(&described);
-    let share = |case: &ClampedCase| {
-        let pairs = left_as_described.iter().zip(left(case));
-        let ratios: Vec<f64> =
-            pairs.filter_map(|(described, weighed)| Some(math::ln(weighed? / (*described)?))).collect();
-        math::exp(ratios.iter().sum::<f64>() / ratios.len().max(1) as f64)
-    };
+    let share = |case: &ClampedCase| mean_share(&left(case), &left_as_described);
     let whole = as_stated_at_best(setup, &options.deadline);
     let along = |whole: &Settled| Ok::<_, ClampedCaseError>((ClampedCase::settled(setup, whole)?, whole.masses()));
     // Of an arm that is not as it is simulated, masses bend to what is missing.
     let leaves_no_more = |whole: &&Settled| {
-        let joints = described.joints.iter().zip(&left_as_described);
-        let ratios: Vec<f64> =
-            joints.filter_map(|(joint, own)| Some(math::ln(whole.left_rad(&joint.name)? / (*own)?))).collect();
-        ratios.iter().sum::<f64>() <= 0.0
+        let left: Vec<Option<f64>> = described.joints.iter().map(|joint| whole.left_rad(&joint.name)).collect();
+        mean_share(&left, &left_as_described) <= 1.0
     };
     let at_best = whole.as_ref().filter(leaves_no_more);
     let rivals = [by_torques(setup, options)?, at_best.map(along).transpose()?];
@@ -83,6 +77,12 @@ pub(super) fn weighed_case(
         joint.whole = left_rad.map(|rad| WholeLeft { bare_rad: rad, found_rad: rad });
     }
     Ok((case, masses))
+}
+
+/// What joints leave of what they left, as a geometric mean over those that both know.
+fn mean_share(left: &[Option<f64>], of: &[Option<f64>]) -> f64 {
+    let ratios: Vec<f64> = left.iter().zip(of).filter_map(|(left, of)| Some(math::ln((*left)? / (*of)?))).collect();
+    math::exp(ratios.iter().sum::<f64>() / ratios.len().max(1) as f64)
 }
 
 /// The case with masses that torques along the measured motion ask for.

@@ -2,7 +2,7 @@
 
 use super::{Cause, EQUAL_DEVIANCE, Hypothesis, Swings};
 use crate::fit::Rejected;
-use crate::gap::decide::NO_ALARM;
+use crate::gap::decide::leaves_something;
 use crate::gap::floor::noise_of;
 use crate::gap::held_out::closed;
 use crate::gap::score::Measure;
@@ -114,9 +114,4 @@ fn noise_rad(swings: &Swings<'_>, fits: &[&Hypothesis]) -> f64 {
     let logs: Vec<&Experiment> = swings.fit.iter().collect();
     let models: Vec<Vec<&[f64]>> = fits.iter().map(|fit| fit.left_rad.iter().map(Vec::as_slice).collect()).collect();
     noise_of(&logs, &models, logs.iter().map(|e| e.resolution_rad).fold(0.0, f64::max))
-}
-
-/// Whether an RMS is more than the noise.
-pub fn leaves_something(rms_rad: f64, noise_rad: f64) -> bool {
-    (rms_rad / noise_rad).powi(2) - 1.0 > NO_ALARM
 }

@@ -18,7 +18,8 @@ mod swings;
 mod tests;
 
 pub use super::decide::EQUAL_DEVIANCE;
+pub use super::decide::leaves_something;
 pub use cause::Cause;
-pub use compared::{Compared, Ranked, leaves_something};
+pub use compared::{Compared, Ranked};
 pub use hypothesis::Hypothesis;
 pub use swings::{Swings, at_rest_rad};

@@ -8,11 +8,10 @@ use super::diagnosis::Found;
 use super::place::Place;
 use super::scatter::Number as Uncertain;
 use crate::gap::{BeliefFound, Number};
+use crate::number::chance::HALF_95;
 
 /// Friction that moved by so many of its standard deviations is part of the repaired robot.
 const REPAIRED_SD: f64 = 1.0;
-/// Two-sided 95 % of a normal variable.
-const NORMAL_95: f64 = 1.96;
 
 impl Uncertain {
     /// The calibration that it is, with its joint; masses are none.
@@ -100,7 +99,7 @@ pub(super) fn off(bench: &Bench<'_>, decision: &Decision<'_>) -> Option<Found> {
     let (name, unit) = cause.named()[0];
     let sd = sd(bench, number);
     let value = (believed(bench, number) + size * sd).max(0.0);
-    let around = |spread: f64| Some([-1.0, 1.0].map(|side| (value + side * NORMAL_95 * spread * sd).max(0.0)));
+    let around = |spread: f64| Some([-1.0, 1.0].map(|side| (value + side * HALF_95 * spread * sd).max(0.0)));
     let spread = bench.noise.spread(k);
     let left = (decision.excess + 1.0).max(1.0).sqrt();
     let same = far.iter().filter_map(|(_, number, _)| number.friction()).filter(|(of, _)| *of == cause);

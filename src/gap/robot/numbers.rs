@@ -5,9 +5,7 @@ use super::diagnosis::Found;
 use super::part::{change, moved};
 use super::refine::Hypothesis;
 use crate::gap::Number;
-
-/// Two-sided 95 % of a normal variable.
-const NORMAL_95: f64 = 1.96;
+use crate::number::chance::HALF_95;
 
 /// One part of a hypothesis with its numbers.
 ///
@@ -28,7 +26,7 @@ pub(super) fn found(bench: &Bench<'_>, hypothesis: &Hypothesis, part: usize) -> 
         let sd = hypothesis.sd(part, k);
         let interval = |widened: f64| {
             sd.map(|sd| {
-                let (a, b) = (at(-NORMAL_95 * widened * sd), at(NORMAL_95 * widened * sd));
+                let (a, b) = (at(-HALF_95 * widened * sd), at(HALF_95 * widened * sd));
                 [a.min(b), a.max(b)]
             })
         };

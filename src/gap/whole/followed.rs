@@ -7,11 +7,14 @@ use super::settled::{Settled, settled};
 use super::simulated::simulated;
 use crate::deadline::Deadline;
 use crate::gap::clamped::{ClampedCase, ClampedCaseError, ClampedDiagnosis, ClampedSetup, SimulatedMotion};
+use crate::gap::decide::leaves_something;
 use crate::log::{DriveMode, RobotLog};
 use crate::robot::description::FoundNumber;
 
 /// Instants between which a load is taken as linear lie no further apart \[s\].
 const DENSE_S: f64 = 2.5e-3;
+/// So few joints are tried alone.
+const FEW: usize = 2;
 /// But no more of them between two samples: slow logs would take more steps than a motion may.
 const MOST_PER_SAMPLE: f64 = 40.0;
 
@@ -63,17 +66,47 @@ impl ClampedCase {
     }
 }
 
-/// The whole robot with what was found, less what it refutes, at its best beside that.
+/// The whole robot at its best beside what was found.
+pub(in crate::gap) struct AsFound {
+    pub whole: Settled,
+    /// Joints whose causes it has.
+    pub joints: Vec<String>,
+    /// Whether it leaves only noise of every joint.
+    pub explains: bool,
+}
+
+/// The whole robot at its best beside what was found: with the causes of the few joints that explain it all, those first that
+/// close most, or else with everything but what the whole robot refutes.
 pub(in crate::gap) fn as_found(
     setup: &ClampedSetup,
     diagnosis: &ClampedDiagnosis,
     deadline: &Deadline,
-) -> Option<Settled> {
+) -> Option<AsFound> {
+    let accused = diagnosis.accused();
+    let few = (1..accused.len()).take(FEW).find_map(|n| {
+        let only = diagnosis.with_answers_of(&accused[..n]);
+        let found = found_robot(setup, Some(&only)).ok()?;
+        let whole = settled(setup, &found.numbers, &placed_causes(&only), deadline)?;
+        let joints = accused[..n].iter().map(|&joint| joint.to_owned()).collect();
+        explains(&whole, diagnosis).then_some(AsFound { whole, joints, explains: true })
+    });
+    if few.is_some() {
+        return few;
+    }
     let whole = simulated(setup, diagnosis).ok()?;
     let is_left_out = |joint: &String| whole.left_out.iter().any(|left| left.joint.as_ref() == Some(joint));
     let mut causes = placed_causes(diagnosis);
     causes.retain(|cause| !is_left_out(&cause.joint));
-    settled(setup, &whole.robot.numbers, &causes, deadline)
+    let joints = accused.into_iter().map(str::to_owned).filter(|joint| !is_left_out(joint)).collect();
+    let whole = settled(setup, &whole.robot.numbers, &causes, deadline)?;
+    let explains = explains(&whole, diagnosis);
+    Some(AsFound { whole, joints, explains })
+}
+
+/// Whether a robot leaves only noise of every joint.
+fn explains(whole: &Settled, diagnosis: &ClampedDiagnosis) -> bool {
+    let mut found = diagnosis.joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
+    found.all(|own| whole.left_rad(&own.joint).is_none_or(|left_rad| !leaves_something(left_rad, own.gap.floor)))
 }
 
 /// The whole robot as stated, at its best.

@@ -8,7 +8,7 @@ mod robot;
 mod settled;
 mod simulated;
 
-pub(in crate::gap) use followed::{as_found, as_stated_at_best};
+pub(in crate::gap) use followed::{AsFound, as_found, as_stated_at_best};
 pub use numbers::{FoundRobot, found_robot};
 pub use robot::{PlacedCause, WholeRobot, placed_causes};
 pub(in crate::gap) use settled::Settled;

@@ -30,7 +30,7 @@ pub fn found_robot(setup: &ClampedSetup, diagnosis: Option<&ClampedDiagnosis>) -
     let with_bodies = setup.description.with_found(&found.numbers)?;
     let joints: Vec<&Diagnosis> =
         diagnosis.iter().flat_map(|d| &d.joints).filter_map(|joint| joint.diagnosis.as_ref()).collect();
-    let weighed = diagnosis.map_or(&[][..], |diagnosis| &diagnosis.masses);
+    let weighed = diagnosis.map_or(&[][..], |diagnosis| &diagnosis.weighed);
     found.numbers.extend_from_slice(weighed);
     let (masses, missed) = match weighed.is_empty() {
         true => masses(setup, &with_bodies, &joints),
@@ -94,7 +94,8 @@ fn of_joint(
     let said = setup.beliefs(at);
     let estimate = |name: &str| own?.parameters.iter().find(|p| p.name == name);
     let mut push = |key: FoundKey, was: Option<f64>, value: f64, interval: Option<[f64; 2]>, unit: &str| {
-        if (value - was.unwrap_or(0.0)).abs() > SAME * value.abs().max(1e-9) {
+        let is_weighed = found.numbers.iter().any(|number| number.key == key && number.name == mover.name);
+        if !is_weighed && (value - was.unwrap_or(0.0)).abs() > SAME * value.abs().max(1e-9) {
             let (name, unit) = (mover.name.clone(), unit.to_owned());
             found.numbers.push(FoundNumber { name, key, was, value, interval, unit, place_m: None });
         }

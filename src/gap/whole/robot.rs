@@ -4,6 +4,7 @@ use crate::gap::clamped::{ClampedDiagnosis, ClampedSetup};
 use crate::gap::{CauseShare, Number};
 use crate::joint::{EffectForm, EffectId, Knee, Motor, TorqueLimit};
 use crate::log::RobotLog;
+use crate::number::chance::HALF_95;
 use crate::robot::description::{Description, FoundKey, FoundNumber, MoverId};
 use crate::robot::simulate::{Column, Joints, Method, Recording, Scenario, Setpoints, SimulateError, run};
 use crate::robot::study::asked;
@@ -48,7 +49,7 @@ const LEAST_LOOSE: f64 = 0.05;
 
 /// How far a value that was found may be off.
 fn spread(number: &Number) -> f64 {
-    let sd = number.interval.map_or(0.0, |[low, high]| (high - low) / (2.0 * 1.96));
+    let sd = number.interval.map_or(0.0, |[low, high]| (high - low) / (2.0 * HALF_95));
     (LOOSE * sd).min(0.5 * number.value.abs()).max(LEAST_LOOSE * number.value.abs())
 }
 

@@ -7,27 +7,35 @@
 
 use super::robot::{PlacedCause, Stretch, WholeRobot};
 use crate::deadline::Deadline;
+use crate::fit::correlation_length;
 use crate::gap::clamped::ClampedSetup;
+use crate::gap::told::AtBest;
+use crate::identify::best_window;
 use crate::joint::EffectId;
 use crate::log::{DriveMode, JointColumns, RobotLog, Role};
+use crate::number::chance::HALF_95;
 use crate::robot::description::{FoundKey, FoundNumber, MoverId};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 
 /// Time of all fitted logs that steps are told by \[s\], and steps of the simulation \[s\].
 const SIMULATED_S: f64 = 45.0;
 const STEP_S: f64 = 2e-3;
-/// Points about which the robot is made linear at most, and halvings of a step that explains less.
+/// Points about which the robot is made linear at most, steps from each, and halvings of one that explains less.
 const POINTS: usize = 5;
+const STEPS: usize = 4;
 const HALVINGS: i32 = 3;
-/// A step that gains less than this share is the last.
+/// A step that gains less than this share is the last of a point, and a point that does is the last.
+const WORTH_A_STEP: f64 = 0.1;
 const DONE: f64 = 5e-3;
-/// Change of a number for what it does, in its standard deviations.
-const NUDGE: f64 = 0.2;
+/// A robot that leaves so many times the noise and gains less than the share is not this one.
+const HOPELESS: f64 = 5.0;
+const GETS_THERE: f64 = 0.5;
+/// Change of a number to either side for what it does, in its standard deviations: what scales masses, gains and friction
+/// together changes nothing, and is seen to change nothing only where each of them is told well.
+const NUDGE: f64 = 0.05;
 /// Standard deviations within which a number stays.
 const BELIEVED: f64 = 3.0;
-/// Two-sided 95 % of a normal variable.
-const HALF_95: f64 = 1.96;
 /// Nobody reads angles better than this \[rad\].
 const LEAST_NOISE_RAD: f64 = 1e-4;
 /// A joint that goes less far does not move \[rad\].
@@ -39,7 +47,7 @@ const ARMATURE: f64 = 0.1;
 pub(in crate::gap) struct Settled {
     /// Numbers of its description.
     pub numbers: Vec<FoundNumber>,
-    /// Its causes.
+    /// Its causes; spreads are standard deviations of their values.
     pub causes: Vec<PlacedCause>,
     /// Root of the mean square that it leaves of each joint that moves, on held-out logs where these show that \[rad\].
     pub left_rad: Vec<(String, f64)>,
@@ -49,6 +57,28 @@ impl Settled {
     /// Its masses.
     pub fn masses(&self) -> Vec<FoundNumber> {
         self.numbers.iter().filter(|number| number.key == FoundKey::Mass).cloned().collect()
+    }
+
+    /// Its masses, and those numbers of these joints that are no causes.
+    pub fn numbers_of(&self, joints: &[String]) -> Vec<FoundNumber> {
+        let is_asked = |number: &&FoundNumber| match number.key {
+            FoundKey::Mass => true,
+            FoundKey::Frictionloss | FoundKey::Damping | FoundKey::Armature | FoundKey::Kp | FoundKey::Kd => {
+                joints.contains(&number.name)
+            }
+            _ => false,
+        };
+        self.numbers.iter().filter(is_asked).cloned().collect()
+    }
+
+    /// Causes of a joint.
+    pub fn causes_of(&self, joint: &str) -> Vec<AtBest> {
+        let own = self.causes.iter().filter(|cause| cause.joint == joint);
+        own.map(|cause| AtBest {
+            form: cause.form.clone(),
+            values: cause.values.iter().copied().zip(cause.spreads.iter().copied()).collect(),
+        })
+        .collect()
     }
 
     /// What it leaves of a joint \[rad\].
@@ -74,9 +104,17 @@ pub(in crate::gap) fn settled(
         if deadline.leaves_out("the whole robot at its best") {
             break;
         }
-        let Some((there, share)) = bench.stepped(&here, &bench.weights(&here.left)) else { break };
-        here = there;
-        if share < DONE {
+        let Some(slopes) = bench.slopes(&here) else { break };
+        let before = slopes.price(&here);
+        for _ in 0..STEPS {
+            let Some((there, gained)) = bench.stepped(&here, &slopes) else { break };
+            here = there;
+            if gained < WORTH_A_STEP {
+                break;
+            }
+        }
+        let gained = 1.0 - slopes.price(&here) / before;
+        if gained < DONE || gained < GETS_THERE && bench.is_hopeless(&here) {
             break;
         }
     }
@@ -99,11 +137,24 @@ struct Unknown {
 }
 
 impl Unknown {
+    /// Its value where it has a size.
+    fn at(&self, size: f64) -> f64 {
+        self.was + size * self.sd
+    }
+
+    /// Its least size: numbers of the description are not negative.
+    fn least(&self) -> f64 {
+        match self.quantity {
+            Quantity::Number { .. } => (-self.was / self.sd).clamp(-BELIEVED, 0.0),
+            Quantity::Value { .. } => -BELIEVED,
+        }
+    }
+
     /// Its size in a list of numbers, in standard deviations.
     fn size_in(&self, numbers: &[FoundNumber]) -> f64 {
         let Quantity::Number { key, name, .. } = &self.quantity else { return 0.0 };
         let own = numbers.iter().find(|number| number.key == *key && number.name == *name);
-        own.map_or(0.0, |own| ((own.value - self.was) / self.sd).clamp(-BELIEVED, BELIEVED))
+        own.map_or(0.0, |own| ((own.value - self.was) / self.sd).clamp(self.least(), BELIEVED))
     }
 }
 
@@ -115,6 +166,24 @@ struct Point {
     left: Vec<Vec<f64>>,
     /// How well the sizes are known, as told where the last step began; 1 before any.
     sd: Vec<f64>,
+}
+
+/// A robot made linear about a point.
+struct Slopes {
+    /// What one standard deviation of each unknown changes \[rad\]; `None` where the robot runs away.
+    columns: Vec<Option<Vec<Vec<f64>>>>,
+    /// One over the variance of each row.
+    weights: Vec<f64>,
+    factors: Cholesky<f64, Dyn>,
+    /// How well the unknowns are known.
+    sd: Vec<f64>,
+}
+
+impl Slopes {
+    /// What a point leaves, and what it asks of the beliefs.
+    fn price(&self, point: &Point) -> f64 {
+        dot(&self.weights, &point.left, &point.left) + point.sizes.iter().map(|size| size * size).sum::<f64>()
+    }
 }
 
 /// What the unknowns are tried on.
@@ -154,7 +223,7 @@ impl<'a> Bench<'a> {
     fn robot(&self, sizes: &[f64], sd: &[f64]) -> (Vec<FoundNumber>, Vec<PlacedCause>) {
         let (mut numbers, mut causes) = (self.others.clone(), self.causes.to_vec());
         for (unknown, (size, sd)) in self.unknowns.iter().zip(sizes.iter().zip(sd)) {
-            let at = |size: f64| unknown.was + size * unknown.sd;
+            let at = |size: f64| unknown.at(size);
             match &unknown.quantity {
                 Quantity::Number { key, name, unit } => numbers.push(FoundNumber {
                     name: name.clone(),
@@ -165,7 +234,10 @@ impl<'a> Bench<'a> {
                     unit: (*unit).to_owned(),
                     place_m: None,
                 }),
-                Quantity::Value { cause, value } => causes[*cause].values[*value] = at(*size),
+                Quantity::Value { cause, value } => {
+                    causes[*cause].values[*value] = at(*size);
+                    causes[*cause].spreads[*value] = sd * unknown.sd;
+                }
             }
         }
         (numbers, causes)
@@ -202,51 +274,75 @@ impl<'a> Bench<'a> {
         left.iter().map(|row| mean_square(row).max(least).recip()).collect()
     }
 
-    /// Goes to what is best to first order as far as that explains more, and by which share.
-    fn stepped(&self, here: &Point, weights: &[f64]) -> Option<(Point, f64)> {
+    /// The robot made linear about a point.
+    fn slopes(&self, here: &Point) -> Option<Slopes> {
         let n = self.unknowns.len();
         let column = |k: usize| -> Option<Vec<Vec<f64>>> {
             let nudged = |by: f64| {
                 let mut sizes = here.sizes.clone();
                 sizes[k] += by;
-                let there = self.point(sizes)?;
-                let rows = here.left.iter().zip(there.left);
-                Some(rows.map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b) / by).collect()).collect())
+                Some(self.point(sizes)?.left)
             };
-            [NUDGE, -NUDGE].into_iter().find_map(nudged)
+            let low = if here.sizes[k] - NUDGE < self.unknowns[k].least() { 0.0 } else { -NUDGE };
+            let (less, more) = (nudged(low)?, nudged(NUDGE)?);
+            let rows = less.iter().zip(more);
+            Some(rows.map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b) / (NUDGE - low)).collect()).collect())
         };
         let columns: Vec<Option<Vec<Vec<f64>>>> = (0..n).into_par_iter().map(column).collect();
-        let dot = |a: &[Vec<f64>], b: &[Vec<f64>]| -> f64 {
-            let rows = weights.iter().zip(a.iter().zip(b));
-            rows.map(|(weight, (a, b))| weight * a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>()).sum()
-        };
-        let (mut inner, mut right) = (DMatrix::identity(n, n), DVector::zeros(n));
+        let weights = self.weights(&here.left);
+        let mut inner = DMatrix::identity(n, n);
         for (a, of_a) in columns.iter().enumerate() {
-            right[a] = -here.sizes[a];
-            let Some(of_a) = of_a else { continue };
-            right[a] += dot(of_a, &here.left);
             for (b, of_b) in columns.iter().enumerate() {
-                inner[(a, b)] += of_b.as_ref().map_or(0.0, |of_b| dot(of_a, of_b));
+                inner[(a, b)] += of_a.as_ref().zip(of_b.as_ref()).map_or(0.0, |(a, b)| dot(&weights, a, b));
             }
         }
         let factors = inner.cholesky()?;
-        let step = factors.solve(&right);
-        let sd: Vec<f64> = factors.inverse().diagonal().iter().map(|variance| variance.max(0.0).sqrt()).collect();
-        let price =
-            |point: &Point| dot(&point.left, &point.left) + point.sizes.iter().map(|size| size * size).sum::<f64>();
-        let before = price(here);
+        let sd = factors.inverse().diagonal().iter().map(|variance: &f64| variance.max(0.0).sqrt()).collect();
+        Some(Slopes { columns, weights, factors, sd })
+    }
+
+    /// Goes to what is best to first order as far as that explains more, and by which share.
+    fn stepped(&self, here: &Point, slopes: &Slopes) -> Option<(Point, f64)> {
+        let asked = |(size, column): (&f64, &Option<Vec<Vec<f64>>>)| {
+            column.as_ref().map_or(0.0, |column| dot(&slopes.weights, column, &here.left)) - size
+        };
+        let step = slopes
+            .factors
+            .solve(&DVector::from_iterator(here.sizes.len(), here.sizes.iter().zip(&slopes.columns).map(asked)));
         (0..=HALVINGS).find_map(|halving| {
             let share = 0.5_f64.powi(halving);
-            let sizes = here.sizes.iter().zip(step.iter());
-            let sizes = sizes.map(|(size, by)| (size + share * by).clamp(-BELIEVED, BELIEVED));
+            let sizes = here.sizes.iter().zip(step.iter()).zip(&self.unknowns);
+            let sizes = sizes.map(|((size, by), unknown)| (size + share * by).clamp(unknown.least(), BELIEVED));
             let there = self.point(sizes.collect())?;
-            let gained = 1.0 - price(&there) / before;
-            (gained > 0.0).then(|| (Point { sd: sd.clone(), ..there }, gained))
+            let gained = 1.0 - slopes.price(&there) / slopes.price(here);
+            (gained > 0.0).then(|| (Point { sd: slopes.sd.clone(), ..there }, gained))
         })
     }
 
+    /// Whether what is left of the joints that move is much more than noise, which has no shape.
+    fn is_hopeless(&self, here: &Point) -> bool {
+        let joints = self.logs.iter().flat_map(|log| log.joints.iter().map(move |joint| (*log, joint)));
+        let moving = joints.zip(&here.left).filter(|((_, joint), _)| moves(joint));
+        let in_noise = |((log, _), left): ((&RobotLog, &JointColumns), &Vec<f64>)| {
+            mean_square(left) / best_window(&log.t_s[..left.len()], left).1.max(LEAST_NOISE_RAD.powi(2))
+        };
+        let squares: Vec<f64> = moving.map(in_noise).collect();
+        squares.iter().sum::<f64>() > HOPELESS * HOPELESS * squares.len() as f64
+    }
+
+    /// How many samples of what is left of joints that move stand for one, where it were white: rounding of a joint that hardly
+    /// moves hangs together.
+    fn correlation(&self, here: &Point) -> f64 {
+        let joints = self.logs.iter().flat_map(|log| &log.joints).zip(&here.left);
+        let lengths: Vec<f64> =
+            joints.filter(|(joint, _)| moves(joint)).map(|(_, left)| correlation_length(left)).collect();
+        lengths.iter().sum::<f64>() / lengths.len().max(1) as f64
+    }
+
     fn settled(&self, here: &Point) -> Option<Settled> {
-        let (numbers, causes) = self.robot(&here.sizes, &here.sd);
+        let times = self.correlation(here).sqrt();
+        let sd: Vec<f64> = here.sd.iter().map(|sd| (times * sd).min(1.0)).collect();
+        let (numbers, causes) = self.robot(&here.sizes, &sd);
         let mut robot = WholeRobot::of(self.setup, &numbers, &causes).ok()?;
         let held_out = driven(self.setup, |role| role == Role::Validate);
         let mut rows: [Vec<(&str, Vec<f64>)>; 2] = Default::default();
@@ -271,6 +367,12 @@ impl<'a> Bench<'a> {
 fn moves(joint: &JointColumns) -> bool {
     let (low, high) = joint.q_rad.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), q| (l.min(*q), h.max(*q)));
     high - low > MOVES_RAD
+}
+
+/// Rows times rows, each with its weight.
+fn dot(weights: &[f64], a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
+    let rows = weights.iter().zip(a.iter().zip(b));
+    rows.map(|(weight, (a, b))| weight * a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>()).sum()
 }
 
 fn mean_square(values: &[f64]) -> f64 {

@@ -1,5 +1,6 @@
 //! Every parameter with its intervals, on rulers that tell a wide one from a narrow one.
 
+use crate::number::chance::HALF_95;
 use plotters::prelude::{Circle, PathElement, Polygon, Rectangle};
 use plotters::style::text_anchor::HPos;
 use plotters::style::{Color, RGBColor};
@@ -23,8 +24,6 @@ const RULER: f64 = 48.0;
 const NUMBERS: f64 = 300.0;
 const GRID: RGBColor = RGBColor(224, 224, 224);
 const BELIEF_OPACITY: f64 = 0.22;
-/// Standard deviations in half a 95 % interval.
-const HALF_95: f64 = 1.96;
 /// An end that is so many times farther out than the next one is cut, with an arrow.
 const TOO_FAR: f64 = 20.0;
 

@@ -1,5 +1,6 @@
 //! The curve of a law without a formula.
 
+use crate::number::chance::HALF_95;
 use plotters::style::Color;
 
 use super::figure;
@@ -19,8 +20,6 @@ const POINTS: usize = 400;
 /// Ticks of the rug, and their height as a share of the axis.
 const MOST_TICKS: usize = 500;
 const TICK: f64 = 0.025;
-/// Standard deviations in half a 95 % interval.
-const HALF_95: f64 = 1.96;
 /// Share of the width that the curve is drawn beyond its ends, where it is constant.
 const BEYOND: f64 = 0.04;
 
