@@ -24,23 +24,35 @@ fn gap(folder: &Path) -> serde_json::Value {
     serde_json::from_str(&std::fs::read_to_string(json).unwrap()).unwrap()
 }
 
+/// The elbow's jolts reach the shoulder through accelerations that are smoothed: on 8 s with a delay of 27.5 ms that was once taken
+/// for four causes of the shoulder, and the delay of 25 ms was told 0.45 ms off.
 #[test]
-fn a_late_setpoint_of_the_elbow_is_found_on_the_elbow() {
-    let folder = tempfile::tempdir().unwrap();
-    study(folder.path(), 0.025);
-    let found = gap(folder.path());
-    let effects = found["effects"].as_array().unwrap();
-    // What the shoulder's jolts leave may be given a name; it may not be taken for much.
-    assert!(effects[1..].iter().all(|e| e["last"].as_f64().unwrap() < 0.03), "{effects:#?}");
-    assert_eq!((&effects[0]["id"], &effects[0]["joints"][0]), (&"delay".into(), &JOINTS[1].into()), "{effects:#?}");
-    let late_s = effects[0]["parameters"]["T"]["value"].as_f64().unwrap();
-    assert!((late_s - 0.025).abs() < 0.003, "{late_s}");
-    assert_eq!(found["effect"], "delay");
-    assert_eq!(found["where"]["joints"][0], JOINTS[1]);
-    // The elbow's jolts reach the shoulder through smoothed accelerations: a millirad of it stays, and nobody is blamed.
-    let shoulder = &found["joints"][JOINTS[0]];
-    assert!(shoulder["effects"].as_array().unwrap().is_empty(), "{}", shoulder["sentence"]);
-    assert!(found["gap"]["after"].as_f64().unwrap() < 0.002, "{}", found["gap"]);
+fn a_late_setpoint_of_the_elbow_is_found_on_the_elbow_and_told_to_what_its_interval_says() {
+    for late_s in [0.025, 0.0275] {
+        let folder = tempfile::tempdir().unwrap();
+        support::arm::study(folder.path(), &Truth { late_s, ..Truth::default() }, 8.0);
+        let found = gap(folder.path());
+        let effects = found["effects"].as_array().unwrap();
+        assert_eq!(effects.len(), 1, "{effects:#?}");
+        assert_eq!((&effects[0]["id"], &effects[0]["joints"][0]), (&"delay".into(), &JOINTS[1].into()), "{effects:#?}");
+        let late = &effects[0]["parameters"]["T"];
+        let [low, high] = [0, 1].map(|side| late["interval"][side].as_f64().unwrap());
+        assert!((late["value"].as_f64().unwrap() - late_s).abs() < 1e-4, "{late}");
+        // Setpoints are late to within half a step of what made the logs.
+        assert!(low - 2.5e-5 < late_s && late_s < high + 2.5e-5 && high - low < 5e-4, "{late}");
+        assert_eq!(found["effect"], "delay");
+        assert_eq!(found["where"]["joints"][0], JOINTS[1]);
+        let shoulder = &found["joints"][JOINTS[0]];
+        assert!(shoulder["effects"].as_array().unwrap().is_empty(), "{}", shoulder["sentence"]);
+        // Nothing but masses, friction and gains together tells them, and beliefs do.
+        let masses = found["found"].as_array().unwrap().iter().filter(|number| number["key"] == "mass");
+        for mass in masses {
+            let [low, high] = [0, 1].map(|side| mass["interval"][side].as_f64().unwrap());
+            assert!((low..=high).contains(&mass["was"].as_f64().unwrap()), "{mass}");
+        }
+        let whole = |key: &str| found["gap"]["whole"][key].as_f64().unwrap();
+        assert!(found["gap"]["after"].as_f64().unwrap() < 2.5e-4 && whole("after") < 4e-4, "{}", found["gap"]);
+    }
 }
 
 /// At 50 Hz the jolts of either joint are over within a few samples: what they push the other with is not read off those.

@@ -129,43 +129,47 @@ fn followed(
         if is_sound || options.deadline.leaves_out(AS_FOUND) {
             break;
         }
-        let Some(AsFound { whole, joints, explains }) = as_found(setup, &found, &options.deadline) else { break };
+        let Some(robot) = as_found(setup, &found, &options.deadline) else { break };
         progress.go_on(Step::stage(AS_FOUND))?;
-        for joint in &mut case.joints {
-            let is_bare = !joints.contains(&joint.name);
-            let left_rad = joint.whole.zip(whole.left_rad(&joint.name));
-            joint.whole = left_rad.map(|(before, rad)| WholeLeft {
-                bare_rad: if is_bare { rad } else { before.bare_rad },
-                found_rad: rad,
-            });
-            joint.at_best = if explains { whole.causes_of(&joint.name) } else { Vec::new() };
-        }
-        let weighed = if explains { whole.numbers_of(&joints) } else { whole.masses() };
-        let of_case: Vec<FoundNumber> =
+        case.joints.iter_mut().for_each(|joint| tell(joint, &robot));
+        let masses: Vec<FoundNumber> =
             found.weighed.iter().filter(|number| number.key == FoundKey::Mass).cloned().collect();
-        let beside_those = if explains { weighed.clone() } else { of_case.clone() };
-        let Some(mut again) = ClampedCase::as_found(setup, &of_case, &whole)? else {
-            found = explained(&case, options, progress, found, beside_those)?;
+        let whole = &robot.whole;
+        let weighed = if robot.explains { whole.numbers_of(&robot.joints) } else { whole.masses() };
+        let second = match ClampedCase::as_found(setup, &masses, whole)? {
+            None => None,
+            Some(mut again) => {
+                for (joint, before) in again.joints.iter_mut().zip(&case.joints) {
+                    joint.as_described.clone_from(&before.as_described);
+                    joint.whole = before.whole;
+                    joint.at_best.clone_from(&before.at_best);
+                }
+                let second = diagnose_clamped(&again, options, progress)?.with_weighed(weighed.clone());
+                Some((again, second))
+            }
+        };
+        let worth = if robot.explains { NO_WORSE } else { WORTH_A_ROUND };
+        let Some(better) = second.filter(|(_, second)| second.gap.after < worth * found.gap.after) else {
+            let weighed = if robot.explains { weighed } else { masses };
+            found = explained(&case, options, progress, found, weighed)?;
             break;
         };
-        for (joint, before) in again.joints.iter_mut().zip(&case.joints) {
-            joint.as_described.clone_from(&before.as_described);
-            joint.whole = before.whole;
-            joint.at_best.clone_from(&before.at_best);
-        }
-        let second = diagnose_clamped(&again, options, progress)?.with_weighed(weighed);
-        let worth = if explains { NO_WORSE } else { WORTH_A_ROUND };
-        if second.gap.after >= worth * found.gap.after {
-            found = explained(&case, options, progress, found, beside_those)?;
-            break;
-        }
-        let is_settled = explains && second.accused().len() <= joints.len();
-        (case, found) = (again, second);
-        if is_settled {
+        (case, found) = better;
+        if robot.explains && found.accused().len() <= robot.joints.len() {
             break;
         }
     }
     Ok((case, found))
+}
+
+/// Tells a joint what the whole robot as found leaves of it, and, where that explains all joints, its causes.
+fn tell(joint: &mut ClampedJoint, robot: &AsFound) {
+    let left_rad = joint.whole.zip(robot.whole.left_rad(&joint.name));
+    joint.whole = left_rad.map(|(before, rad)| WholeLeft {
+        bare_rad: if robot.joints.contains(&joint.name) { before.bare_rad } else { rad },
+        found_rad: rad,
+    });
+    joint.at_best = if robot.explains { robot.whole.causes_of(&joint.name) } else { Vec::new() };
 }
 
 /// The same with joints diagnosed again that the whole robot explains but nothing did, that have causes which it does not need,

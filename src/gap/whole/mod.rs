@@ -7,6 +7,7 @@ mod numbers;
 mod robot;
 mod settled;
 mod simulated;
+mod unknown;
 
 pub(in crate::gap) use followed::{AsFound, as_found, as_stated_at_best};
 pub use numbers::{FoundRobot, found_robot};

@@ -6,6 +6,7 @@
 //! derivatives and the described masses: a joint that no cause explains there may be explained here.
 
 use super::robot::{PlacedCause, Stretch, WholeRobot};
+use super::unknown::{Quantity, Unknown, believed};
 use crate::deadline::Deadline;
 use crate::fit::correlation_length;
 use crate::gap::clamped::ClampedSetup;
@@ -14,7 +15,7 @@ use crate::identify::best_window;
 use crate::joint::EffectId;
 use crate::log::{DriveMode, JointColumns, RobotLog, Role};
 use crate::number::chance::HALF_95;
-use crate::robot::description::{FoundKey, FoundNumber, MoverId};
+use crate::robot::description::{FoundKey, FoundNumber};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 
@@ -34,14 +35,10 @@ const GETS_THERE: f64 = 0.5;
 /// Change of a number to either side for what it does, in its standard deviations: what scales masses, gains and friction
 /// together changes nothing, and is seen to change nothing only where each of them is told well.
 const NUDGE: f64 = 0.05;
-/// Standard deviations within which a number stays.
-const BELIEVED: f64 = 3.0;
 /// Nobody reads angles better than this \[rad\].
 const LEAST_NOISE_RAD: f64 = 1e-4;
 /// A joint that goes less far does not move \[rad\].
 const MOVES_RAD: f64 = 0.01;
-/// What turns with a motor is known to this share of what its joint moves.
-const ARMATURE: f64 = 0.1;
 
 /// The whole robot at its best.
 pub(in crate::gap) struct Settled {
@@ -75,7 +72,7 @@ impl Settled {
     pub fn causes_of(&self, joint: &str) -> Vec<AtBest> {
         let own = self.causes.iter().filter(|cause| cause.joint == joint);
         own.map(|cause| AtBest {
-            form: cause.form.clone(),
+            form: cause.form,
             values: cause.values.iter().copied().zip(cause.spreads.iter().copied()).collect(),
         })
         .collect()
@@ -119,43 +116,6 @@ pub(in crate::gap) fn settled(
         }
     }
     bench.settled(&here)
-}
-
-/// What is never quite right.
-enum Quantity {
-    /// A number of the description.
-    Number { key: FoundKey, name: String, unit: &'static str },
-    /// A value of a cause, by place among the causes and among its values.
-    Value { cause: usize, value: usize },
-}
-
-/// Such a quantity with what is believed of it.
-struct Unknown {
-    quantity: Quantity,
-    was: f64,
-    sd: f64,
-}
-
-impl Unknown {
-    /// Its value where it has a size.
-    fn at(&self, size: f64) -> f64 {
-        self.was + size * self.sd
-    }
-
-    /// Its least size: numbers of the description are not negative.
-    fn least(&self) -> f64 {
-        match self.quantity {
-            Quantity::Number { .. } => (-self.was / self.sd).clamp(-BELIEVED, 0.0),
-            Quantity::Value { .. } => -BELIEVED,
-        }
-    }
-
-    /// Its size in a list of numbers, in standard deviations.
-    fn size_in(&self, numbers: &[FoundNumber]) -> f64 {
-        let Quantity::Number { key, name, .. } = &self.quantity else { return 0.0 };
-        let own = numbers.iter().find(|number| number.key == *key && number.name == *name);
-        own.map_or(0.0, |own| ((own.value - self.was) / self.sd).clamp(self.least(), BELIEVED))
-    }
 }
 
 /// What a robot leaves of its logs.
@@ -283,7 +243,8 @@ impl<'a> Bench<'a> {
                 sizes[k] += by;
                 Some(self.point(sizes)?.left)
             };
-            let low = if here.sizes[k] - NUDGE < self.unknowns[k].least() { 0.0 } else { -NUDGE };
+            let down = here.sizes[k] - NUDGE;
+            let low = if self.unknowns[k].within(down) > down { 0.0 } else { -NUDGE };
             let (less, more) = (nudged(low)?, nudged(NUDGE)?);
             let rows = less.iter().zip(more);
             Some(rows.map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b) / (NUDGE - low)).collect()).collect())
@@ -312,7 +273,7 @@ impl<'a> Bench<'a> {
         (0..=HALVINGS).find_map(|halving| {
             let share = 0.5_f64.powi(halving);
             let sizes = here.sizes.iter().zip(step.iter()).zip(&self.unknowns);
-            let sizes = sizes.map(|((size, by), unknown)| (size + share * by).clamp(unknown.least(), BELIEVED));
+            let sizes = sizes.map(|((size, by), unknown)| unknown.within(size + share * by));
             let there = self.point(sizes.collect())?;
             let gained = 1.0 - slopes.price(&there) / slopes.price(here);
             (gained > 0.0).then(|| (Point { sd: slopes.sd.clone(), ..there }, gained))
@@ -384,46 +345,6 @@ fn driven(setup: &ClampedSetup, is_asked: impl Fn(Role) -> bool) -> Vec<&RobotLo
     let entries = setup.study.logs.iter().zip(&setup.logs);
     let those = entries.filter(|(entry, _)| entry.drive == DriveMode::Position && is_asked(entry.role));
     those.map(|(_, log)| log).filter(|log| log.len() > 1).collect()
-}
-
-/// Numbers of the description that logs move, with what is believed of them.
-fn believed(setup: &ClampedSetup, logs: &[&RobotLog]) -> Vec<Unknown> {
-    let (robot, spreads) = (&setup.description, &setup.study.uncertain);
-    let mut all = Vec::new();
-    let mut add = |key: FoundKey, name: &str, unit: &'static str, was: f64, sd: f64| {
-        if sd > 0.0 {
-            all.push(Unknown { quantity: Quantity::Number { key, name: name.to_owned(), unit }, was, sd });
-        }
-    };
-    for link in robot.heaviest() {
-        let carrier = robot.carriers(link).last().map_or("", |joint| robot.joints[joint.0].name.as_str());
-        let body = &robot.links[link.0];
-        let mass_kg = body.inertia.mass_kg;
-        add(FoundKey::Mass, &body.name, "kg", mass_kg, spreads.mass.of(carrier) * mass_kg);
-    }
-    let inertias = super::masses::own_inertias(setup, robot);
-    for (at, mover) in robot.joints.iter().enumerate() {
-        let name = mover.name.as_str();
-        if !logs.iter().any(|log| log.joint(name).is_some_and(|own| own.q_ref_rad.is_some())) {
-            continue;
-        }
-        let said = setup.beliefs(MoverId(at));
-        let (friction, gain) = (spreads.friction.of(name), spreads.gain.of(name));
-        let coulomb_nm = said.coulomb_nm.unwrap_or(mover.friction_nm);
-        add(FoundKey::Frictionloss, name, "N m", coulomb_nm, friction * coulomb_nm);
-        let viscous = said.viscous_nm_s_rad.unwrap_or(mover.damping[0]);
-        add(FoundKey::Damping, name, "N m s/rad", viscous, friction * viscous);
-        let armature = said.armature_kg_m2.unwrap_or(mover.armature_kg_m2);
-        let links = inertias.iter().find(|(joint, _)| joint == name).map_or(0.0, |(_, inertia)| *inertia);
-        add(FoundKey::Armature, name, "kg m^2", armature, ARMATURE * (armature + links));
-        if let Some(kp) = said.kp_nm_rad {
-            add(FoundKey::Kp, name, "N m/rad", kp, gain * kp);
-        }
-        if let Some(kd) = said.kd_nm_s_rad {
-            add(FoundKey::Kd, name, "N m s/rad", kd, gain * kd);
-        }
-    }
-    all
 }
 
 #[cfg(test)]

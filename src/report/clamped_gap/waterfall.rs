@@ -17,8 +17,8 @@ const OWN: usize = 6;
 pub(super) fn explanation(report: &ClampedGapReport) -> String {
     format!(
         "RMS of the {} over all joints, each as much as the others, on held-out logs. Recalibrated: numbers refitted within \
-         their beliefs, nothing added. Then what was found joint by joint, what closes most first. Closes: share of the whole \
-         gap above the floor, which is the sensors' own noise.",
+         their beliefs, nothing added; joints that lack nothing are as given. Then what was found joint by joint, what closes \
+         most first. Closes: share of the whole gap above the floor, which is the sensors' own noise.",
         Measure::of(report.diagnosis.gap.unit).what
     )
 }
@@ -34,7 +34,12 @@ pub(super) fn steps(report: &ClampedGapReport) -> Vec<Rung> {
         steps.push((words, root(squares)));
     }
     let closes = |own: &&Diagnosis| own.gap.calibrated.powi(2) - own.gap.after.powi(2);
-    let mut found: Vec<&Diagnosis> = joints.iter().copied().filter(|own| closes(own) != 0.0).collect();
+    let has_changed = joints.iter().copied().filter(|own| closes(own) != 0.0);
+    let (mut found, sound): (Vec<&Diagnosis>, Vec<&Diagnosis>) = has_changed.partition(|own| is_accused(own));
+    if !sound.is_empty() {
+        squares -= sound.iter().map(closes).sum::<f64>();
+        steps.push(("sound joints as given".to_owned(), root(squares)));
+    }
     found.sort_by(|a, b| closes(b).total_cmp(&closes(a)));
     let (own, others) = found.split_at(found.len().min(if found.len() > OWN + 1 { OWN } else { OWN + 1 }));
     for joint in own {
@@ -46,6 +51,11 @@ pub(super) fn steps(report: &ClampedGapReport) -> Vec<Rung> {
         steps.push((format!("what was found on {} more", others.len()), root(squares)));
     }
     rungs(steps, gap.floor)
+}
+
+/// Whether anything is said to be missing of a joint.
+fn is_accused(own: &Diagnosis) -> bool {
+    !own.causes.is_empty() || own.law.is_some()
 }
 
 /// `payload on gripper`
@@ -60,7 +70,6 @@ fn on_joint(own: &Diagnosis) -> String {
     let law = own.law.as_ref().map(|_| "a law");
     let causes: Vec<&str> = own.causes.iter().map(|cause| cause.effect.id()).chain(law).collect();
     let what = match &causes[..] {
-        [] => "what was found".to_owned(),
         [one] => (*one).to_owned(),
         [one, two] => format!("{one} and {two}"),
         more => format!("{} causes", more.len()),
