@@ -56,16 +56,20 @@ impl Settled {
         self.numbers.iter().filter(|number| number.key == FoundKey::Mass).cloned().collect()
     }
 
-    /// Its masses, and those numbers of these joints that are no causes.
-    pub fn numbers_of(&self, joints: &[String]) -> Vec<FoundNumber> {
-        let is_asked = |number: &&FoundNumber| match number.key {
-            FoundKey::Mass => true,
-            FoundKey::Frictionloss | FoundKey::Damping | FoundKey::Armature | FoundKey::Kp | FoundKey::Kd => {
-                joints.contains(&number.name)
-            }
-            _ => false,
+    /// Its masses and those numbers of its joints that are no causes: they go together.
+    pub fn numbers(&self) -> Vec<FoundNumber> {
+        let is_cause = |key: FoundKey| {
+            let numbers = [
+                FoundKey::Mass,
+                FoundKey::Frictionloss,
+                FoundKey::Damping,
+                FoundKey::Armature,
+                FoundKey::Kp,
+                FoundKey::Kd,
+            ];
+            !numbers.contains(&key)
         };
-        self.numbers.iter().filter(is_asked).cloned().collect()
+        self.numbers.iter().filter(|number| !is_cause(number.key)).cloned().collect()
     }
 
     /// Causes of a joint.
