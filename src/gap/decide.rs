@@ -37,15 +37,15 @@ const CLOSES: f64 = 0.75;
 pub const EQUAL_DEVIANCE: f64 = 9.0;
 const EQUAL_Z: f64 = 1.7;
 
-/// Whether an RMS is more than noise of this size, where no cause improves anything.
-pub fn leaves_something(rms_rad: f64, noise_rad: f64) -> bool {
-    (rms_rad / noise_rad).powi(2) - 1.0 > NO_ALARM
-}
-
 /// Evaluations of a fit that begins near its end.
 const AGAIN: Budget = Budget { evaluations: 24 };
 /// Standard deviations from which on the drive's gain has clearly moved.
 const GAIN_SD: f64 = 1.5;
+
+/// Whether an RMS is more than noise of this size, where no cause improves anything.
+pub fn leaves_something(rms_rad: f64, noise_rad: f64) -> bool {
+    (rms_rad / noise_rad).powi(2) - 1.0 > NO_ALARM
+}
 
 /// The verdict with the hypotheses it rests on.
 pub(super) struct Decision<'a> {

@@ -135,7 +135,7 @@ fn followed(
         let masses: Vec<FoundNumber> =
             found.weighed.iter().filter(|number| number.key == FoundKey::Mass).cloned().collect();
         let whole = &robot.whole;
-        let weighed = if robot.explains { whole.numbers() } else { whole.masses() };
+        let weighed = if robot.explains { whole.numbers_but_causes() } else { whole.masses() };
         let second = match ClampedCase::as_found(setup, &masses, whole)? {
             None => None,
             Some(mut again) => {

@@ -13,10 +13,10 @@ use crate::robot::description::FoundNumber;
 
 /// Instants between which a load is taken as linear lie no further apart \[s\].
 const DENSE_S: f64 = 2.5e-3;
-/// So few joints are tried alone.
-const FEW: usize = 2;
 /// But no more of them between two samples: slow logs would take more steps than a motion may.
 const MOST_PER_SAMPLE: f64 = 40.0;
+/// Causes of so many joints at most are tried without those of the others.
+const FEW: usize = 2;
 
 impl ClampedCase {
     /// The case of a robot and its logs.

@@ -56,20 +56,11 @@ impl Settled {
         self.numbers.iter().filter(|number| number.key == FoundKey::Mass).cloned().collect()
     }
 
-    /// Its masses and those numbers of its joints that are no causes: they go together.
-    pub fn numbers(&self) -> Vec<FoundNumber> {
-        let is_cause = |key: FoundKey| {
-            let numbers = [
-                FoundKey::Mass,
-                FoundKey::Frictionloss,
-                FoundKey::Damping,
-                FoundKey::Armature,
-                FoundKey::Kp,
-                FoundKey::Kd,
-            ];
-            !numbers.contains(&key)
-        };
-        self.numbers.iter().filter(|number| !is_cause(number.key)).cloned().collect()
+    /// Its masses, and numbers of its joints but for what is told as causes: they go together.
+    pub fn numbers_but_causes(&self) -> Vec<FoundNumber> {
+        use FoundKey::{Armature, Damping, Frictionloss, Kd, Kp, Mass};
+        let is_told = |number: &&FoundNumber| matches!(number.key, Mass | Frictionloss | Damping | Armature | Kp | Kd);
+        self.numbers.iter().filter(is_told).cloned().collect()
     }
 
     /// Causes of a joint.
