@@ -12,7 +12,7 @@ use super::differs::{Differs, differing};
 use super::evidence::{Evidence, WholeLeft};
 use super::held_out::{HeldOut, closed};
 use super::law_found::law_found;
-use super::model::GAIN;
+use super::model::{GAIN, INERTIA, armature_kg_m2};
 use super::next::next;
 use super::numbers::{numbers, numbers_beside};
 use super::place::place;
@@ -27,7 +27,7 @@ use crate::deadline::NO_PROBABILITY;
 use crate::identify::{BeliefFound, Case, DirectiveError, Estimate, Experiment, JointModel, Signal};
 use crate::joint::EffectId;
 use crate::log::Role;
-use crate::number::math;
+use crate::number::{math, quantity};
 use crate::progress::{Cancelled, Progress, Step};
 use std::sync::Arc;
 
@@ -380,6 +380,21 @@ fn traces(
     fit.chain(held).zip(torques).map(|(log, torque)| of(log, torque)).collect()
 }
 
+/// An inertia that moved by less, relative, took no armature with it that is worth a word.
+const MOVED: f64 = 0.1;
+
+/// What became of the armature, which has no number of its own.
+fn rotor(evidence: &Evidence, decision: &Decision<'_>) -> Option<String> {
+    let stated_kg_m2 = evidence.fit.iter().find_map(|e| e.motor)?.armature_kg_m2;
+    let answer = decision.answer;
+    let share = answer.found.values[INERTIA] / answer.model.parameters()[INERTIA].nominal?;
+    let found_kg_m2 = armature_kg_m2(stated_kg_m2, share);
+    (stated_kg_m2 > 0.0 && (share - 1.0).abs() > MOVED).then(|| {
+        let [found, stated] = [found_kg_m2, stated_kg_m2].map(|value| quantity(value, None, "kg m^2"));
+        format!("The armature goes with the inertia, by the same factor: {found} instead of {stated}.")
+    })
+}
+
 fn notes(
     evidence: &Evidence,
     a: &Attribution,
@@ -425,6 +440,7 @@ fn notes(
              the drive's gain was weighed with that."
         ));
     }
+    notes.extend(rotor(evidence, decision));
     if !evidence.scale_known {
         notes.push(
             "No log is driven and no known mass is hung on: the logs show ratios of torques only; how large all of them \

@@ -24,6 +24,16 @@ pub(super) const REST: usize = 7;
 /// Number of values before those of the effects.
 pub(super) const BASELINE: usize = 8;
 
+/// A rotor is not taken for lighter than this share of what is stated: a joint without inertia is too stiff to be simulated.
+const LEAST_ARMATURE: f64 = 0.1;
+
+/// What turns with the motor, of which a study states so much, where a link has this share of its stated inertia: it is known
+/// no better than the link, and one number is searched for both \[kg m^2\].
+pub(super) fn armature_kg_m2<T: Real>(stated_kg_m2: f64, share: T) -> T {
+    let share = if share.re() < LEAST_ARMATURE { T::constant(LEAST_ARMATURE) } else { share };
+    share * stated_kg_m2
+}
+
 /// The joint as it is believed to be, with effects on its stages.
 #[derive(Clone, Debug)]
 pub(crate) struct GapModel {
@@ -391,6 +401,9 @@ impl JointModel for GapModel {
         let coulomb_nm = values[self.at_experiment(COULOMB, experiment)];
         let friction = Friction::coulomb_viscous(coulomb_nm, values[VISCOUS]);
         let mut chain = Chain::new(link, friction, motor).geared(experiment.motor.as_ref());
+        if let (Some(believed_kg_m2), Some(spec)) = (self.parameters[INERTIA].nominal, &experiment.motor) {
+            chain.armature_kg_m2 = armature_kg_m2(spec.armature_kg_m2, values[INERTIA] / believed_kg_m2);
+        }
         chain.carriage.clone_from(&experiment.carriage);
         let mut rest_of = &values[BASELINE.min(values.len())..];
         for (effect, only) in self.forms.iter().zip(&self.only) {

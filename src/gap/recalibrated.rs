@@ -8,20 +8,32 @@ use super::evidence::Evidence;
 use super::held_out::HeldOut;
 use super::trial::Trial;
 use crate::fit::Budget;
-use crate::identify::{Case, JointModel};
+use crate::identify::{BeliefFound, Case, JointModel};
 use crate::joint::EffectForm;
 use std::sync::Arc;
 
 /// Evaluations of the fit to all samples, which begins near its end.
 const AGAIN: Budget = Budget { evaluations: 24 };
 
-/// Root of the mean squared residual that the recalibrated joint leaves \[rad\]; `None` where it cannot be recalibrated.
-pub(super) fn recalibrated_rms_rad(case: &Case, options: &GapOptions) -> Option<f64> {
-    let (evidence, found) = recalibrated(case, options)?;
-    Some(left_rad(&evidence, found))
+/// A joint with its numbers refitted.
+pub(super) struct Refitted {
+    /// Root of the mean squared residual that it leaves \[rad\].
+    pub left_rad: f64,
+    /// How many of its numbers are far from what is believed of them.
+    pub far: usize,
 }
 
-/// The same with the causes that were found of the joint before its case was changed, and fitted from there.
+impl Refitted {
+    /// `None` where the joint cannot be recalibrated.
+    pub fn of(case: &Case, options: &GapOptions) -> Option<Self> {
+        let (evidence, found) = recalibrated(case, options)?;
+        let beliefs = BeliefFound::of(found.model.parameters(), &found.found.values);
+        let far = beliefs.iter().filter(|belief| belief.is_finding()).count();
+        Some(Self { left_rad: left_rad(&evidence, found), far })
+    }
+}
+
+/// Root of the mean squared residual that the joint leaves \[rad\] with the causes that were found of the joint before its case was changed, and fitted from there.
 pub(super) fn with_causes_rms_rad(case: &Case, options: &GapOptions, before: &Diagnosis) -> Option<f64> {
     let (evidence, numbers) = recalibrated(case, options)?;
     let number = |name: &str| before.parameters.iter().find(|own| own.name == name).map(|own| own.value);

@@ -177,6 +177,7 @@ pub(super) fn sentence(
         each.join(", together with ")
     };
     let all = || together(&decision.effects);
+    let may_be_none = |effect: &EffectId| effects.iter().any(|(e, numbers)| e == effect && includes_none(*e, numbers));
     match (decision.verdict, decision.effect()) {
         (Verdict::None, _) if has_bodies => format!(
             "{joint}: nothing is missing beside the bodies that it carries. With them as found the held-out logs are explained to \
@@ -202,6 +203,11 @@ pub(super) fn sentence(
             let (how_much, left) = of_the_gap(figures);
             let mut text =
                 format!("{joint}: {how_much} {}; {}.{left}", all(), closing(figures, refitted, decision.effects.len()));
+            let open =
+                decision.effects.iter().copied().filter(may_be_none).map(words).collect::<Vec<_>>().join(" and of ");
+            if !open.is_empty() {
+                text += &format!(" The interval of {open} includes none: these logs do not agree on its size.");
+            }
             let others: Vec<&str> = decision.equivalent.iter().filter(|e| **e != effect).map(|e| words(*e)).collect();
             if !others.is_empty() {
                 text += &format!(" These logs cannot tell the first apart from {}.", others.join(", nor from "));
@@ -210,8 +216,6 @@ pub(super) fn sentence(
             text
         }
         (_, partial) => {
-            let may_be_none =
-                |effect: &EffectId| effects.iter().any(|(e, numbers)| e == effect && includes_none(*e, numbers));
             let (open, sure): (Vec<EffectId>, Vec<EffectId>) = decision.effects.iter().partition(|e| may_be_none(e));
             let known = match (&sure[..], &open[..]) {
                 (sure, []) => format!("What is known so far is {}", together(sure)),

@@ -21,7 +21,7 @@ pub struct Chain<T: Real> {
     pub compliance: Option<Compliance<T>>,
     /// Inertia of rotor and gears as the joint feels it, whether the motor is on or off \[kg m^2\]; on the motor side of
     /// a play.
-    pub armature_kg_m2: f64,
+    pub armature_kg_m2: T,
     /// Inertia and gravity; nominal ones, where time changes them.
     pub link: Link<T>,
     /// How time changes them, because other joints of a robot move.
@@ -67,7 +67,7 @@ impl<T: Real> Chain<T> {
             motor,
             play: None,
             compliance: None,
-            armature_kg_m2: 0.0,
+            armature_kg_m2: T::nought(),
             link,
             carriage: None,
             friction,
@@ -84,7 +84,7 @@ impl<T: Real> Chain<T> {
     /// The same joint with the gears of a motor: their inertia, and the side on which the encoder sits.
     pub fn geared(self, spec: Option<&MotorSpec>) -> Self {
         match spec {
-            Some(spec) => Self { armature_kg_m2: spec.armature_kg_m2, encoder: spec.encoder, ..self },
+            Some(spec) => Self { armature_kg_m2: T::constant(spec.armature_kg_m2), encoder: spec.encoder, ..self },
             None => self,
         }
     }

@@ -6,14 +6,14 @@
 use super::bodies::{BODIES, find};
 use super::case::TorqueCase;
 use super::diagnose::{TorqueError, searched};
-use super::weigh::weighed_case;
+use super::weigh::{mean_share, weighed_case};
 use crate::gap::clamped::{
     BodyCause, ClampedCase, ClampedDiagnosis, ClampedJoint, ClampedSetup, JointAnswer, concluded, concluded_of,
     diagnose_clamped, diagnose_joints,
 };
 use crate::gap::decide::leaves_something;
 use crate::gap::evidence::WholeLeft;
-use crate::gap::recalibrated::{recalibrated_rms_rad, with_causes_rms_rad};
+use crate::gap::recalibrated::{Refitted, with_causes_rms_rad};
 use crate::gap::whole::{AsFound, as_found};
 use crate::gap::{Diagnosis, GapError, GapOptions, Verdict};
 use crate::joint::EffectId;
@@ -29,6 +29,10 @@ const WORTH_A_ROUND: f64 = 0.9;
 const AS_FOUND: &str = "joints along the robot as found";
 /// With a body changed the joints' error may be so much larger, relative.
 const NO_WORSE: f64 = 1.02;
+/// A body that closes less asks for nothing unless it takes the place of causes, or of numbers that no one believes; and one
+/// that closes less before a search beside it, for none.
+const CLOSES: f64 = 0.98;
+const PROMISING: f64 = 0.95;
 /// Numbers that moved by fewer of their standard deviations ask for nothing.
 const MOVED_SD: f64 = 1.0;
 
@@ -76,7 +80,7 @@ fn searched_within(
     let refused = |mut first: ClampedDiagnosis| {
         first.notes.push(format!(
             "Along the measured motion the servos' torques ask for {}; simulated with it, the joints predict held-out logs \
-             worse, so it is not named.",
+             no better, so it is not named.",
             body.words()
         ));
         first
@@ -84,17 +88,8 @@ fn searched_within(
     let carriers: Vec<&str> =
         setup.description.carriers(body.link).iter().map(|at| setup.description.joints[at.0].name.as_str()).collect();
     let carries = |joint: &ClampedJoint| carriers.contains(&joint.name.as_str());
-    // Where numbers alone, or with the causes that were found without it, predict worse with it than without, causes beside
-    // it are not worth a search.
-    let before = |joint: &ClampedJoint| found().find(|own| own.joint == joint.name);
-    let alone =
-        |joint: &ClampedJoint| Some([before(joint)?.gap.calibrated, recalibrated_rms_rad(&joint.case, options)?]);
-    let beside_causes = |joint: &ClampedJoint| {
-        let own = before(joint)?;
-        Some([own.causes.last()?.after, with_causes_rms_rad(&joint.case, options, own)?])
-    };
     let carrying: Vec<&ClampedJoint> = with_it.joints.iter().filter(|joint| carries(joint)).collect();
-    if is_worse(&carrying, alone) || is_worse(&carrying, beside_causes) {
+    if !is_promising(&case, &carrying, &first, options) {
         return Ok((case, refused(first)));
     }
     // To the joints that do not carry it nothing has changed.
@@ -110,7 +105,8 @@ fn searched_within(
     let named = vec![body.clone()];
     let diagnosis = concluded(&case.robot, &case.groups, joints, named, Some(&first.joints), notes);
     let diagnosis = diagnosis.with_weighed(masses);
-    if diagnosis.gap.after > NO_WORSE * first.gap.after {
+    let [without, with] = [&first, &diagnosis].map(|d| d.gap.after);
+    if with > NO_WORSE * without || with > CLOSES * without && needs(&diagnosis) >= needs(&first) {
         return Ok((case, refused(first)));
     }
     Ok((with_it, diagnosis))
@@ -130,6 +126,11 @@ fn followed(
             break;
         }
         let Some(robot) = as_found(setup, &found, &options.deadline) else { break };
+        if std::env::var_os("ZZ").is_some() {
+            for n in &robot.whole.numbers {
+                eprintln!("ZZ {} {} {} {:?} was {:?}", n.name, n.key.name(), n.value, n.interval, n.was);
+            }
+        }
         progress.go_on(Step::stage(AS_FOUND))?;
         case.joints.iter_mut().for_each(|joint| tell(joint, &robot));
         let masses: Vec<FoundNumber> =
@@ -201,11 +202,41 @@ fn explained(
     Ok(concluded_of(case, joints).with_weighed(weighed))
 }
 
-/// Whether joints together predict worse with a body changed, of what each leaves without and with it \[rad\].
-fn is_worse(joints: &[&ClampedJoint], left_rad: impl Fn(&ClampedJoint) -> Option<[f64; 2]> + Sync) -> bool {
-    let left: Vec<[f64; 2]> = joints.par_iter().filter_map(|joint| left_rad(joint)).collect();
-    let [without, with] = [0, 1].map(|k| left.iter().map(|own| own[k] * own[k]).sum::<f64>());
-    with > NO_WORSE * NO_WORSE * without
+/// Whether causes beside a body are worth a search on the joints that carry it: with it in place their numbers, alone and with
+/// the causes that were found without it, predict no worse, and alone better, or more numbers than its own stay near what is
+/// believed.
+fn is_promising(
+    case: &ClampedCase,
+    carrying: &[&ClampedJoint],
+    first: &ClampedDiagnosis,
+    options: &GapOptions,
+) -> bool {
+    let refitted = |joint: &&ClampedJoint| {
+        let without = case.joints.iter().find(|own| own.name == joint.name)?;
+        Some([Refitted::of(&without.case, options)?, Refitted::of(&joint.case, options)?])
+    };
+    let refitted: Vec<[Refitted; 2]> = carrying.par_iter().filter_map(refitted).collect();
+    let beside_causes = |joint: &&ClampedJoint| {
+        let own = first.joints.iter().find(|own| own.joint == joint.name)?.diagnosis.as_ref()?;
+        Some([own.causes.last()?.after, with_causes_rms_rad(&joint.case, options, own)?])
+    };
+    let beside_causes: Vec<[f64; 2]> = carrying.par_iter().filter_map(beside_causes).collect();
+    let alone: Vec<[f64; 2]> = refitted.iter().map(|both| [0, 1].map(|k| both[k].left_rad)).collect();
+    let ratio = |left_rad: &[[f64; 2]]| {
+        let [without, with] = [0, 1].map(|k| left_rad.iter().map(|own| own[k] * own[k]).sum::<f64>());
+        if without > 0.0 { (with / without).sqrt() } else { 1.0 }
+    };
+    let ratios = [ratio(&alone), ratio(&beside_causes)];
+    let [far_without, far_with] = [0, 1].map(|k| refitted.iter().map(|both| both[k].far).sum::<usize>());
+    let [without, with] = [0, 1].map(|k| alone.iter().map(|own| Some(own[k])).collect::<Vec<_>>());
+    ratios.iter().all(|ratio| *ratio <= NO_WORSE)
+        && (mean_share(&with, &without) < PROMISING || far_with + 1 < far_without)
+}
+
+/// How many causes joints need, and numbers far from what is believed.
+fn needs(diagnosis: &ClampedDiagnosis) -> usize {
+    let found = diagnosis.joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
+    found.map(|own| own.causes.len() + own.beliefs.iter().filter(|belief| belief.is_finding()).count()).sum()
 }
 
 fn with_body(body: &BodyCause) -> String {

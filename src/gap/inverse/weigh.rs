@@ -14,7 +14,7 @@ use super::system::{Block, System, Unknown};
 use crate::gap::GapOptions;
 use crate::gap::clamped::{ClampedCase, ClampedCaseError, ClampedSetup};
 use crate::gap::evidence::WholeLeft;
-use crate::gap::recalibrated::recalibrated_rms_rad;
+use crate::gap::recalibrated::Refitted;
 use crate::gap::whole::{Settled, as_stated_at_best};
 use crate::number::chance::HALF_95;
 use crate::number::math;
@@ -48,7 +48,7 @@ pub(super) fn weighed_case(
     }
     progress.go_on(Step::stage(MASSES))?;
     let left = |case: &ClampedCase| -> Vec<Option<f64>> {
-        case.joints.par_iter().map(|joint| recalibrated_rms_rad(&joint.case, options)).collect()
+        case.joints.par_iter().map(|joint| Some(Refitted::of(&joint.case, options)?.left_rad)).collect()
     };
     let left_as_described = left(&described);
     let share = |case: &ClampedCase| mean_share(&left(case), &left_as_described);
@@ -80,7 +80,7 @@ pub(super) fn weighed_case(
 }
 
 /// What joints leave of what they left, as a geometric mean over those that both know.
-fn mean_share(left: &[Option<f64>], of: &[Option<f64>]) -> f64 {
+pub(super) fn mean_share(left: &[Option<f64>], of: &[Option<f64>]) -> f64 {
     let ratios: Vec<f64> = left.iter().zip(of).filter_map(|(left, of)| Some(math::ln((*left)? / (*of)?))).collect();
     math::exp(ratios.iter().sum::<f64>() / ratios.len().max(1) as f64)
 }

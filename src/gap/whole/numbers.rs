@@ -2,7 +2,9 @@
 
 use super::masses::{masses, own_inertias};
 use crate::gap::clamped::{BodyCause, BodyKind, ClampedDiagnosis, ClampedSetup};
+use crate::gap::model::armature_kg_m2;
 use crate::gap::{CauseShare, Diagnosis, Verdict};
+use crate::identify::Estimate;
 use crate::joint::EffectId;
 use crate::number::quantity;
 use crate::robot::description::{Description, FoundKey, FoundNumber, MoverId, NoSuchPart};
@@ -108,11 +110,15 @@ fn of_joint(
     push(FoundKey::Damping, Some(mover.damping[0]), viscous_nm, viscous.and_then(|e| e.interval), "N m s/rad");
     let armature = estimate("armature");
     let stated = said.armature_kg_m2.unwrap_or(mover.armature_kg_m2);
+    // Links have the inertia that their masses give; of all that was found to turn the rest is the motor's.
     let inertia = estimate("inertia").zip(links_kg_m2);
-    let more = inertia.map_or(0.0, |(found, links)| found.value - links);
-    let value = (armature.map_or(stated, |e| e.value) + more).max(0.0);
+    let of_motor = |own: &Estimate, links: f64, value: f64| {
+        let of_motor = own.nominal.map_or(stated, |nominal| armature_kg_m2(stated, value / nominal));
+        (armature.map_or(of_motor, |e| e.value) + value - links).max(0.0)
+    };
+    let value = inertia.map_or(armature.map_or(stated, |e| e.value), |(own, links)| of_motor(own, links, own.value));
     let interval =
-        inertia.and_then(|(e, links)| e.interval.map(|range| range.map(|end| (end - links + stated).max(0.0))));
+        inertia.and_then(|(own, links)| own.interval.map(|range| range.map(|end| of_motor(own, links, end))));
     push(FoundKey::Armature, Some(mover.armature_kg_m2), value, interval, "kg m^2");
     let gain = estimate("gain");
     let times = gain.map_or(1.0, |e| e.value);

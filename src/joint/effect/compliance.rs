@@ -37,7 +37,7 @@ impl Effect for Term {
     }
 
     fn apply<T: Real>(self, values: &[T], bare_kg_m2: T, chain: &mut Chain<T>) {
-        let share = if chain.armature_kg_m2 > 0.0 { 0.0 } else { MOTOR_SHARE };
+        let share = if chain.armature_kg_m2.re() > 0.0 { 0.0 } else { MOTOR_SHARE };
         chain.compliance = Some(Compliance {
             stiffness_nm_rad: values[0],
             damping_nm_s_rad: values[1],
