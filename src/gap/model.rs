@@ -419,3 +419,15 @@ impl JointModel for GapModel {
         chain
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn an_armature_moves_with_the_inertia_of_its_link_but_does_not_vanish() {
+        assert_relative_eq!(armature_kg_m2(0.028, 0.3), 0.0084, max_relative = 1e-12);
+        assert_relative_eq!(armature_kg_m2(0.028, 1e-6), 0.0028, max_relative = 1e-12);
+    }
+}
