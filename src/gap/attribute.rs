@@ -9,7 +9,7 @@ use super::floor::noise_rad;
 use super::grow::{Growth, Looked, Pruned};
 use super::judged::{Judged, judged};
 use super::laws::lawful;
-use super::refuted::{predicts_clearly_worse, refutes};
+use super::refuted::refutes;
 use super::score::Measure;
 use super::trial::Trial;
 use crate::fit::Budget;
@@ -193,24 +193,7 @@ impl Attribution {
         };
         stage("the serious ones on all samples")?;
         this.on_all_samples(evidence);
-        if !this.best.effects().is_empty()
-            && evidence.is_carried()
-            && !evidence.held.is_empty()
-            && predicts_clearly_worse(evidence, &this.best, &this.calibrated)
-        {
-            this.without_causes();
-        }
         Ok(this)
-    }
-
-    /// Leaves the recalibrated joint, which predicts better than all causes together: it may have been fitted elsewhere than
-    /// where they leave it.
-    fn without_causes(&mut self) {
-        self.refuted.extend(self.best.effects());
-        self.best = self.calibrated.clone();
-        self.law = None;
-        (self.ladder, self.alone, self.without) = (Vec::new(), Vec::new(), Vec::new());
-        self.rivals = Vec::new();
     }
 
     /// Carries what may matter over to all samples, and predicts the held-out logs.

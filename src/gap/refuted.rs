@@ -14,9 +14,6 @@ use rayon::prelude::*;
 /// deviations.
 const BETTER: f64 = 0.8;
 const CLEARLY: f64 = 1.0;
-/// Or by this factor, however few they are, of a joint along the motion of neighbours: there a search may end where the joint
-/// barely sticks, or barely does not, and what is found shows so in single motions.
-const TWICE_AS_GOOD: f64 = 0.5;
 /// A cause without which the held-out squares hardly rise, and the fitted ones by less than this factor, is idle.
 const HARDLY: f64 = 1.008;
 const LITTLE: f64 = 1.3;
@@ -184,8 +181,7 @@ pub(super) fn refutes(coarse: &Evidence, evidence: &Evidence, more: &Trial, less
 }
 
 /// Whether the held-out logs are predicted clearly better by a hypothesis that has less.
-pub(super) fn predicts_clearly_worse(evidence: &Evidence, more: &Trial, less: &Trial) -> bool {
+fn predicts_clearly_worse(evidence: &Evidence, more: &Trial, less: &Trial) -> bool {
     let gained = Difference::of_a_whole(&blocks(&evidence.held, &more.held, &less.held).collect::<Vec<f64>>());
-    let share = less.held_loss(evidence) / more.held_loss(evidence);
-    share < BETTER && gained.z() > CLEARLY || evidence.is_carried() && share < TWICE_AS_GOOD
+    less.held_loss(evidence) < BETTER * more.held_loss(evidence) && gained.z() > CLEARLY
 }
