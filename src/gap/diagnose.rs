@@ -12,12 +12,13 @@ use super::differs::{Differs, differing};
 use super::evidence::{Evidence, WholeLeft};
 use super::held_out::{HeldOut, closed};
 use super::law_found::law_found;
-use super::model::{GAIN, INERTIA, armature_kg_m2};
+use super::model::{GAIN, INERTIA};
 use super::next::next;
 use super::numbers::{numbers, numbers_beside};
 use super::place::place;
 use super::rates::{Rates, probability, share_out, standing};
 use super::refuted::soundly_believed;
+use super::rotor;
 use super::sentence::{far, sentence};
 use super::told::{AtBest, tell};
 use super::trial::{Trial, loss};
@@ -27,7 +28,7 @@ use crate::deadline::NO_PROBABILITY;
 use crate::identify::{BeliefFound, Case, DirectiveError, Estimate, Experiment, JointModel, Signal};
 use crate::joint::EffectId;
 use crate::log::Role;
-use crate::number::{math, quantity};
+use crate::number::math;
 use crate::progress::{Cancelled, Progress, Step};
 use std::sync::Arc;
 
@@ -149,7 +150,12 @@ pub(super) fn diagnose_from(
     let mut sentence =
         sentence(&case.joint.name, &decision, &gap, parameter_moved, &effect_parameters, law.as_ref(), has_bodies);
     let beliefs = beliefs(around);
-    sentence.extend(far(&broken(&beliefs, &decision)));
+    let broken = broken(&beliefs, &decision);
+    sentence.extend(far(&broken));
+    let inertia = &decision.answer.model.parameters()[INERTIA].name;
+    if broken.iter().any(|belief| belief.name == *inertia) {
+        sentence.extend(rotor::in_words(&evidence, decision.answer));
+    }
     sentence.extend(differs.first().and_then(Differs::instead_of_causes));
     let mut ranking = ranking(&evidence, &held, &attribution, decision.answer, &gap);
     if let [(effect, numbers)] = &effect_parameters[..] {
@@ -380,21 +386,6 @@ fn traces(
     fit.chain(held).zip(torques).map(|(log, torque)| of(log, torque)).collect()
 }
 
-/// An inertia that moved by less, relative, took no armature with it that is worth a word.
-const MOVED: f64 = 0.1;
-
-/// What became of the armature, which has no number of its own.
-fn rotor(evidence: &Evidence, decision: &Decision<'_>) -> Option<String> {
-    let stated_kg_m2 = evidence.fit.iter().find_map(|e| e.motor)?.armature_kg_m2;
-    let answer = decision.answer;
-    let share = answer.found.values[INERTIA] / answer.model.parameters()[INERTIA].nominal?;
-    let found_kg_m2 = armature_kg_m2(stated_kg_m2, share);
-    (stated_kg_m2 > 0.0 && (share - 1.0).abs() > MOVED).then(|| {
-        let [found, stated] = [found_kg_m2, stated_kg_m2].map(|value| quantity(value, None, "kg m^2"));
-        format!("The armature goes with the inertia, by the same factor: {found} instead of {stated}.")
-    })
-}
-
 fn notes(
     evidence: &Evidence,
     a: &Attribution,
@@ -440,7 +431,6 @@ fn notes(
              the drive's gain was weighed with that."
         ));
     }
-    notes.extend(rotor(evidence, decision));
     if !evidence.scale_known {
         notes.push(
             "No log is driven and no known mass is hung on: the logs show ratios of torques only; how large all of them \

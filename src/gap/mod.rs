@@ -63,6 +63,7 @@ mod residual_torque;
 mod rest;
 #[cfg(feature = "robots")]
 pub mod robot;
+mod rotor;
 mod score;
 mod sentence;
 mod sight;

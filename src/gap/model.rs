@@ -3,6 +3,7 @@
 
 use super::law_shape::LawShape;
 use super::logs::LogSet;
+use super::rotor::armature_kg_m2;
 use crate::identify::{Belief, Deviations, Directives, Experiment, JointModel, Parameter, Search, Signal};
 use crate::joint::{
     Chain, DrivenReach, EffectForm, EffectId, EffectParameter, Friction, Link, Motor, Reach, Real, Scan,
@@ -23,16 +24,6 @@ pub(super) const INTEGRAL: usize = 6;
 pub(super) const REST: usize = 7;
 /// Number of values before those of the effects.
 pub(super) const BASELINE: usize = 8;
-
-/// A rotor is not taken for lighter than this share of what is stated: a joint without inertia is too stiff to be simulated.
-const LEAST_ARMATURE: f64 = 0.1;
-
-/// What turns with the motor, of which a study states so much, where a link has this share of its stated inertia: it is known
-/// no better than the link, and one number is searched for both \[kg m^2\].
-pub(super) fn armature_kg_m2<T: Real>(stated_kg_m2: f64, share: T) -> T {
-    let share = if share.re() < LEAST_ARMATURE { T::constant(LEAST_ARMATURE) } else { share };
-    share * stated_kg_m2
-}
 
 /// The joint as it is believed to be, with effects on its stages.
 #[derive(Clone, Debug)]
@@ -417,17 +408,5 @@ impl JointModel for GapModel {
             law.apply(rest_of, &mut chain);
         }
         chain
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use approx::assert_relative_eq;
-
-    #[test]
-    fn an_armature_moves_with_the_inertia_of_its_link_but_does_not_vanish() {
-        assert_relative_eq!(armature_kg_m2(0.028, 0.3), 0.0084, max_relative = 1e-12);
-        assert_relative_eq!(armature_kg_m2(0.028, 1e-6), 0.0028, max_relative = 1e-12);
     }
 }

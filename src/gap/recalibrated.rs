@@ -33,7 +33,8 @@ impl Refitted {
     }
 }
 
-/// Root of the mean squared residual that the joint leaves \[rad\] with the causes that were found of the joint before its case was changed, and fitted from there.
+/// Root of the mean squared residual that a joint leaves \[rad\] with the causes that were found before its case was changed,
+/// fitted from there.
 pub(super) fn with_causes_rms_rad(case: &Case, options: &GapOptions, before: &Diagnosis) -> Option<f64> {
     let (evidence, numbers) = recalibrated(case, options)?;
     let number = |name: &str| before.parameters.iter().find(|own| own.name == name).map(|own| own.value);

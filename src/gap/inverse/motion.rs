@@ -29,9 +29,10 @@ const WORTH_A_ROUND: f64 = 0.9;
 const AS_FOUND: &str = "joints along the robot as found";
 /// With a body changed the joints' error may be so much larger, relative.
 const NO_WORSE: f64 = 1.02;
-/// A body that closes less asks for nothing unless it takes the place of causes, or of numbers that no one believes; and one
-/// that closes less before a search beside it, for none.
+/// A body that closes less is not named unless it takes the place of causes, or of numbers that no one believes.
 const CLOSES: f64 = 0.98;
+/// A body is worth a search beside it where numbers alone leave so much less with it, or more of them than its own come back to
+/// what is believed.
 const PROMISING: f64 = 0.95;
 /// Numbers that moved by fewer of their standard deviations ask for nothing.
 const MOVED_SD: f64 = 1.0;
@@ -126,11 +127,6 @@ fn followed(
             break;
         }
         let Some(robot) = as_found(setup, &found, &options.deadline) else { break };
-        if std::env::var_os("ZZ").is_some() {
-            for n in &robot.whole.numbers {
-                eprintln!("ZZ {} {} {} {:?} was {:?}", n.name, n.key.name(), n.value, n.interval, n.was);
-            }
-        }
         progress.go_on(Step::stage(AS_FOUND))?;
         case.joints.iter_mut().for_each(|joint| tell(joint, &robot));
         let masses: Vec<FoundNumber> =
@@ -150,7 +146,9 @@ fn followed(
             }
         };
         let worth = if robot.explains { NO_WORSE } else { WORTH_A_ROUND };
-        let Some(better) = second.filter(|(_, second)| second.gap.after < worth * found.gap.after) else {
+        let is_better =
+            |second: &ClampedDiagnosis| second.gap.after < worth * found.gap.after || explains_one_more(second, &found);
+        let Some(better) = second.filter(|(_, second)| is_better(second)) else {
             let weighed = if robot.explains { weighed } else { masses };
             found = explained(&case, options, progress, found, weighed)?;
             break;
@@ -161,6 +159,18 @@ fn followed(
         }
     }
     Ok((case, found))
+}
+
+/// Whether a joint that was left with more than noise is left with much less, and all of them together with no more: of many
+/// joints one hardly shows in what they leave together.
+fn explains_one_more(second: &ClampedDiagnosis, first: &ClampedDiagnosis) -> bool {
+    let both = first.joints.iter().zip(&second.joints);
+    let mut gaps =
+        both.filter_map(|(before, now)| Some([&before.diagnosis.as_ref()?.gap, &now.diagnosis.as_ref()?.gap]));
+    second.gap.after <= first.gap.after
+        && gaps.any(|[before, now]| {
+            leaves_something(before.after, before.floor) && now.after < WORTH_A_ROUND * before.after
+        })
 }
 
 /// Tells a joint what the whole robot as found leaves of it, and, where that explains all joints, its causes.
@@ -222,15 +232,13 @@ fn is_promising(
     };
     let beside_causes: Vec<[f64; 2]> = carrying.par_iter().filter_map(beside_causes).collect();
     let alone: Vec<[f64; 2]> = refitted.iter().map(|both| [0, 1].map(|k| both[k].left_rad)).collect();
-    let ratio = |left_rad: &[[f64; 2]]| {
-        let [without, with] = [0, 1].map(|k| left_rad.iter().map(|own| own[k] * own[k]).sum::<f64>());
-        if without > 0.0 { (with / without).sqrt() } else { 1.0 }
-    };
-    let ratios = [ratio(&alone), ratio(&beside_causes)];
+    let [share_alone, share_beside] = [alone, beside_causes].map(|left_rad| {
+        let [without, with] = [0, 1].map(|k| left_rad.iter().map(|own| Some(own[k])).collect::<Vec<_>>());
+        mean_share(&with, &without)
+    });
     let [far_without, far_with] = [0, 1].map(|k| refitted.iter().map(|both| both[k].far).sum::<usize>());
-    let [without, with] = [0, 1].map(|k| alone.iter().map(|own| Some(own[k])).collect::<Vec<_>>());
-    ratios.iter().all(|ratio| *ratio <= NO_WORSE)
-        && (mean_share(&with, &without) < PROMISING || far_with + 1 < far_without)
+    let is_no_worse = share_alone <= NO_WORSE && share_beside <= NO_WORSE;
+    is_no_worse && (share_alone < PROMISING || far_with + 1 < far_without)
 }
 
 /// How many causes joints need, and numbers far from what is believed.

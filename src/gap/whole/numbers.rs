@@ -2,7 +2,7 @@
 
 use super::masses::{masses, own_inertias};
 use crate::gap::clamped::{BodyCause, BodyKind, ClampedDiagnosis, ClampedSetup};
-use crate::gap::model::armature_kg_m2;
+use crate::gap::rotor::armature_kg_m2;
 use crate::gap::{CauseShare, Diagnosis, Verdict};
 use crate::identify::Estimate;
 use crate::joint::EffectId;
@@ -113,8 +113,8 @@ fn of_joint(
     // Links have the inertia that their masses give; of all that was found to turn the rest is the motor's.
     let inertia = estimate("inertia").zip(links_kg_m2);
     let of_motor = |own: &Estimate, links: f64, value: f64| {
-        let of_motor = own.nominal.map_or(stated, |nominal| armature_kg_m2(stated, value / nominal));
-        (armature.map_or(of_motor, |e| e.value) + value - links).max(0.0)
+        let geared = own.nominal.map_or(stated, |nominal| armature_kg_m2(stated, value / nominal));
+        (armature.map_or(geared, |e| e.value) + value - links).max(0.0)
     };
     let value = inertia.map_or(armature.map_or(stated, |e| e.value), |(own, links)| of_motor(own, links, own.value));
     let interval =
