@@ -66,6 +66,16 @@ fn a_sound_arm_that_its_samples_hardly_follow_is_accused_of_nothing() {
     assert!(found["effects"].as_array().unwrap().is_empty(), "{}", found["sentence"]);
 }
 
+/// Nobody believes that dry friction is nine times what is described; once that is found the whole arm is simulated with it.
+#[test]
+fn an_arm_with_far_more_friction_than_described_is_accused_of_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    support::arm::study(folder.path(), &Truth { friction: 9.0, ..Truth::default() }, 6.0);
+    let found = gap(folder.path());
+    assert_eq!(found["verdict"], "calibration", "{}", found["sentence"]);
+    assert!(found["effects"].as_array().unwrap().is_empty(), "{}", found["sentence"]);
+}
+
 /// What the elbow pushes the shoulder with is known once its delay is.
 #[test]
 fn a_late_elbow_that_its_samples_hardly_follow_is_late_and_nothing_else() {

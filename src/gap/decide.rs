@@ -5,13 +5,14 @@
 //! stays above the noise is small beside what was closed, and which other effects would do as well.
 
 use super::attribute::Attribution;
-use super::diagnosis::{Number, Verdict};
+use super::diagnosis::Verdict;
 use super::evidence::{Evidence, WholeLeft};
 use super::floor::rough_rad;
 use super::held_out::{HeldOut, closed};
 use super::model::{BASELINE, DERIVATIVE, GAIN, INTEGRAL};
 use super::numbers::numbers;
 use super::score::Measure;
+use super::sentence::includes_none;
 use super::trial::Trial;
 use crate::fit::Budget;
 use crate::identify::JointModel;
@@ -21,8 +22,6 @@ use crate::joint::EffectId;
 const RECALIBRATES: f64 = 24.0;
 /// Share of the noise's square sum that it must take away.
 const MATTERS: f64 = 0.008;
-/// A size that is so near to none, in its own unit, is none.
-const NO_SIZE: f64 = 1e-6;
 /// A held-out error below the noise times this is hardly a gap.
 const HARDLY_A_GAP: f64 = 1.1;
 /// Deviance that makes something even of that.
@@ -76,16 +75,25 @@ impl Decision<'_> {
     pub fn second(&self) -> Option<EffectId> {
         self.effects.get(1).copied()
     }
+
+    /// Causes that fitted logs ask for and that the answer does without, as held-out logs need none.
+    pub fn dropped<'b>(&self, a: &'b Attribution) -> &'b [EffectId] {
+        if self.answer.effects().is_empty() { a.best.effects() } else { &[] }
+    }
 }
 
 /// Judges the hypotheses.
 pub(super) fn decide<'a>(evidence: &Evidence, held: &HeldOut, a: &'a Attribution) -> Decision<'a> {
     let judge = Judge { evidence, held, a };
     if a.best.effects().is_empty() || judge.has_hardly_a_cause() {
-        judge.without_effects()
-    } else {
-        judge.with_effects()
+        return judge.without_effects();
     }
+    let decision = judge.with_effects();
+    // What explains the gap in part only, and predicts no better than numbers do, explains nothing.
+    if decision.verdict == Verdict::Unexplained && judge.held_rad(decision.answer) >= judge.held_rad(&a.calibrated) {
+        return judge.without_effects();
+    }
+    decision
 }
 
 struct Judge<'a, 'e> {
@@ -108,10 +116,13 @@ impl<'a> Judge<'a, '_> {
         };
         let finding = if pays { moved_most(simple) } else { None };
         // The gain of the drive as a number is the effect of a motor that delivers more or less than commanded.
-        let is_gain = verdict == Verdict::Calibration && (finding == Some(GAIN) || self.needs_another_gain());
+        let is_gain = verdict == Verdict::Calibration
+            && (finding == Some(GAIN) || self.needs_another_gain())
+            && self.is_other_than_stated(GAIN);
         let finding = if is_gain { Some(GAIN) } else { finding };
         let effects = if is_gain { vec![EffectId::MotorGain] } else { Vec::new() };
-        let answer = if alarm { a.law.as_ref().unwrap_or(simple) } else { simple };
+        let law = a.law.as_ref().filter(|law| alarm && law.effects().is_empty());
+        let answer = law.unwrap_or(simple);
         Decision {
             verdict: if is_gain { Verdict::Effect } else { verdict },
             first: None,
@@ -125,6 +136,11 @@ impl<'a> Judge<'a, '_> {
         }
     }
 
+    /// Root of the mean square that a hypothesis leaves of the held-out logs.
+    fn held_rad(&self, trial: &Trial) -> f64 {
+        self.held.rms_rad(&self.held.residuals(self.evidence, trial))
+    }
+
     /// Whether a hypothesis leaves what is worth an alarm.
     fn is_alarming(&self, trial: &Trial) -> bool {
         let noise_rad = self.a.noise_rad;
@@ -132,10 +148,7 @@ impl<'a> Judge<'a, '_> {
         let rough_rad = rough_rad(self.evidence, trial).max(noise_rad);
         let shape = (1.0 + self.a.excess(self.evidence, trial)) * (noise_rad / rough_rad).powi(2) - 1.0;
         // A rest that does not show where the joint has to be predicted is no alarm either.
-        shape >= NO_ALARM
-            && self.held.rms_rad(&self.held.residuals(self.evidence, trial)) > noise_rad
-            && self.exceeds_a_step(trial)
-            && !self.whole_explains()
+        shape >= NO_ALARM && self.held_rad(trial) > noise_rad && self.exceeds_a_step(trial) && !self.whole_explains()
     }
 
     /// Whether the whole robot, simulated at its best with what was found so far, leaves no more of the joint than noise: what is
@@ -155,6 +168,12 @@ impl<'a> Judge<'a, '_> {
             && (gain.moved(value).abs() > GAIN_SD || !self.is_alarming(&self.as_stated(&[DERIVATIVE, INTEGRAL])))
     }
 
+    /// Whether the interval of this share of the drive's law leaves out what is stated.
+    fn is_other_than_stated(&self, share: usize) -> bool {
+        let (parameters, _) = numbers(self.evidence, &self.a.calibrated);
+        parameters[share].interval.is_none_or(|[low, high]| !(low..=high).contains(&1.0))
+    }
+
     /// The recalibrated joint, fitted again with these shares of its drive's law as stated.
     fn as_stated(&self, shares: &[usize]) -> Trial {
         let calibrated = &self.a.calibrated;
@@ -170,29 +189,25 @@ impl<'a> Judge<'a, '_> {
     /// where other joints push it, hardly worse recalibrated, whose motion is read in such steps, or where causes have no size
     /// and only led the numbers to their place.
     fn has_hardly_a_cause(&self) -> bool {
-        let held_rad = |t: &Trial| self.held.rms_rad(&self.held.residuals(self.evidence, t));
-        let stands = |t: &Trial, times: f64| !self.exceeds_a_step(t) && held_rad(t) <= times * held_rad(&self.a.best);
+        let stands =
+            |t: &Trial, times: f64| !self.exceeds_a_step(t) && self.held_rad(t) <= times * self.held_rad(&self.a.best);
         let numbers_do = || {
-            let times = if self.has_causes_of_no_size() { f64::INFINITY } else { HARDLY_A_GAP };
+            let times = if self.has_causes_of_no_certain_size() { f64::INFINITY } else { HARDLY_A_GAP };
             stands(&self.a.calibrated, times)
         };
         // The whole robot needs no cause to predict the joint as well.
         let whole_does = |whole: WholeLeft| {
-            !leaves_something(whole.bare_rad, self.a.noise_rad) && whole.bare_rad <= held_rad(&self.a.best)
+            !leaves_something(whole.bare_rad, self.a.noise_rad) && whole.bare_rad <= self.held_rad(&self.a.best)
         };
         stands(&self.a.given, 1.0)
             || self.evidence.is_carried() && numbers_do()
             || self.evidence.whole.is_some_and(whole_does)
     }
 
-    /// Whether every cause was found where there is none of it.
-    fn has_causes_of_no_size(&self) -> bool {
+    /// Whether no interval of a cause's size leaves out that there is none of it.
+    fn has_causes_of_no_certain_size(&self) -> bool {
         let (_, causes) = numbers(self.evidence, &self.a.best);
-        let is_none = |(effect, own): &(EffectId, Vec<Number>)| {
-            let none = effect.named_parameters().first().map(|size| size.zero);
-            own.first().zip(none).is_some_and(|(size, none)| (size.value - none).abs() < NO_SIZE)
-        };
-        causes.iter().all(is_none)
+        causes.iter().all(|(effect, own)| includes_none(*effect, own))
     }
 
     fn with_effects(&self) -> Decision<'a> {

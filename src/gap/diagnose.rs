@@ -19,7 +19,7 @@ use super::place::place;
 use super::rates::{Rates, probability, share_out, standing};
 use super::refuted::soundly_believed;
 use super::rotor;
-use super::sentence::{far, sentence};
+use super::sentence::{far, followed, sentence};
 use super::told::{AtBest, tell};
 use super::trial::{Trial, loss};
 use super::twins::measure;
@@ -149,6 +149,7 @@ pub(super) fn diagnose_from(
     let (parameter_moved, has_bodies) = (moved.as_deref(), described.is_some());
     let mut sentence =
         sentence(&case.joint.name, &decision, &gap, parameter_moved, &effect_parameters, law.as_ref(), has_bodies);
+    sentence.extend(followed(decision.verdict, &gap, evidence.whole));
     let beliefs = beliefs(around);
     let broken = broken(&beliefs, &decision);
     sentence.extend(far(&broken));
@@ -296,7 +297,7 @@ fn gap(evidence: &Evidence, held: &HeldOut, a: &Attribution, decision: &Decision
         floor,
         closed: closed(before, after, floor),
         closed_interval: closed(before, after, floor).and_then(|_| held.closed_interval(&given, &answer, floor)),
-        outer: held.is_outer() && !a.held_out_chose(evidence),
+        outer: held.is_outer() && !a.held_out_chose(evidence) && decision.dropped(a).is_empty(),
         held_out: held.how.to_owned(),
         per_log: per_log(held, [&given, &calibrated, &answer], floor),
     }
@@ -412,7 +413,7 @@ fn notes(
     }
     let law = a.law_refuted.then_some("a law");
     let mut refuted: Vec<&str> = Vec::new();
-    for name in a.refuted.iter().map(|e| e.id()).chain(law) {
+    for name in a.refuted.iter().chain(decision.dropped(a)).map(|e| e.id()).chain(law) {
         if !refuted.contains(&name) {
             refuted.push(name);
         }

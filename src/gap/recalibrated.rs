@@ -1,15 +1,13 @@
-//! How well a joint's numbers, alone or with causes that are known, predict its held-out logs, without a search for causes.
+//! How well a joint's numbers alone predict its held-out logs, without a search for causes.
 
 use super::GapOptions;
 use super::calibrate::calibrate;
 use super::demands::resolved;
-use super::diagnosis::Diagnosis;
 use super::evidence::Evidence;
 use super::held_out::HeldOut;
 use super::trial::Trial;
 use crate::fit::Budget;
 use crate::identify::{BeliefFound, Case, JointModel};
-use crate::joint::EffectForm;
 use std::sync::Arc;
 
 /// Evaluations of the fit to all samples, which begins near its end.
@@ -31,33 +29,6 @@ impl Refitted {
         let far = beliefs.iter().filter(|belief| belief.is_finding()).count();
         Some(Self { left_rad: left_rad(&evidence, found), far })
     }
-}
-
-/// Root of the mean squared residual that a joint leaves \[rad\] with the causes that were found before its case was changed,
-/// fitted from there.
-pub(super) fn with_causes_rms_rad(case: &Case, options: &GapOptions, before: &Diagnosis) -> Option<f64> {
-    let (evidence, numbers) = recalibrated(case, options)?;
-    let number = |name: &str| before.parameters.iter().find(|own| own.name == name).map(|own| own.value);
-    let coulomb_nm = number("coulomb")?;
-    let mut model = numbers.model.clone();
-    let mut values = numbers.found.values.clone();
-    for (value, p) in values.iter_mut().zip(model.parameters()).filter(|(_, p)| !p.fixed) {
-        *value = number(&p.name).unwrap_or(*value);
-    }
-    for (k, cause) in before.causes.iter().enumerate() {
-        let form = EffectForm::named_so(cause.effect, Some(cause.form).filter(|form| !form.is_empty())).ok()?;
-        let named: Vec<f64> = cause.parameters.iter().map(|own| own.value).collect();
-        if named.len() != form.named_parameters().len() {
-            return None;
-        }
-        model = model.with(form, &evidence.reach);
-        if let Some(logs) = &cause.only {
-            model = model.only_in(k, Arc::new(logs.clone()));
-        }
-        values.extend(form.searched(&named, coulomb_nm));
-    }
-    let found = Trial::solved(&evidence, model, &values, numbers.found.starts, AGAIN);
-    Some(left_rad(&evidence, found.settled(&evidence, AGAIN)))
 }
 
 fn recalibrated(case: &Case, options: &GapOptions) -> Option<(Evidence, Trial)> {

@@ -1,7 +1,8 @@
 //! The answer as a sentence that a colleague would say.
 
-use super::decide::Decision;
+use super::decide::{Decision, leaves_something};
 use super::diagnosis::{Gap, LawFound, Number, Verdict};
+use super::evidence::WholeLeft;
 use crate::identify::BeliefFound;
 use crate::joint::{EffectId, LawActs};
 use crate::number::{mrad, quantity, share};
@@ -123,11 +124,15 @@ fn unnamed(law: &LawFound) -> String {
     format!("there is {what} that depends on the {} ({}){closed}.", of.join(" and the "), table.looks_like)
 }
 
-/// Whether the interval of what measures an effect's size reaches to where the effect is absent.
-fn includes_none(effect: EffectId, numbers: &[Number]) -> bool {
+/// A size that is so near to none, in its own unit, is none.
+const NO_SIZE: f64 = 1e-6;
+
+/// Whether what measures an effect's size is where the effect is absent, or its interval reaches there.
+pub(super) fn includes_none(effect: EffectId, numbers: &[Number]) -> bool {
     let none = effect.named_parameters().first().map(|named| named.zero);
-    let interval = numbers.first().and_then(|size| size.interval);
-    none.zip(interval).is_some_and(|(none, [low, high])| low <= none && none <= high)
+    none.zip(numbers.first()).is_some_and(|(none, size)| {
+        (size.value - none).abs() < NO_SIZE || size.interval.is_some_and(|[low, high]| low <= none && none <= high)
+    })
 }
 
 /// Where refitted numbers leave less than this share of the error, that is said first.
@@ -152,6 +157,27 @@ fn of_the_gap([before, calibrated, after, floor]: [f64; 4]) -> (&'static str, St
     let [after, floor] = [after, floor].map(mrad);
     let left = format!(" Something else is left: the sensor itself makes no more than {floor} of these {after}.");
     (if closes_most { "most of the gap is" } else { "a part of the gap is" }, left)
+}
+
+/// How far a joint that lacks nothing is explained.
+fn to_the_noise(gap: &Gap) -> String {
+    let [after, floor] = [gap.after, gap.floor].map(mrad);
+    match leaves_something(gap.after, gap.floor) {
+        true => format!("but for {after}, which is no alarm (noise {floor})"),
+        false => format!("to the sensor's noise ({after} against {floor})"),
+    }
+}
+
+/// Where joints that lack nothing are off along the measured motion of the others, and not where all are simulated at once.
+pub(super) fn followed(verdict: Verdict, gap: &Gap, whole: Option<WholeLeft>) -> Option<String> {
+    let found_rad = whole?.found_rad;
+    let is_off = matches!(verdict, Verdict::None | Verdict::Calibration) && leaves_something(gap.after, gap.floor);
+    (is_off && !leaves_something(found_rad, gap.floor)).then(|| {
+        format!(
+            " With all joints simulated at once {} are left: the rest is how well the logs show what the others do.",
+            mrad(found_rad)
+        )
+    })
 }
 
 /// The sentence of a decision; `parameter` is the number that moved most, `has_bodies` whether the joint carries bodies that are
@@ -180,17 +206,14 @@ pub(super) fn sentence(
     let may_be_none = |effect: &EffectId| effects.iter().any(|(e, numbers)| e == effect && includes_none(*e, numbers));
     match (decision.verdict, decision.effect()) {
         (Verdict::None, _) if has_bodies => format!(
-            "{joint}: nothing is missing beside the bodies that it carries. With them as found the held-out logs are explained to \
-             the sensor's noise ({} against {}); as described it was {} off.",
-            mrad(gap.after),
-            mrad(gap.floor),
+            "{joint}: nothing is missing beside the bodies that it carries. With them as found the held-out logs are explained \
+             {}; as described it was {} off.",
+            to_the_noise(gap),
             mrad(gap.before)
         ),
-        (Verdict::None, _) => format!(
-            "{joint}: nothing is missing. The model as given explains the held-out logs to the sensor's noise ({} against {}).",
-            mrad(gap.before),
-            mrad(gap.floor)
-        ),
+        (Verdict::None, _) => {
+            format!("{joint}: nothing is missing. The model as given explains the held-out logs {}.", to_the_noise(gap))
+        }
         (Verdict::Calibration, _) => format!(
             "{joint}: the structure is right and the numbers are off, the {} most of all; refitting them within what is believed of them{} takes the error from {} to {} (noise {}).",
             parameter.map_or("inertia", number_words),
@@ -248,6 +271,47 @@ pub(super) fn sentence(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn gap(after_mrad: f64, floor_mrad: f64) -> Gap {
+        let [after, floor] = [after_mrad, floor_mrad].map(|mrad| 1e-3 * mrad);
+        Gap {
+            unit: "rad",
+            before: after,
+            calibrated: after,
+            after_first: after,
+            after,
+            floor,
+            closed: None,
+            closed_interval: None,
+            outer: true,
+            held_out: String::new(),
+            per_log: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_joint_that_lacks_nothing_is_not_said_to_leave_noise_where_it_leaves_more() {
+        let whole = |mrad: f64| Some(WholeLeft { bare_rad: 1e-3 * mrad, found_rad: 1e-3 * mrad });
+        let (near, far) = (gap(0.52, 0.5), gap(1.68, 0.508));
+        assert_eq!(to_the_noise(&near), "to the sensor's noise (0.520 mrad against 0.500 mrad)");
+        assert_eq!(to_the_noise(&far), "but for 1.68 mrad, which is no alarm (noise 0.508 mrad)");
+        assert!(followed(Verdict::None, &far, whole(0.51)).is_some_and(|words| words.contains("0.510 mrad are left")));
+        // Where nothing is off, the whole is off too, or a cause answers for it, there is nothing to add.
+        assert_eq!(followed(Verdict::Calibration, &near, whole(0.51)), None);
+        assert_eq!(followed(Verdict::Calibration, &far, whole(1.5)), None);
+        assert_eq!(followed(Verdict::Effect, &far, whole(0.51)), None);
+    }
+
+    #[test]
+    fn an_effect_of_no_size_or_with_none_in_its_interval_is_not_certain() {
+        let late = |value: f64, interval: Option<[f64; 2]>| {
+            vec![Number { name: "T".to_owned(), value, unit: "s".to_owned(), interval, interval_naive: None }]
+        };
+        assert!(includes_none(EffectId::Delay, &late(0.0, None)));
+        assert!(includes_none(EffectId::Delay, &late(0.002, Some([-0.001, 0.005]))));
+        assert!(!includes_none(EffectId::Delay, &late(0.002, Some([0.001, 0.003]))));
+        assert!(!includes_none(EffectId::Delay, &late(0.002, None)));
+    }
 
     #[test]
     fn causes_that_leave_much_are_not_the_whole_gap() {

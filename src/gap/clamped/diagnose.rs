@@ -214,6 +214,16 @@ impl ClampedDiagnosis {
         less
     }
 
+    /// The same numbers without causes and laws.
+    pub(in crate::gap) fn without_causes(&self) -> Self {
+        let mut less = self.clone();
+        for own in less.joints.iter_mut().filter_map(|joint| joint.diagnosis.as_mut()) {
+            own.causes.clear();
+            own.law = None;
+        }
+        less
+    }
+
     /// The same of joints that push one another as bodies of these masses do, with numbers of their own where these are told.
     pub(in crate::gap) fn with_weighed(mut self, weighed: Vec<FoundNumber>) -> Self {
         let is_other = |number: &&FoundNumber| {

@@ -38,8 +38,11 @@ const BELIEVED: f64 = 3.0;
 const CENTRE_SHARE: f64 = 0.02;
 /// A direction of which the logs leave more than this share open is not told.
 const OPEN: f64 = 0.7;
-/// Steps of Gauss and Newton.
+/// Steps of Gauss and Newton, and beside joints' causes, from where they end without.
 const STEPS: usize = 8;
+const STEPS_BESIDE: usize = 2;
+/// So many bodies are tried beside joints' causes.
+const BESIDE_CAUSES: usize = 3;
 /// Of differences, in units of what is believed.
 const NUDGE: f64 = 1e-3;
 /// The least payload whose place is told, in such units.
@@ -90,16 +93,19 @@ impl Hypothesis {
 struct Fitted {
     hypothesis: Hypothesis,
     x: Vec<f64>,
-    criterion: f64,
+    /// The criterion with what its unknowns cost, and the causes beside it.
+    priced: f64,
     numbers: Vec<Estimated>,
 }
 
 impl Fitted {
-    /// Whether its 95 % interval leaves out a body as described.
+    /// Whether its 95 % interval leaves out a body as described. A payload's mass may be any where its place is open: that
+    /// there is one shows in the criterion.
     fn is_told(&self) -> bool {
         let is_told = |number: &Estimated| number.value.abs() > HALF_95 * number.sd;
         match self.hypothesis.kind {
-            BodyKind::Payload | BodyKind::BodyMass => self.numbers.first().is_some_and(is_told),
+            BodyKind::Payload => true,
+            BodyKind::BodyMass => self.numbers.first().is_some_and(is_told),
             BodyKind::BodyCom => self.numbers.iter().any(is_told),
         }
     }
@@ -116,33 +122,74 @@ pub(super) fn find(
     deadline: &Deadline,
 ) -> Result<Option<BodyCause>, ClampedCaseError> {
     let bench = Bench::new(setup, case, founds)?;
-    let nothing = Choice::default();
-    let bare = bench.criterion(&|_| nothing.clone());
-    let own = bench.criterion(&|joint| Choice { curve: None, ..founds[joint].choice() });
-    let causes: usize = founds.iter().map(|found| found.causes.len()).sum();
-    let own = own + PRICE_OF_CAUSE * causes as f64;
+    let nothing = vec![Choice::default(); founds.len()];
+    let own: Vec<Choice> = founds.iter().map(|found| Choice { curve: None, ..found.choice() }).collect();
+    let without_body = |choices: &[Choice]| Ok((bench.criterion(choices) + price(choices), ()));
+    let bare = without_body(&nothing)?.0.min(pruned(own.clone(), &without_body)?.0);
     let mut tried: Vec<Fitted> = Vec::new();
     let is_asked = |h: &Hypothesis| !taken.contains(&h.link) && !without.contains(&h.kind);
     for hypothesis in hypotheses(setup).into_iter().filter(is_asked) {
         if deadline.leaves_out(BODIES) {
             return Ok(None);
         }
-        tried.push(bench.fitted(hypothesis)?);
+        tried.push(bench.fitted(hypothesis, None, &nothing, STEPS)?);
     }
     tried.retain(|fitted| !bench.is_believed(fitted) && fitted.is_told());
-    let priced = |fitted: &Fitted| fitted.criterion + PRICE * fitted.x.len() as f64;
-    tried.sort_by(|a, b| priced(a).total_cmp(&priced(b)));
+    tried.sort_by(|a, b| a.priced.total_cmp(&b.priced));
+    if price(&own) > 0.0 {
+        for fitted in tried.iter_mut().take(BESIDE_CAUSES) {
+            let beside = |choices: &[Choice]| {
+                let beside = bench.fitted(fitted.hypothesis.clone(), Some(&fitted.x), choices, STEPS_BESIDE)?;
+                Ok((beside.priced, beside))
+            };
+            let (priced, beside) = pruned(own.clone(), &beside)?;
+            if priced < fitted.priced && !bench.is_believed(&beside) && beside.is_told() {
+                *fitted = beside;
+            }
+        }
+        tried.sort_by(|a, b| a.priced.total_cmp(&b.priced));
+    }
     let Some(best) = tried.first() else { return Ok(None) };
-    if bare.min(own) - priced(best) < MARGIN {
+    let saved = bare - best.priced;
+    if saved < MARGIN {
         return Ok(None);
     }
     let as_good: Vec<String> = tried
         .iter()
-        .filter(|other| priced(other) - priced(best) < 2.0 * PRICE)
+        .filter(|other| other.priced - best.priced < 2.0 * PRICE)
         .map(|other| format!("{} on {}", other.hypothesis.kind.id(), bench.name(other.hypothesis.link)))
         .collect();
-    let saved = bare.min(own) - priced(best);
     Ok(Some(bench.cause(best, as_good, saved)))
+}
+
+/// What causes of joints cost.
+fn price(choices: &[Choice]) -> f64 {
+    PRICE_OF_CAUSE * choices.iter().map(|choice| choice.causes.len()).sum::<usize>() as f64
+}
+
+/// The joints' causes without those that cost more than they save, one after the other, with what is told of them there.
+fn pruned<T>(
+    mut choices: Vec<Choice>,
+    tried: &dyn Fn(&[Choice]) -> Result<(f64, T), ClampedCaseError>,
+) -> Result<(f64, T), ClampedCaseError> {
+    let mut best = tried(&choices)?;
+    loop {
+        let mut better = None;
+        for joint in 0..choices.len() {
+            for &family in &choices[joint].causes {
+                let mut less = choices.clone();
+                less[joint] = less[joint].without(family);
+                let found = tried(&less)?;
+                if found.0 < best.0 {
+                    (best, better) = (found, Some(less));
+                }
+            }
+        }
+        match better {
+            Some(less) => choices = less,
+            None => return Ok(best),
+        }
+    }
 }
 
 /// What every hypothesis is tried on.
@@ -224,8 +271,8 @@ impl<'a> Bench<'a> {
         }
     }
 
-    fn criterion(&self, choice: &dyn Fn(usize) -> Choice) -> f64 {
-        let system = self.system(&|joint| choice(joint).columns(&self.founds[joint].design), &Vec::new(), &[]);
+    fn criterion(&self, choices: &[Choice]) -> f64 {
+        let system = self.system(&|joint| choices[joint].columns(&self.founds[joint].design), &Vec::new(), &[]);
         let all: Vec<usize> = (0..system.unknowns.len()).collect();
         system.criterion(&system.fit(&all, |block| block.is_fit))
     }
@@ -247,11 +294,18 @@ impl<'a> Bench<'a> {
         Ok(self.motions.iter().enumerate().map(of_log).collect())
     }
 
-    fn fitted(&self, hypothesis: Hypothesis) -> Result<Fitted, ClampedCaseError> {
+    /// A hypothesis beside these causes of joints, from unknowns on that are near, or from a body as described.
+    fn fitted(
+        &self,
+        hypothesis: Hypothesis,
+        near: Option<&[f64]>,
+        choices: &[Choice],
+        steps: usize,
+    ) -> Result<Fitted, ClampedCaseError> {
         let described = self.torques(&self.setup.description)?;
-        let mut x = vec![0.0; hypothesis.sd.len()];
-        let mut best: Option<(f64, Vec<f64>, Vec<Estimated>)> = None;
-        for _ in 0..STEPS {
+        let mut x = near.map_or_else(|| vec![0.0; hypothesis.sd.len()], <[f64]>::to_vec);
+        let mut best: Option<(f64, Vec<Estimated>)> = None;
+        for _ in 0..steps {
             let torques =
                 |x: &[f64]| self.torques(&self.setup.description.with_change(hypothesis.link, &hypothesis.change(x)));
             let at = hypothesis.linear_at(&x);
@@ -287,7 +341,7 @@ impl<'a> Bench<'a> {
                 .collect();
             // Its factor is one, and nobody may say otherwise.
             unknowns.push(Unknown { sd: 1.0, bounds: [1.0, 1.0] });
-            let system = self.system(&|joint| self.founds[joint].design.baseline(), &shared, &unknowns);
+            let system = self.system(&|joint| choices[joint].columns(&self.founds[joint].design), &shared, &unknowns);
             let all: Vec<usize> = (0..system.unknowns.len()).collect();
             let first = all.len() - unknowns.len();
             let solved = system.fit(&all, |block| block.is_fit);
@@ -296,13 +350,14 @@ impl<'a> Bench<'a> {
             x = (0..x.len()).map(|k| solved.x[first + k]).collect();
             let refits: Vec<Solved> = system.refits(&all);
             let numbers = (0..x.len()).map(|k| Estimated::new(first + k, &solved, &refits)).collect();
-            best = Some((criterion, x.clone(), numbers));
+            best = Some((criterion, numbers));
             if x.len() == 1 {
                 break;
             }
         }
-        let (criterion, x, numbers) = best.expect("there is at least one step");
-        Ok(Fitted { hypothesis, x, criterion, numbers })
+        let (criterion, numbers) = best.expect("there is at least one step");
+        let priced = criterion + PRICE * x.len() as f64 + price(choices);
+        Ok(Fitted { hypothesis, x, priced, numbers })
     }
 
     fn cause(&self, fitted: &Fitted, as_good: Vec<String>, saved: f64) -> BodyCause {
@@ -310,8 +365,10 @@ impl<'a> Bench<'a> {
         let described = &self.setup.description.links[link.0];
         let number = |name: &str, unit: &str, k: usize, offset: f64, scale: f64| {
             let estimated = fitted.numbers[k];
-            let around =
-                |sd: f64| [-1.0, 1.0].map(|side| offset + scale * estimated.value + side * HALF_95 * scale * sd);
+            let least = if unit == "kg" { 0.0 } else { f64::NEG_INFINITY };
+            let around = |sd: f64| {
+                [-1.0, 1.0].map(|side| (offset + scale * estimated.value + side * HALF_95 * scale * sd).max(least))
+            };
             let is_told = estimated.sd < OPEN * sd[k];
             Number {
                 name: name.to_owned(),
@@ -400,4 +457,22 @@ fn hypotheses(setup: &ClampedSetup) -> Vec<Hypothesis> {
         is_new
     });
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn causes_that_save_less_than_they_cost_go() {
+        let causes = |of: &[&[usize]]| -> Vec<Choice> {
+            of.iter().map(|own| Choice { causes: own.to_vec(), curve: None }).collect()
+        };
+        // Beside the body one of three causes still saves anything.
+        let criterion = |choices: &[Choice]| if choices[1].causes.contains(&7) { 60.0 } else { 100.0 };
+        let tried = |choices: &[Choice]| Ok((criterion(choices) + price(choices), choices.to_vec()));
+        let (priced, kept) = pruned(causes(&[&[3, 5], &[7]]), &tried).unwrap();
+        assert_eq!(kept, causes(&[&[], &[7]]));
+        assert_eq!(priced, 60.0 + PRICE_OF_CAUSE);
+    }
 }

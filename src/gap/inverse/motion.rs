@@ -13,7 +13,7 @@ use crate::gap::clamped::{
 };
 use crate::gap::decide::leaves_something;
 use crate::gap::evidence::WholeLeft;
-use crate::gap::recalibrated::{Refitted, with_causes_rms_rad};
+use crate::gap::recalibrated::Refitted;
 use crate::gap::whole::{AsFound, as_found};
 use crate::gap::{Diagnosis, GapError, GapOptions, Verdict};
 use crate::joint::EffectId;
@@ -90,7 +90,7 @@ fn searched_within(
         setup.description.carriers(body.link).iter().map(|at| setup.description.joints[at.0].name.as_str()).collect();
     let carries = |joint: &ClampedJoint| carriers.contains(&joint.name.as_str());
     let carrying: Vec<&ClampedJoint> = with_it.joints.iter().filter(|joint| carries(joint)).collect();
-    if !is_promising(&case, &carrying, &first, options) {
+    if !is_promising(&case, &carrying, options) {
         return Ok((case, refused(first)));
     }
     // To the joints that do not carry it nothing has changed.
@@ -212,33 +212,18 @@ fn explained(
     Ok(concluded_of(case, joints).with_weighed(weighed))
 }
 
-/// Whether causes beside a body are worth a search on the joints that carry it: with it in place their numbers, alone and with
-/// the causes that were found without it, predict no worse, and alone better, or more numbers than its own stay near what is
-/// believed.
-fn is_promising(
-    case: &ClampedCase,
-    carrying: &[&ClampedJoint],
-    first: &ClampedDiagnosis,
-    options: &GapOptions,
-) -> bool {
+/// Whether causes beside a body are worth a search on the joints that carry it: with it in place their numbers alone predict
+/// better, or no worse while more of them than its own stay near what is believed.
+fn is_promising(case: &ClampedCase, carrying: &[&ClampedJoint], options: &GapOptions) -> bool {
     let refitted = |joint: &&ClampedJoint| {
         let without = case.joints.iter().find(|own| own.name == joint.name)?;
         Some([Refitted::of(&without.case, options)?, Refitted::of(&joint.case, options)?])
     };
     let refitted: Vec<[Refitted; 2]> = carrying.par_iter().filter_map(refitted).collect();
-    let beside_causes = |joint: &&ClampedJoint| {
-        let own = first.joints.iter().find(|own| own.joint == joint.name)?.diagnosis.as_ref()?;
-        Some([own.causes.last()?.after, with_causes_rms_rad(&joint.case, options, own)?])
-    };
-    let beside_causes: Vec<[f64; 2]> = carrying.par_iter().filter_map(beside_causes).collect();
-    let alone: Vec<[f64; 2]> = refitted.iter().map(|both| [0, 1].map(|k| both[k].left_rad)).collect();
-    let [share_alone, share_beside] = [alone, beside_causes].map(|left_rad| {
-        let [without, with] = [0, 1].map(|k| left_rad.iter().map(|own| Some(own[k])).collect::<Vec<_>>());
-        mean_share(&with, &without)
-    });
+    let [without, with] = [0, 1].map(|k| refitted.iter().map(|both| Some(both[k].left_rad)).collect::<Vec<_>>());
+    let share = mean_share(&with, &without);
     let [far_without, far_with] = [0, 1].map(|k| refitted.iter().map(|both| both[k].far).sum::<usize>());
-    let is_no_worse = share_alone <= NO_WORSE && share_beside <= NO_WORSE;
-    is_no_worse && (share_alone < PROMISING || far_with + 1 < far_without)
+    share <= NO_WORSE && (share < PROMISING || far_with + 1 < far_without)
 }
 
 /// How many causes joints need, and numbers far from what is believed.

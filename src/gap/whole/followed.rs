@@ -75,14 +75,19 @@ pub(in crate::gap) struct AsFound {
     pub explains: bool,
 }
 
-/// The whole robot at its best beside what was found: with the causes of the few joints that explain it all, those first that
-/// close most, or else with everything but what the whole robot refutes.
+/// The whole robot at its best beside what was found: with numbers alone, or the causes of the few joints that explain it all,
+/// those first that close most, or else with everything but what the whole robot refutes.
 pub(in crate::gap) fn as_found(
     setup: &ClampedSetup,
     diagnosis: &ClampedDiagnosis,
     deadline: &Deadline,
 ) -> Option<AsFound> {
     let accused = diagnosis.accused();
+    if !accused.is_empty()
+        && let Some(sound) = with_numbers_alone(setup, diagnosis, deadline)
+    {
+        return Some(sound);
+    }
     let few = (1..accused.len()).take(FEW).find_map(|n| {
         let only = diagnosis.with_answers_of(&accused[..n]);
         let found = found_robot(setup, Some(&only)).ok()?;
@@ -101,6 +106,18 @@ pub(in crate::gap) fn as_found(
     let whole = settled(setup, &whole.robot.numbers, &causes, deadline)?;
     let explains = explains(&whole, diagnosis);
     Some(AsFound { whole, joints, explains })
+}
+
+/// The whole robot with the joints' numbers, where it needs no cause to leave only noise of every joint, and no more than with
+/// causes these left.
+fn with_numbers_alone(setup: &ClampedSetup, diagnosis: &ClampedDiagnosis, deadline: &Deadline) -> Option<AsFound> {
+    let found = found_robot(setup, Some(&diagnosis.without_causes())).ok()?;
+    let whole = settled(setup, &found.numbers, &[], deadline)?;
+    let mut joints = diagnosis.joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
+    let leaves_no_more = joints.all(|own| {
+        own.causes.is_empty() || whole.left_rad(&own.joint).is_some_and(|left_rad| left_rad <= own.gap.after)
+    });
+    (leaves_no_more && explains(&whole, diagnosis)).then(|| AsFound { whole, joints: Vec::new(), explains: true })
 }
 
 /// Whether a robot leaves only noise of every joint.

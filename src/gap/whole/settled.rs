@@ -154,13 +154,13 @@ struct Bench<'a> {
 impl<'a> Bench<'a> {
     fn new(setup: &'a ClampedSetup, numbers: &[FoundNumber], causes: &'a [PlacedCause]) -> Option<Self> {
         let logs = driven(setup, |role| role != Role::Validate);
-        let mut unknowns = believed(setup, &logs);
+        let mut unknowns = believed(setup, &logs, numbers);
         let values = causes.iter().enumerate().flat_map(|(cause, placed)| {
             let each = placed.values.iter().zip(&placed.spreads).enumerate();
             each.map(move |(value, (was, sd))| (Quantity::Value { cause, value }, *was, *sd))
         });
         let known = values.filter(|(_, _, sd)| *sd > 0.0);
-        unknowns.extend(known.map(|(quantity, was, sd)| Unknown { quantity, was, sd }));
+        unknowns.extend(known.map(|(quantity, was, sd)| Unknown { quantity, was, centre: was, sd }));
         if logs.is_empty() || unknowns.is_empty() {
             return None;
         }

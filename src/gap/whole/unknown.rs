@@ -22,19 +22,21 @@ pub(super) enum Quantity {
 pub(super) struct Unknown {
     pub quantity: Quantity,
     pub was: f64,
+    /// Where it is believed to be: where it was, or was found to be far from that.
+    pub centre: f64,
     pub sd: f64,
 }
 
 impl Unknown {
     /// Its value where it has a size.
     pub fn at(&self, size: f64) -> f64 {
-        self.was + size * self.sd
+        self.centre + size * self.sd
     }
 
     /// The size within what is believed; numbers of the description are not negative.
     pub fn within(&self, size: f64) -> f64 {
         let least = match self.quantity {
-            Quantity::Number { .. } => (-self.was / self.sd).clamp(-BELIEVED, 0.0),
+            Quantity::Number { .. } => (-self.centre / self.sd).clamp(-BELIEVED, 0.0),
             Quantity::Value { .. } => -BELIEVED,
         };
         size.clamp(least, BELIEVED)
@@ -42,19 +44,35 @@ impl Unknown {
 
     /// Its size in a list of numbers, in standard deviations.
     pub fn size_in(&self, numbers: &[FoundNumber]) -> f64 {
-        let Quantity::Number { key, name, .. } = &self.quantity else { return 0.0 };
-        let own = numbers.iter().find(|number| number.key == *key && number.name == *name);
-        own.map_or(0.0, |own| self.within((own.value - self.was) / self.sd))
+        self.found_in(numbers).map_or(0.0, |own| self.within((own.value - self.centre) / self.sd))
+    }
+
+    /// What a list of numbers has of it.
+    fn found_in<'a>(&self, numbers: &'a [FoundNumber]) -> Option<&'a FoundNumber> {
+        let Quantity::Number { key, name, .. } = &self.quantity else { return None };
+        numbers.iter().find(|number| number.key == *key && number.name == *name)
+    }
+
+    /// The same believed where it was found, and known as well in proportion, if that is further from what was believed than
+    /// anyone would go.
+    fn with_found(self, numbers: &[FoundNumber]) -> Self {
+        match self.found_in(numbers) {
+            Some(own) if (own.value - self.was).abs() > BELIEVED * self.sd && own.value > 0.0 && self.was > 0.0 => {
+                Self { centre: own.value, sd: self.sd * own.value / self.was, ..self }
+            }
+            _ => self,
+        }
     }
 }
 
-/// Numbers of the description that logs move, with what is believed of them.
-pub(super) fn believed(setup: &ClampedSetup, logs: &[&RobotLog]) -> Vec<Unknown> {
+/// Numbers of the description that logs move, with what is believed of them where `found` has none far from that.
+pub(super) fn believed(setup: &ClampedSetup, logs: &[&RobotLog], found: &[FoundNumber]) -> Vec<Unknown> {
     let (robot, spreads) = (&setup.description, &setup.study.uncertain);
     let mut all = Vec::new();
     let mut add = |key: FoundKey, name: &str, unit: &'static str, was: f64, sd: f64| {
         if sd > 0.0 {
-            all.push(Unknown { quantity: Quantity::Number { key, name: name.to_owned(), unit }, was, sd });
+            let quantity = Quantity::Number { key, name: name.to_owned(), unit };
+            all.push(Unknown { quantity, was, centre: was, sd }.with_found(found));
         }
     };
     for link in robot.heaviest() {
@@ -86,4 +104,34 @@ pub(super) fn believed(setup: &ClampedSetup, logs: &[&RobotLog]) -> Vec<Unknown>
         }
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn friction(found_nm: f64) -> Unknown {
+        let name = || "elbow".to_owned();
+        let quantity = Quantity::Number { key: FoundKey::Frictionloss, name: name(), unit: "N m" };
+        let found = FoundNumber {
+            name: name(),
+            key: FoundKey::Frictionloss,
+            was: Some(0.1),
+            value: found_nm,
+            interval: None,
+            unit: "N m".to_owned(),
+            place_m: None,
+        };
+        Unknown { quantity, was: 0.1, centre: 0.1, sd: 0.03 }.with_found(&[found])
+    }
+
+    #[test]
+    fn what_was_found_far_from_what_was_believed_is_believed_there_and_as_well_in_proportion() {
+        let far = friction(0.9);
+        assert_eq!((far.was, far.centre), (0.1, 0.9));
+        assert!((far.sd - 0.27).abs() < 1e-12, "{}", far.sd);
+        assert_eq!((far.within(-9.0), far.within(9.0)), (-BELIEVED, BELIEVED));
+        let near = friction(0.15);
+        assert_eq!((near.centre, near.sd), (0.1, 0.03));
+    }
 }
