@@ -167,11 +167,11 @@ fn price(choices: &[Choice]) -> f64 {
     PRICE_OF_CAUSE * choices.iter().map(|choice| choice.causes.len()).sum::<usize>() as f64
 }
 
+/// What causes of joints come to with their price, and what is told of them there.
+type Priced<'a, T> = &'a dyn Fn(&[Choice]) -> Result<(f64, T), ClampedCaseError>;
+
 /// The joints' causes without those that cost more than they save, one after the other, with what is told of them there.
-fn pruned<T>(
-    mut choices: Vec<Choice>,
-    tried: &dyn Fn(&[Choice]) -> Result<(f64, T), ClampedCaseError>,
-) -> Result<(f64, T), ClampedCaseError> {
+fn pruned<T>(mut choices: Vec<Choice>, tried: Priced<'_, T>) -> Result<(f64, T), ClampedCaseError> {
     let mut best = tried(&choices)?;
     loop {
         let mut better = None;
