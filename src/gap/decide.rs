@@ -10,9 +10,8 @@ use super::evidence::{Evidence, WholeLeft};
 use super::floor::rough_rad;
 use super::held_out::{HeldOut, closed};
 use super::model::{BASELINE, DERIVATIVE, GAIN, INTEGRAL};
-use super::numbers::numbers;
+use super::numbers::{includes_none, numbers};
 use super::score::Measure;
-use super::sentence::includes_none;
 use super::trial::Trial;
 use crate::fit::Budget;
 use crate::identify::JointModel;
@@ -80,6 +79,11 @@ impl Decision<'_> {
     pub fn dropped<'b>(&self, a: &'b Attribution) -> &'b [EffectId] {
         if self.answer.effects().is_empty() { a.best.effects() } else { &[] }
     }
+
+    /// The same of a law.
+    pub fn drops_law(&self, a: &Attribution) -> bool {
+        self.verdict == Verdict::Unexplained && a.law.is_some() && self.answer.model.law().is_none()
+    }
 }
 
 /// Judges the hypotheses.
@@ -121,8 +125,8 @@ impl<'a> Judge<'a, '_> {
             && self.is_other_than_stated(GAIN);
         let finding = if is_gain { Some(GAIN) } else { finding };
         let effects = if is_gain { vec![EffectId::MotorGain] } else { Vec::new() };
-        let law = a.law.as_ref().filter(|law| alarm && law.effects().is_empty());
-        let answer = law.unwrap_or(simple);
+        let predicts = |law: &&Trial| law.effects().is_empty() && self.held_rad(law) < self.held_rad(simple);
+        let answer = a.law.as_ref().filter(|_| alarm).filter(predicts).unwrap_or(simple);
         Decision {
             verdict: if is_gain { Verdict::Effect } else { verdict },
             first: None,
@@ -186,8 +190,8 @@ impl<'a> Judge<'a, '_> {
     }
 
     /// Whether the joint is no more than an encoder's step off, and predicts held-out logs as well as the best as it is given; or,
-    /// where other joints push it, hardly worse recalibrated, whose motion is read in such steps, or where causes have no size
-    /// and only led the numbers to their place.
+    /// where other joints push it, hardly worse recalibrated, whose motion is read in such steps, or where no cause has a
+    /// size that logs agree on, and it may only have led the numbers to their place.
     fn has_hardly_a_cause(&self) -> bool {
         let stands =
             |t: &Trial, times: f64| !self.exceeds_a_step(t) && self.held_rad(t) <= times * self.held_rad(&self.a.best);

@@ -233,9 +233,9 @@ pub(super) fn diagnose_from(
     })
 }
 
-/// Numbers that moved further than belief allows, beside what an answer with causes names already.
+/// Numbers that moved further than belief allows, beside what an answer names already.
 fn broken<'a>(beliefs: &'a [BeliefFound], decision: &Decision<'_>) -> Vec<&'a BeliefFound> {
-    if !matches!(decision.verdict, Verdict::Effect | Verdict::Unexplained) {
+    if decision.verdict == Verdict::None {
         return Vec::new();
     }
     let gain = decision.answer.model.parameters()[GAIN].name.clone();
@@ -297,7 +297,8 @@ fn gap(evidence: &Evidence, held: &HeldOut, a: &Attribution, decision: &Decision
         floor,
         closed: closed(before, after, floor),
         closed_interval: closed(before, after, floor).and_then(|_| held.closed_interval(&given, &answer, floor)),
-        outer: held.is_outer() && !a.held_out_chose(evidence) && decision.dropped(a).is_empty(),
+        outer: held.is_outer()
+            && !(a.held_out_chose(evidence) || decision.drops_law(a) || !decision.dropped(a).is_empty()),
         held_out: held.how.to_owned(),
         per_log: per_log(held, [&given, &calibrated, &answer], floor),
     }
@@ -411,7 +412,7 @@ fn notes(
                 .to_owned(),
         );
     }
-    let law = a.law_refuted.then_some("a law");
+    let law = (a.law_refuted || decision.drops_law(a)).then_some("a law");
     let mut refuted: Vec<&str> = Vec::new();
     for name in a.refuted.iter().chain(decision.dropped(a)).map(|e| e.id()).chain(law) {
         if !refuted.contains(&name) {

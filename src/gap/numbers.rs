@@ -10,6 +10,17 @@ use crate::identify::{Estimate, JointModel, Problem, Status};
 use crate::joint::EffectId;
 use nalgebra::DMatrix;
 
+/// A size that is so near to none, in its own unit, is none.
+const NO_SIZE: f64 = 1e-6;
+
+/// Whether what measures an effect's size is where the effect is absent, or its interval reaches there.
+pub(super) fn includes_none(effect: EffectId, numbers: &[Number]) -> bool {
+    let none = effect.named_parameters().first().map(|named| named.zero);
+    none.zip(numbers.first()).is_some_and(|(none, size)| {
+        (size.value - none).abs() < NO_SIZE || size.interval.is_some_and(|[low, high]| low <= none && none <= high)
+    })
+}
+
 /// Estimates of the four numbers and of the rest angle, which is held, and of each effect's parameters.
 pub(super) fn numbers(evidence: &Evidence, trial: &Trial) -> (Vec<Estimate>, Vec<(EffectId, Vec<Number>)>) {
     numbers_beside(evidence, trial, &[])
@@ -140,5 +151,21 @@ impl Spread<'_> {
         };
         [half(&sure.robust, sure.quantile_robust()), half(&sure.naive, sure.quantile_naive())]
             .map(|half| half.is_finite().then(|| [(value - half).max(lower), (value + half).min(upper)]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_effect_of_no_size_or_with_none_in_its_interval_is_not_certain() {
+        let late = |value: f64, interval: Option<[f64; 2]>| {
+            vec![Number { name: "T".to_owned(), value, unit: "s".to_owned(), interval, interval_naive: None }]
+        };
+        assert!(includes_none(EffectId::Delay, &late(0.0, None)));
+        assert!(includes_none(EffectId::Delay, &late(0.002, Some([-0.001, 0.005]))));
+        assert!(!includes_none(EffectId::Delay, &late(0.002, Some([0.001, 0.003]))));
+        assert!(!includes_none(EffectId::Delay, &late(0.002, None)));
     }
 }

@@ -3,6 +3,8 @@
 use super::decide::{Decision, leaves_something};
 use super::diagnosis::{Gap, LawFound, Number, Verdict};
 use super::evidence::WholeLeft;
+use super::numbers::includes_none;
+use super::waterfall::beliefs;
 use crate::identify::BeliefFound;
 use crate::joint::{EffectId, LawActs};
 use crate::number::{mrad, quantity, share};
@@ -124,17 +126,6 @@ fn unnamed(law: &LawFound) -> String {
     format!("there is {what} that depends on the {} ({}){closed}.", of.join(" and the "), table.looks_like)
 }
 
-/// A size that is so near to none, in its own unit, is none.
-const NO_SIZE: f64 = 1e-6;
-
-/// Whether what measures an effect's size is where the effect is absent, or its interval reaches there.
-pub(super) fn includes_none(effect: EffectId, numbers: &[Number]) -> bool {
-    let none = effect.named_parameters().first().map(|named| named.zero);
-    none.zip(numbers.first()).is_some_and(|(none, size)| {
-        (size.value - none).abs() < NO_SIZE || size.interval.is_some_and(|[low, high]| low <= none && none <= high)
-    })
-}
-
 /// Where refitted numbers leave less than this share of the error, that is said first.
 const MOST_BY_NUMBERS: f64 = 0.7;
 
@@ -204,6 +195,7 @@ pub(super) fn sentence(
     };
     let all = || together(&decision.effects);
     let may_be_none = |effect: &EffectId| effects.iter().any(|(e, numbers)| e == effect && includes_none(*e, numbers));
+    let is_far = beliefs(decision.answer).iter().any(BeliefFound::is_finding);
     match (decision.verdict, decision.effect()) {
         (Verdict::None, _) if has_bodies => format!(
             "{joint}: nothing is missing beside the bodies that it carries. With them as found the held-out logs are explained \
@@ -215,8 +207,9 @@ pub(super) fn sentence(
             format!("{joint}: nothing is missing. The model as given explains the held-out logs {}.", to_the_noise(gap))
         }
         (Verdict::Calibration, _) => format!(
-            "{joint}: the structure is right and the numbers are off, the {} most of all; refitting them within what is believed of them{} takes the error from {} to {} (noise {}).",
+            "{joint}: the structure is right and the numbers are off, the {} most of all; refitting them{}{} takes the error from {} to {} (noise {}).",
             parameter.map_or("inertia", number_words),
+            if is_far { "" } else { " within what is believed of them" },
             if has_bodies { ", and the masses," } else { "" },
             mrad(gap.before),
             mrad(gap.after),
@@ -300,17 +293,6 @@ mod tests {
         assert_eq!(followed(Verdict::Calibration, &near, whole(0.51)), None);
         assert_eq!(followed(Verdict::Calibration, &far, whole(1.5)), None);
         assert_eq!(followed(Verdict::Effect, &far, whole(0.51)), None);
-    }
-
-    #[test]
-    fn an_effect_of_no_size_or_with_none_in_its_interval_is_not_certain() {
-        let late = |value: f64, interval: Option<[f64; 2]>| {
-            vec![Number { name: "T".to_owned(), value, unit: "s".to_owned(), interval, interval_naive: None }]
-        };
-        assert!(includes_none(EffectId::Delay, &late(0.0, None)));
-        assert!(includes_none(EffectId::Delay, &late(0.002, Some([-0.001, 0.005]))));
-        assert!(!includes_none(EffectId::Delay, &late(0.002, Some([0.001, 0.003]))));
-        assert!(!includes_none(EffectId::Delay, &late(0.002, None)));
     }
 
     #[test]

@@ -136,7 +136,7 @@ pub(super) fn find(
     }
     tried.retain(|fitted| !bench.is_believed(fitted) && fitted.is_told());
     tried.sort_by(|a, b| a.priced.total_cmp(&b.priced));
-    if price(&own) > 0.0 {
+    if own != nothing {
         for fitted in tried.iter_mut().take(BESIDE_CAUSES) {
             let beside = |choices: &[Choice]| {
                 let beside = bench.fitted(fitted.hypothesis.clone(), Some(&fitted.x), choices, STEPS_BESIDE)?;
