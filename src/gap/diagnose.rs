@@ -77,6 +77,8 @@ pub(super) struct Beside<'a> {
     pub whole: Option<WholeLeft>,
     /// Its causes as the whole robot has them, where that explains all joints.
     pub at_best: &'a [AtBest],
+    /// Whether the whole robot needs no causes of joints, so that none are looked for.
+    pub needs_no_cause: bool,
 }
 
 /// The same of a joint of a robot.
@@ -89,7 +91,7 @@ pub(super) fn diagnose_from(
     let stage = |stage| progress.go_on(Step::stage(stage));
     let nominal = case.joint.nominal.ok_or(GapError::NoNominal)?;
     let mut evidence = Evidence::of(case, nominal).ok_or(GapError::NeverMoved)?;
-    let Beside { described, whole, at_best } = beside;
+    let Beside { described, whole, at_best, needs_no_cause } = beside;
     evidence.whole = whole;
     evidence.deadline = options.deadline.clone();
     evidence.demands = Arc::new(resolved(&options.demands, &evidence)?);
@@ -101,7 +103,8 @@ pub(super) fn diagnose_from(
             && (options.only.is_empty() || options.only.contains(e))
     };
     let effects: Vec<EffectId> = EffectId::ALL.iter().copied().filter(considered).collect();
-    let (evidence, attribution) = attributed(evidence, &effects, progress)?;
+    let candidates = if needs_no_cause { &[][..] } else { &effects };
+    let (evidence, attribution) = attributed(evidence, candidates, progress)?;
     if !attribution.calibrated.criterion().is_finite() {
         return Err(GapError::Diverged);
     }

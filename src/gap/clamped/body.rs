@@ -19,24 +19,57 @@ pub struct BodyCause {
     pub joints: Vec<String>,
     /// Mass \[kg\], place \[m\]; without an interval where the logs do not tell.
     pub parameters: Vec<Number>,
-    /// What it saves: squares of standard deviations of logs and beliefs.
+    /// What it saves along the measured motion: squares of standard deviations of logs and beliefs.
     pub saved: f64,
     /// What these logs cannot tell from it, itself first.
-    pub equivalent: Vec<String>,
+    pub equivalent: Vec<BodyName>,
 }
 
-impl BodyCause {
-    /// `a payload on hand (mass = 0.21 [0.20, 0.22] kg)`
+/// What may be other than described, without its size.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BodyName {
+    /// What of it.
+    pub kind: BodyKind,
+    /// The link's name.
+    pub body: String,
+}
+
+impl BodyName {
+    /// `payload on hand`
+    pub fn id(&self) -> String {
+        format!("{} on {}", self.kind.id(), self.body)
+    }
+
+    /// `a payload on hand`
     pub fn words(&self) -> String {
-        let told = self.parameters.iter().filter(|number| number.interval.is_some());
-        let numbers: Vec<String> =
-            told.map(|n| format!("{} = {}", n.name, quantity(n.value, n.interval, &n.unit))).collect();
         let what = match self.kind {
             BodyKind::Payload => "a payload on",
             BodyKind::BodyMass => "another mass of",
             BodyKind::BodyCom => "another centre of mass of",
         };
+        format!("{what} {}", self.body)
+    }
+}
+
+impl BodyCause {
+    /// What it is.
+    pub fn name(&self) -> BodyName {
+        BodyName { kind: self.kind, body: self.body.clone() }
+    }
+
+    /// What these logs cannot tell from it; `None` where nothing is as good.
+    pub fn rivals_words(&self) -> Option<String> {
+        let own = self.name();
+        let others: Vec<String> = self.equivalent.iter().filter(|other| **other != own).map(BodyName::words).collect();
+        (!others.is_empty()).then(|| others.join(", nor from "))
+    }
+
+    /// `a payload on hand (mass = 0.21 [0.20, 0.22] kg)`
+    pub fn words(&self) -> String {
+        let told = self.parameters.iter().filter(|number| number.interval.is_some());
+        let numbers: Vec<String> =
+            told.map(|n| format!("{} = {}", n.name, quantity(n.value, n.interval, &n.unit))).collect();
         let numbers = if numbers.is_empty() { String::new() } else { format!(" ({})", numbers.join(", ")) };
-        format!("{what} {}{numbers}", self.body)
+        format!("{}{numbers}", self.name().words())
     }
 }

@@ -36,6 +36,8 @@ pub struct ClampedJoint {
     pub(in crate::gap) whole: Option<WholeLeft>,
     /// Its causes as that has them, where it explains all joints.
     pub(in crate::gap) at_best: Vec<AtBest>,
+    /// Whether the whole robot needs no causes of joints.
+    pub(in crate::gap) needs_no_cause: bool,
 }
 
 impl ClampedCase {
@@ -81,6 +83,7 @@ impl ClampedCase {
                 as_described: None,
                 whole: None,
                 at_best: Vec::new(),
+                needs_no_cause: false,
             });
         }
         let mut notes = Vec::new();

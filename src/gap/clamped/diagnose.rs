@@ -143,7 +143,8 @@ pub(in crate::gap) fn diagnose_joints(
         let first = described.iter().find(|first| first.joint == joint.name);
         let first = first.and_then(|first| first.diagnosis.as_ref()).map(AsGiven::of);
         let first = first.or_else(|| joint.as_described.as_ref().and_then(AsGiven::simulated));
-        let beside = Beside { described: first.as_ref(), whole: joint.whole, at_best: &joint.at_best };
+        let (described, needs_no_cause) = (first.as_ref(), joint.needs_no_cause);
+        let beside = Beside { described, whole: joint.whole, at_best: &joint.at_best, needs_no_cause };
         let found = match diagnose_from(&joint.case, &own, beside, &counted) {
             Ok(diagnosis) => Ok(Some(diagnosis)),
             Err(GapError::NeverMoved) => Ok(None),
@@ -364,7 +365,8 @@ fn sentence(
         }
     );
     for body in bodies {
-        text += &format!(" {}.", capital(&body.words()));
+        let rivals = body.rivals_words().map(|others| format!(": these logs cannot tell it from {others}"));
+        text += &format!(" {}{}.", capital(&body.words()), rivals.unwrap_or_default());
     }
     for cause in causes.iter().filter(|cause| cause.share > 0.0).take(SAID) {
         let on = cause.group.clone().unwrap_or_else(|| cause.joints.join(", "));

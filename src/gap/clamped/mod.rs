@@ -15,7 +15,7 @@ mod setup;
 mod tests;
 
 pub use super::BodyKind;
-pub use body::BodyCause;
+pub use body::{BodyCause, BodyName};
 pub use case::{ClampedCase, ClampedJoint};
 pub use diagnose::{ClampedAnswer, ClampedDiagnosis, ClampedGap, JointAnswer, SharedCause, diagnose_clamped};
 pub(super) use diagnose::{concluded, concluded_of, diagnose_joints};

@@ -11,7 +11,7 @@ use super::signals::Motion;
 use super::system::{Block, Solved, System, Unknown};
 use crate::deadline::Deadline;
 use crate::gap::Number;
-use crate::gap::clamped::{BodyCause, BodyKind, ClampedCaseError, ClampedSetup};
+use crate::gap::clamped::{BodyCause, BodyKind, BodyName, ClampedCaseError, ClampedSetup};
 use crate::number::chance::HALF_95;
 use crate::robot::description::{BodyChange, Description, LinkId};
 use crate::robot::tree::{Tree, TreeBase};
@@ -20,8 +20,8 @@ use nalgebra::Vector3;
 /// What is left out where these are not looked for.
 pub(super) const BODIES: &str = "whether a body's mass is another than described";
 
-/// What a body cause has to save beyond its price: criteria are squares of standard deviations.
-const MARGIN: f64 = 16.0;
+/// What a body cause has to save beyond its price to be told: criteria are squares of standard deviations.
+pub(super) const MARGIN: f64 = 16.0;
 /// What an unknown costs, and a cause of a single joint.
 const PRICE: f64 = 4.0;
 const PRICE_OF_CAUSE: f64 = 8.0;
@@ -111,7 +111,7 @@ impl Fitted {
     }
 }
 
-/// The body cause that explains most, if any explains enough; `None` else. `founds` are the joints' own answers, in the
+/// The body cause of each kind that explains most, and a payload on the tip, of those that save so much, best first. `founds` are the joints' own answers, in the
 /// case's order; bodies that are `taken` were changed already, kinds `without` are withheld.
 pub(super) fn find(
     setup: &ClampedSetup,
@@ -119,8 +119,8 @@ pub(super) fn find(
     founds: &[Found],
     taken: &[LinkId],
     without: &[BodyKind],
-    deadline: &Deadline,
-) -> Result<Option<BodyCause>, ClampedCaseError> {
+    (least, deadline): (f64, &Deadline),
+) -> Result<Vec<BodyCause>, ClampedCaseError> {
     let bench = Bench::new(setup, case, founds)?;
     let nothing = vec![Choice::default(); founds.len()];
     let own: Vec<Choice> = founds.iter().map(|found| Choice { curve: None, ..found.choice() }).collect();
@@ -130,7 +130,7 @@ pub(super) fn find(
     let is_asked = |h: &Hypothesis| !taken.contains(&h.link) && !without.contains(&h.kind);
     for hypothesis in hypotheses(setup).into_iter().filter(is_asked) {
         if deadline.leaves_out(BODIES) {
-            return Ok(None);
+            return Ok(Vec::new());
         }
         tried.push(bench.fitted(hypothesis, None, &nothing, STEPS)?);
     }
@@ -149,17 +149,23 @@ pub(super) fn find(
         }
         tried.sort_by(|a, b| a.priced.total_cmp(&b.priced));
     }
-    let Some(best) = tried.first() else { return Ok(None) };
-    let saved = bare - best.priced;
-    if saved < MARGIN {
-        return Ok(None);
+    let (mut kinds, tip): (Vec<BodyKind>, _) = (Vec::new(), tip(setup));
+    let mut found = Vec::new();
+    for best in tried.iter().take_while(|fitted| bare - fitted.priced >= least) {
+        let Hypothesis { kind, link, .. } = best.hypothesis;
+        let is_at_tip = kind == BodyKind::Payload && Some(link) == tip;
+        if kinds.contains(&kind) && !is_at_tip {
+            continue;
+        }
+        kinds.push(kind);
+        let is_as_good = |other: &&Fitted| (other.priced - best.priced).abs() < 2.0 * PRICE;
+        let name = |other: &Fitted| BodyName { kind: other.hypothesis.kind, body: bench.name(other.hypothesis.link) };
+        let (own, others): (Vec<&Fitted>, Vec<&Fitted>) =
+            tried.iter().filter(is_as_good).partition(|other| std::ptr::eq(*other, best));
+        let as_good = own.into_iter().chain(others).map(name).collect();
+        found.push(bench.cause(best, as_good, bare - best.priced));
     }
-    let as_good: Vec<String> = tried
-        .iter()
-        .filter(|other| other.priced - best.priced < 2.0 * PRICE)
-        .map(|other| format!("{} on {}", other.hypothesis.kind.id(), bench.name(other.hypothesis.link)))
-        .collect();
-    Ok(Some(bench.cause(best, as_good, saved)))
+    Ok(found)
 }
 
 /// What causes of joints cost.
@@ -263,7 +269,12 @@ impl<'a> Bench<'a> {
         let name = carrier.map_or("", |joint| &self.setup.description.joints[joint].name);
         let sd = BELIEVED * self.setup.study.uncertain.mass.of(name);
         match kind {
-            BodyKind::Payload => fitted.x[0] < sd * inertia.mass_kg,
+            // A small mass far from the body's centre is more than the body may be heavier.
+            BodyKind::Payload => {
+                let place_m = Vector3::from_row_slice(&fitted.x[1..]).norm();
+                let moved_m = BELIEVED * CENTRE_SHARE * inertia.centre_m().norm();
+                fitted.x[0] < sd * inertia.mass_kg && fitted.x[0] * place_m < moved_m * inertia.mass_kg
+            }
             BodyKind::BodyMass => fitted.x[0].abs() < sd,
             BodyKind::BodyCom => {
                 Vector3::from_row_slice(&fitted.x).norm() < BELIEVED * CENTRE_SHARE * inertia.centre_m().norm()
@@ -360,7 +371,7 @@ impl<'a> Bench<'a> {
         Ok(Fitted { hypothesis, x, priced, numbers })
     }
 
-    fn cause(&self, fitted: &Fitted, as_good: Vec<String>, saved: f64) -> BodyCause {
+    fn cause(&self, fitted: &Fitted, as_good: Vec<BodyName>, saved: f64) -> BodyCause {
         let Hypothesis { kind, link, sd, .. } = &fitted.hypothesis;
         let described = &self.setup.description.links[link.0];
         let number = |name: &str, unit: &str, k: usize, offset: f64, scale: f64| {
@@ -423,6 +434,13 @@ fn bare_tree(setup: &ClampedSetup, description: &Description) -> Result<Tree, Cl
     Ok(Tree::new(&bare, TreeBase::Fixed).map_err(of_tree)?.with_gravity(setup.tree.gravity_m_s2()))
 }
 
+/// Where a payload hangs most often: the study's tip, or the robot's.
+fn tip(setup: &ClampedSetup) -> Option<LinkId> {
+    let robot = &setup.description;
+    let named = setup.study.tip.as_ref().and_then(|tip| robot.link(tip));
+    named.or_else(|| robot.tip())
+}
+
 /// Bodies that may be other than described: the heaviest link of each that moves, and the tip.
 fn hypotheses(setup: &ClampedSetup) -> Vec<Hypothesis> {
     let robot = &setup.description;
@@ -431,8 +449,7 @@ fn hypotheses(setup: &ClampedSetup) -> Vec<Hypothesis> {
         .map(|k| robot.links[k].inertia.mass_kg)
         .sum();
     let heaviest = robot.heaviest();
-    let named = setup.study.tip.as_ref().and_then(|tip| robot.link(tip));
-    let tip = named.or_else(|| robot.tip());
+    let tip = tip(setup);
     let mut all = Vec::new();
     for link in heaviest.iter().copied().chain(tip) {
         let centre = robot.links[link.0].inertia.centre_m();

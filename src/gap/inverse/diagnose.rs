@@ -1,7 +1,7 @@
 //! Every joint of a robot diagnosed by the torques that its motion asks for.
 
 use super::answer::{TorqueTraces, diagnosis};
-use super::bodies::{BODIES, find};
+use super::bodies::{BODIES, MARGIN, find};
 use super::case::TorqueCase;
 use super::design::JointData;
 use super::search::{Found, search};
@@ -63,9 +63,8 @@ pub fn diagnose_torques(
     while may_be_other(&bodies) && !founds.is_empty() && !options.deadline.leaves_out(BODIES) {
         progress.go_on(Step::stage("payload and masses"))?;
         let taken: Vec<LinkId> = bodies.iter().map(|body| body.link).collect();
-        let Some(body) = find(&changed, &case, &founds, &taken, &options.without_bodies, &options.deadline)? else {
-            break;
-        };
+        let found = find(&changed, &case, &founds, &taken, &options.without_bodies, (MARGIN, &options.deadline))?;
+        let Some(body) = found.into_iter().next() else { break };
         changed = changed.with_change(body.link, &body.change)?;
         bodies.push(body);
         (answers, founds, case) = searched(&TorqueCase::of(&changed)?, &as_described, &allows);

@@ -3,7 +3,7 @@
 //! Bodies are looked for along the measured motion, by the torques that the servos gave as study and description state
 //! them; what is found has to let the simulated joints predict held-out logs no worse.
 
-use super::bodies::{BODIES, find};
+use super::bodies::{BODIES, MARGIN, find};
 use super::case::TorqueCase;
 use super::diagnose::{TorqueError, searched};
 use super::weigh::{mean_share, weighed_case};
@@ -14,7 +14,7 @@ use crate::gap::clamped::{
 use crate::gap::decide::leaves_something;
 use crate::gap::evidence::WholeLeft;
 use crate::gap::recalibrated::Refitted;
-use crate::gap::whole::{AsFound, as_found};
+use crate::gap::whole::{AsFound, BodyAtBest, as_found, body_at_best, placed_causes};
 use crate::gap::{Diagnosis, GapError, GapOptions, Verdict};
 use crate::joint::EffectId;
 use crate::progress::{Progress, Step};
@@ -34,6 +34,8 @@ const CLOSES: f64 = 0.98;
 /// A body is worth a search beside it where numbers alone leave so much less with it, or more of them than its own come back to
 /// what is believed.
 const PROMISING: f64 = 0.95;
+/// Bodies with which the whole robot leaves so little more than with the best explain as much.
+const AS_GOOD: f64 = 1.01;
 /// Numbers that moved by fewer of their standard deviations ask for nothing.
 const MOVED_SD: f64 = 1.0;
 
@@ -70,12 +72,12 @@ fn searched_within(
         let simulated = found().find(|d| d.joint == data.name);
         own.with_causes(simulated.iter().flat_map(|d| &d.causes).map(|cause| cause.effect));
     }
-    let without = &options.without_bodies;
-    let body = (!founds.is_empty())
-        .then(|| find(setup, &moving, &founds, &[], without, &options.deadline))
-        .transpose()?
-        .flatten();
-    let Some(body) = body else { return Ok((case, first)) };
+    if founds.is_empty() {
+        return Ok((case, first));
+    }
+    let how = (f64::NEG_INFINITY, &options.deadline);
+    let bodies = find(setup, &moving, &founds, &[], &options.without_bodies, how)?;
+    let Some((body, explains)) = best_of(setup, bodies, &first, options) else { return Ok((case, first)) };
     let changed = setup.with_change(body.link, &body.change)?;
     let (mut with_it, masses) = weighed_case(&changed, options, progress)?;
     let refused = |mut first: ClampedDiagnosis| {
@@ -96,21 +98,67 @@ fn searched_within(
     // To the joints that do not carry it nothing has changed.
     let (carrying, others) = std::mem::take(&mut with_it.joints).into_iter().partition(carries);
     with_it.joints = carrying;
+    with_it.joints.iter_mut().for_each(|joint: &mut ClampedJoint| joint.needs_no_cause = explains);
     let again = diagnose_joints(&with_it.joints.iter().collect::<Vec<_>>(), options, &first.joints, progress)?;
     let own = |joint: &JointAnswer| again.iter().find(|own| own.joint == joint.joint).unwrap_or(joint).clone();
     let joints: Vec<JointAnswer> = first.joints.iter().map(own).collect();
     with_it.joints.extend::<Vec<ClampedJoint>>(others);
     with_it.joints.sort_by_key(|joint| case.joints.iter().position(|own| own.name == joint.name));
+    for joint in &mut with_it.joints {
+        let own = case.joints.iter().find(|own| own.name == joint.name);
+        joint.as_described = own.map(|own| own.as_described.as_ref().unwrap_or(&own.case).clone());
+    }
+    let mut found = concluded_of(&with_it, joints).with_weighed(masses);
+    if !explains {
+        (with_it, found) = followed(&changed, options, progress, (with_it, found))?;
+    }
     let mut notes = case.notes.clone();
     notes.push(with_body(&body));
     let named = vec![body.clone()];
-    let diagnosis = concluded(&case.robot, &case.groups, joints, named, Some(&first.joints), notes);
-    let diagnosis = diagnosis.with_weighed(masses);
+    let diagnosis = concluded(&case.robot, &case.groups, found.joints, named, Some(&first.joints), notes);
+    let diagnosis = diagnosis.with_weighed(found.weighed);
     let [without, with] = [&first, &diagnosis].map(|d| d.gap.after);
-    if with > NO_WORSE * without || with > CLOSES * without && needs(&diagnosis) >= needs(&first) {
+    // The body is one more.
+    if with > NO_WORSE * without || with > CLOSES * without && needs(&diagnosis) + 1 >= needs(&first) {
         return Ok((case, refused(first)));
     }
     Ok((with_it, diagnosis))
+}
+
+/// The body with which the whole robot leaves least, with the mass and the place at which it does: of those that the torques
+/// ask for, and those with which it leaves only noise of every joint, and whether it does. The first that torques ask for where it
+/// cannot be simulated.
+fn best_of(
+    setup: &ClampedSetup,
+    bodies: Vec<BodyCause>,
+    first: &ClampedDiagnosis,
+    options: &GapOptions,
+) -> Option<(BodyCause, bool)> {
+    let causes = placed_causes(first);
+    let at_best = |body: &BodyCause| {
+        let alone = body_at_best(setup, body, &[], first, &options.deadline);
+        let is_asked = body.saved >= MARGIN;
+        if alone.as_ref().is_some_and(|alone| alone.explains) || !is_asked {
+            return alone.filter(|alone| alone.explains);
+        }
+        let beside =
+            (!causes.is_empty()).then(|| body_at_best(setup, body, &causes, first, &options.deadline)).flatten();
+        // Beside causes it explains nothing alone.
+        let beside = beside.map(|beside| BodyAtBest { explains: false, ..beside });
+        alone.into_iter().chain(beside).min_by(|a, b| a.left_rad.total_cmp(&b.left_rad))
+    };
+    let tried: Vec<BodyAtBest> = bodies.iter().filter_map(at_best).collect();
+    let least_rad = tried.iter().map(|one| one.left_rad).fold(f64::INFINITY, f64::min);
+    let mut as_good = tried.into_iter().filter(|one| one.left_rad <= AS_GOOD * least_rad);
+    let Some(best) = as_good.next() else {
+        let asked = bodies.into_iter().next().filter(|body| body.saved >= MARGIN);
+        return asked.map(|body| (body, false));
+    };
+    let BodyAtBest { mut body, explains, .. } = best;
+    // The same on other links as torques tell it, other kinds as the whole robot does.
+    body.equivalent.retain(|other| other.kind == body.kind);
+    body.equivalent.extend(as_good.map(|other| other.body.name()));
+    Some((body, explains))
 }
 
 /// The joints along the robot as found, again and again, where that follows motions better which the logs hardly resolve: what

@@ -121,7 +121,7 @@ fn with_numbers_alone(setup: &ClampedSetup, diagnosis: &ClampedDiagnosis, deadli
 }
 
 /// Whether a robot leaves only noise of every joint.
-fn explains(whole: &Settled, diagnosis: &ClampedDiagnosis) -> bool {
+pub(super) fn explains(whole: &Settled, diagnosis: &ClampedDiagnosis) -> bool {
     let mut found = diagnosis.joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
     found.all(|own| whole.left_rad(&own.joint).is_none_or(|left_rad| !leaves_something(left_rad, own.gap.floor)))
 }

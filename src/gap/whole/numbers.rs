@@ -65,7 +65,8 @@ pub fn found_robot(setup: &ClampedSetup, diagnosis: Option<&ClampedDiagnosis>) -
     Ok(found)
 }
 
-fn of_body(body: &BodyCause, description: &Description) -> FoundNumber {
+/// A body as a number of the description.
+pub(super) fn of_body(body: &BodyCause, description: &Description) -> FoundNumber {
     let number = |name: &str| body.parameters.iter().find(|number| number.name == name);
     let place_m = ["x", "y", "z"].map(|axis| number(axis).map_or(0.0, |number| number.value));
     let inertia = &description.links[body.link.0].inertia;

@@ -6,7 +6,7 @@
 //! derivatives and the described masses: a joint that no cause explains there may be explained here.
 
 use super::robot::{PlacedCause, Stretch, WholeRobot};
-use super::unknown::{Quantity, Unknown, believed};
+use super::unknown::{Quantity, Unknown, believed, is_body};
 use crate::deadline::Deadline;
 use crate::fit::correlation_length;
 use crate::gap::clamped::ClampedSetup;
@@ -46,6 +46,8 @@ pub(in crate::gap) struct Settled {
     pub numbers: Vec<FoundNumber>,
     /// Its causes; spreads are standard deviations of their values.
     pub causes: Vec<PlacedCause>,
+    /// Standard deviations of the mass of a body that was found, where it hangs on a link \[kg\], and of its place \[m\].
+    pub body_sd: Vec<f64>,
     /// Root of the mean square that it leaves of each joint that moves, on held-out logs where these show that \[rad\].
     pub left_rad: Vec<(String, f64)>,
 }
@@ -148,6 +150,8 @@ struct Bench<'a> {
     unknowns: Vec<Unknown>,
     /// Those that are not uncertain.
     others: Vec<FoundNumber>,
+    /// Bodies that were found, where they were.
+    bodies: Vec<FoundNumber>,
     causes: &'a [PlacedCause],
 }
 
@@ -167,16 +171,18 @@ impl<'a> Bench<'a> {
         let is_unknown = |number: &FoundNumber| {
             unknowns.iter().any(|unknown| match &unknown.quantity {
                 Quantity::Number { key, name, .. } => *key == number.key && *name == number.name,
-                Quantity::Value { .. } => false,
+                Quantity::Body { .. } | Quantity::Value { .. } => false,
             })
         };
-        let others = numbers.iter().filter(|number| !is_unknown(number)).cloned().collect();
-        Some(Self { setup, logs, unknowns, others, causes })
+        let known = numbers.iter().filter(|number| !is_unknown(number)).cloned();
+        let (bodies, others) = known.partition(is_body);
+        Some(Self { setup, logs, unknowns, others, bodies, causes })
     }
 
     /// The robot where the unknowns have these sizes, known so well.
     fn robot(&self, sizes: &[f64], sd: &[f64]) -> (Vec<FoundNumber>, Vec<PlacedCause>) {
         let (mut numbers, mut causes) = (self.others.clone(), self.causes.to_vec());
+        let mut bodies = self.bodies.clone();
         for (unknown, (size, sd)) in self.unknowns.iter().zip(sizes.iter().zip(sd)) {
             let at = |size: f64| unknown.at(size);
             match &unknown.quantity {
@@ -189,12 +195,24 @@ impl<'a> Bench<'a> {
                     unit: (*unit).to_owned(),
                     place_m: None,
                 }),
+                Quantity::Body { key, name, axis } => {
+                    let own = bodies.iter_mut().filter(|body| body.key == *key && body.name == *name);
+                    own.for_each(|body| match (axis, &mut body.place_m) {
+                        (Some(axis), Some(place_m)) => place_m[*axis] = at(*size),
+                        _ => {
+                            body.value = at(*size);
+                            body.interval = Some([-HALF_95, HALF_95].map(|side| at(size + side * sd).max(0.0)));
+                        }
+                    });
+                }
                 Quantity::Value { cause, value } => {
                     causes[*cause].values[*value] = at(*size);
                     causes[*cause].spreads[*value] = sd * unknown.sd;
                 }
             }
         }
+        // What hangs on a link comes after the link's own mass.
+        numbers.extend(bodies);
         (numbers, causes)
     }
 
@@ -315,7 +333,9 @@ impl<'a> Bench<'a> {
             Some((name.to_owned(), mean_square(&left).sqrt()))
         };
         let left_rad = self.setup.description.joints.iter().filter_map(|joint| of_joint(&joint.name)).collect();
-        Some(Settled { numbers, causes, left_rad })
+        let of_body = self.unknowns.iter().zip(&sd).filter(|(own, _)| matches!(own.quantity, Quantity::Body { .. }));
+        let body_sd = of_body.map(|(own, sd)| sd * own.sd).collect();
+        Some(Settled { numbers, causes, body_sd, left_rad })
     }
 }
 

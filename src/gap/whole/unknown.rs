@@ -9,11 +9,16 @@ use crate::robot::description::{FoundKey, FoundNumber, MoverId};
 const BELIEVED: f64 = 3.0;
 /// What turns with a motor is known to this share of what its joint moves.
 const ARMATURE: f64 = 0.1;
+/// The mass of a body that torques ask for is known to this share, and its place so well \[m\].
+const BODY_SHARE: f64 = 0.5;
+const PLACE_M: f64 = 0.05;
 
 /// What is never quite right.
 pub(super) enum Quantity {
     /// A number of the description.
     Number { key: FoundKey, name: String, unit: &'static str },
+    /// Of a body that was found its mass, or its place along an axis of the link's frame.
+    Body { key: FoundKey, name: String, axis: Option<usize> },
     /// A value of a cause, by place among the causes and among its values.
     Value { cause: usize, value: usize },
 }
@@ -33,11 +38,13 @@ impl Unknown {
         self.centre + size * self.sd
     }
 
-    /// The size within what is believed; numbers of the description are not negative.
+    /// The size within what is believed; numbers of the description and masses are not negative.
     pub fn within(&self, size: f64) -> f64 {
         let least = match self.quantity {
-            Quantity::Number { .. } => (-self.centre / self.sd).clamp(-BELIEVED, 0.0),
-            Quantity::Value { .. } => -BELIEVED,
+            Quantity::Number { .. } | Quantity::Body { axis: None, .. } => {
+                (-self.centre / self.sd).clamp(-BELIEVED, 0.0)
+            }
+            Quantity::Body { .. } | Quantity::Value { .. } => -BELIEVED,
         };
         size.clamp(least, BELIEVED)
     }
@@ -65,7 +72,8 @@ impl Unknown {
     }
 }
 
-/// Numbers of the description that logs move, with what is believed of them where `found` has none far from that.
+/// Numbers of the description that logs move, with what is believed of them where `found` has none far from that; and bodies
+/// in `found`, about where they are there.
 pub(super) fn believed(setup: &ClampedSetup, logs: &[&RobotLog], found: &[FoundNumber]) -> Vec<Unknown> {
     let (robot, spreads) = (&setup.description, &setup.study.uncertain);
     let mut all = Vec::new();
@@ -103,7 +111,20 @@ pub(super) fn believed(setup: &ClampedSetup, logs: &[&RobotLog], found: &[FoundN
             add(FoundKey::Kd, name, "N m s/rad", kd, gain * kd);
         }
     }
+    for body in found.iter().filter(|number| is_body(number)) {
+        let mass = (body.key == FoundKey::Payload).then_some((None, body.value, BODY_SHARE * body.value));
+        let place = body.place_m.into_iter().flatten().enumerate();
+        all.extend(mass.into_iter().chain(place.map(|(axis, at)| (Some(axis), at, PLACE_M))).map(|(axis, was, sd)| {
+            let quantity = Quantity::Body { key: body.key, name: body.name.clone(), axis };
+            Unknown { quantity, was, centre: was, sd }
+        }));
+    }
     all
+}
+
+/// Whether a number is of a body with a place of its own.
+pub(super) fn is_body(number: &FoundNumber) -> bool {
+    matches!(number.key, FoundKey::Payload | FoundKey::Centre)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! `gap --json` of a robot with a clamped base: the keys of a joint's document for the whole, and every joint's document.
 
 use super::ClampedGapReport;
-use crate::gap::clamped::BodyCause;
+use crate::gap::clamped::{BodyCause, BodyName};
 use crate::joint::EffectId;
 use crate::report::gap::quantities;
 use crate::report::{SCHEMA, gap_json};
@@ -74,7 +74,7 @@ pub fn clamped_gap_json(report: &ClampedGapReport) -> Result<Value, serde_json::
 fn equivalent(report: &ClampedGapReport, documents: &Map<String, Value>) -> Value {
     let diagnosis = &report.diagnosis;
     if let Some(body) = diagnosis.bodies.first() {
-        return json!(body.equivalent);
+        return json!(ids(&body.equivalent));
     }
     let Some(cause) = diagnosis.causes.first() else { return json!([]) };
     let of = |joint: &String| {
@@ -129,6 +129,10 @@ fn detectable(documents: &Map<String, Value>) -> Map<String, Value> {
     all
 }
 
+fn ids(names: &[BodyName]) -> Vec<String> {
+    names.iter().map(BodyName::id).collect()
+}
+
 /// A cause of a body, with the keys of a joint's.
 fn of_body(body: &BodyCause, after: f64) -> Value {
     json!({
@@ -141,6 +145,6 @@ fn of_body(body: &BodyCause, after: f64) -> Value {
         "last": null,
         "after": after,
         "saved": body.saved,
-        "equivalent": body.equivalent,
+        "equivalent": ids(&body.equivalent),
     })
 }

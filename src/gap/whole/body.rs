@@ -1,0 +1,71 @@
+//! A body that torques along the measured motion ask for, with the mass and the place at which the whole robot follows its
+//! logs best: torques of servos that are only stated tell these roughly.
+
+use super::followed::explains;
+use super::numbers::{found_robot, of_body};
+use super::robot::PlacedCause;
+use super::settled::{Settled, settled};
+use crate::deadline::Deadline;
+use crate::gap::Number;
+use crate::gap::clamped::{BodyCause, BodyKind, ClampedDiagnosis, ClampedSetup};
+use crate::number::chance::HALF_95;
+use crate::number::math;
+use crate::robot::description::{BodyChange, FoundNumber};
+use nalgebra::Vector3;
+
+/// A body as the whole robot has it.
+pub(in crate::gap) struct BodyAtBest {
+    pub body: BodyCause,
+    /// What is left of the joints that move, as a geometric mean \[rad\].
+    pub left_rad: f64,
+    /// Whether it leaves only noise of every joint.
+    pub explains: bool,
+}
+
+/// A body where the whole robot is at its best with it beside causes; `None` where that cannot be simulated. `diagnosis` knows the
+/// joints' noise.
+pub(in crate::gap) fn body_at_best(
+    setup: &ClampedSetup,
+    body: &BodyCause,
+    causes: &[PlacedCause],
+    diagnosis: &ClampedDiagnosis,
+    deadline: &Deadline,
+) -> Option<BodyAtBest> {
+    let mut numbers = found_robot(setup, None).ok()?.numbers;
+    let of_torques = of_body(body, &setup.description);
+    numbers.push(of_torques.clone());
+    let whole = settled(setup, &numbers, causes, deadline)?;
+    let is_own = |number: &&FoundNumber| number.key == of_torques.key && number.name == of_torques.name;
+    let own = whole.numbers.iter().find(is_own)?;
+    let logs: f64 = whole.left_rad.iter().map(|(_, left)| math::ln(*left)).sum();
+    Some(BodyAtBest {
+        body: moved(setup, body, own, &whole),
+        left_rad: math::exp(logs / whole.left_rad.len() as f64),
+        explains: explains(&whole, diagnosis),
+    })
+}
+
+/// A body as the whole robot has it.
+fn moved(setup: &ClampedSetup, body: &BodyCause, own: &FoundNumber, whole: &Settled) -> BodyCause {
+    let inertia = &setup.description.links[body.link.0].inertia;
+    let place_m = Vector3::from(own.place_m.unwrap_or_default());
+    let change = match body.kind {
+        BodyKind::Payload => BodyChange::Payload { mass_kg: own.value, place_m },
+        BodyKind::BodyMass => BodyChange::Mass { factor: own.value / inertia.mass_kg },
+        BodyKind::BodyCom => BodyChange::Centre { shift_m: place_m - inertia.centre_m() },
+    };
+    let places = place_m.iter().zip(whole.body_sd.iter().rev().take(3).rev());
+    let places = places.map(|(at, sd)| (*at, Some([-HALF_95, HALF_95].map(|side| at + side * sd))));
+    let told: Vec<(f64, Option<[f64; 2]>)> = match body.kind {
+        BodyKind::BodyMass => vec![(own.value, own.interval)],
+        BodyKind::Payload => [(own.value, own.interval)].into_iter().chain(places).collect(),
+        BodyKind::BodyCom => places.collect(),
+    };
+    let parameters = body.parameters.iter().zip(told).map(|(number, (value, interval))| Number {
+        value,
+        interval,
+        interval_naive: interval,
+        ..number.clone()
+    });
+    BodyCause { change, parameters: parameters.collect(), ..body.clone() }
+}
