@@ -126,9 +126,7 @@ fn light_links_in_steps_of_the_encoder_are_weighed_and_nothing_is_accused() {
     }
 }
 
-/// Writes `data/examples/arm` anew: `cargo test --release --test gap_arm -- --ignored`.
-/// Joint by joint it looks like a wrong zero of the elbow and friction of the shoulder that differs with the direction; and the
-/// same arm with a late elbow, which is no matter of bodies.
+/// Joint by joint it looks like a wrong zero of the elbow.
 #[test]
 fn a_small_payload_beside_the_link_is_weighed_by_the_whole_arm() {
     let folder = tempfile::tempdir().unwrap();
@@ -148,6 +146,7 @@ fn a_small_payload_beside_the_link_is_weighed_by_the_whole_arm() {
     is_told("z", truth.place_m[2]);
 }
 
+/// Writes `data/examples/arm` anew: `cargo test --release --test gap_arm -- --ignored`.
 #[test]
 #[ignore = "writes files of the repository"]
 fn the_example_is_written() {

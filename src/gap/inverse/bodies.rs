@@ -111,15 +111,17 @@ impl Fitted {
     }
 }
 
-/// The body cause of each kind that explains most, and a payload on the tip, of those that save so much, best first. `founds` are the joints' own answers, in the
-/// case's order; bodies that are `taken` were changed already, kinds `without` are withheld.
+/// The body cause of each kind that explains most, and a payload on the tip, of those that save at least so much; best first.
+/// `founds` are the joints' own answers, in the case's order; bodies that are `taken` were changed already, kinds `without` are
+/// withheld.
 pub(super) fn find(
     setup: &ClampedSetup,
     case: &TorqueCase,
     founds: &[Found],
     taken: &[LinkId],
     without: &[BodyKind],
-    (least, deadline): (f64, &Deadline),
+    least: f64,
+    deadline: &Deadline,
 ) -> Result<Vec<BodyCause>, ClampedCaseError> {
     let bench = Bench::new(setup, case, founds)?;
     let nothing = vec![Choice::default(); founds.len()];
@@ -272,8 +274,9 @@ impl<'a> Bench<'a> {
             // A small mass far from the body's centre is more than the body may be heavier.
             BodyKind::Payload => {
                 let place_m = Vector3::from_row_slice(&fitted.x[1..]).norm();
-                let moved_m = BELIEVED * CENTRE_SHARE * inertia.centre_m().norm();
-                fitted.x[0] < sd * inertia.mass_kg && fitted.x[0] * place_m < moved_m * inertia.mass_kg
+                let moved_m = (BELIEVED * CENTRE_SHARE * inertia.centre_m().norm()).max(LEAST_CENTRE_M);
+                let is_small = fitted.x[0] < sd * inertia.mass_kg && fitted.x[0] * place_m < moved_m * inertia.mass_kg;
+                is_small || fitted.x[0] <= 0.0
             }
             BodyKind::BodyMass => fitted.x[0].abs() < sd,
             BodyKind::BodyCom => {

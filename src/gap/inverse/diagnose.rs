@@ -63,7 +63,7 @@ pub fn diagnose_torques(
     while may_be_other(&bodies) && !founds.is_empty() && !options.deadline.leaves_out(BODIES) {
         progress.go_on(Step::stage("payload and masses"))?;
         let taken: Vec<LinkId> = bodies.iter().map(|body| body.link).collect();
-        let found = find(&changed, &case, &founds, &taken, &options.without_bodies, (MARGIN, &options.deadline))?;
+        let found = find(&changed, &case, &founds, &taken, &options.without_bodies, MARGIN, &options.deadline)?;
         let Some(body) = found.into_iter().next() else { break };
         changed = changed.with_change(body.link, &body.change)?;
         bodies.push(body);

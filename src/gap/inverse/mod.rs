@@ -14,6 +14,7 @@ mod low_pass;
 mod motion;
 mod numbers;
 mod parameters;
+mod rounds;
 mod search;
 mod signals;
 mod sure;

@@ -1,34 +1,27 @@
 //! A robot whose motion is predicted, joint by joint, and the bodies that all of its joints ask to be other than described.
 //!
 //! Bodies are looked for along the measured motion, by the torques that the servos gave as study and description state
-//! them; what is found has to let the simulated joints predict held-out logs no worse.
+//! them, and weighed by the whole robot simulated at once; what is found has to let the simulated joints predict held-out logs
+//! no worse.
 
 use super::bodies::{BODIES, MARGIN, find};
 use super::case::TorqueCase;
 use super::diagnose::{TorqueError, searched};
+use super::rounds::{NO_WORSE, followed};
 use super::weigh::{mean_share, weighed_case};
 use crate::gap::clamped::{
-    BodyCause, ClampedCase, ClampedDiagnosis, ClampedJoint, ClampedSetup, JointAnswer, concluded, concluded_of,
-    diagnose_clamped, diagnose_joints,
+    BodyCause, BodyName, ClampedCase, ClampedDiagnosis, ClampedJoint, ClampedSetup, JointAnswer, concluded,
+    concluded_of, diagnose_clamped, diagnose_joints,
 };
 use crate::gap::decide::leaves_something;
-use crate::gap::evidence::WholeLeft;
 use crate::gap::recalibrated::Refitted;
-use crate::gap::whole::{AsFound, BodyAtBest, as_found, body_at_best, placed_causes};
-use crate::gap::{Diagnosis, GapError, GapOptions, Verdict};
+use crate::gap::whole::{BodyAtBest, body_at_best, placed_causes};
+use crate::gap::{Diagnosis, GapOptions, Verdict};
 use crate::joint::EffectId;
 use crate::progress::{Progress, Step};
-use crate::robot::description::{FoundKey, FoundNumber};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Times that joints are followed anew along the robot as found, and what of the error another has to leave at most.
-const ROUNDS: usize = 2;
-const WORTH_A_ROUND: f64 = 0.9;
-/// What is left out where that is not.
-const AS_FOUND: &str = "joints along the robot as found";
-/// With a body changed the joints' error may be so much larger, relative.
-const NO_WORSE: f64 = 1.02;
 /// A body that closes less is not named unless it takes the place of causes, or of numbers that no one believes.
 const CLOSES: f64 = 0.98;
 /// A body is worth a search beside it where numbers alone leave so much less with it, or more of them than its own come back to
@@ -75,22 +68,25 @@ fn searched_within(
     if founds.is_empty() {
         return Ok((case, first));
     }
-    let how = (f64::NEG_INFINITY, &options.deadline);
-    let bodies = find(setup, &moving, &founds, &[], &options.without_bodies, how)?;
-    let Some((body, explains)) = best_of(setup, bodies, &first, options) else { return Ok((case, first)) };
+    // Where numbers alone explain everything only what torques ask for is worth a look.
+    let least = if needs_only_numbers(&case, &first) { MARGIN } else { f64::NEG_INFINITY };
+    let bodies = find(setup, &moving, &founds, &[], &options.without_bodies, least, &options.deadline)?;
+    let Some((body, mut explains)) = best_of(setup, bodies, &first, options) else { return Ok((case, first)) };
     let changed = setup.with_change(body.link, &body.change)?;
     let (mut with_it, masses) = weighed_case(&changed, options, progress)?;
     let refused = |mut first: ClampedDiagnosis| {
-        first.notes.push(format!(
-            "Along the measured motion the servos' torques ask for {}; simulated with it, the joints predict held-out logs \
-             no better, so it is not named.",
-            body.words()
-        ));
+        if body.saved >= MARGIN {
+            first.notes.push(format!(
+                "Along the measured motion the servos' torques ask for {}; simulated with it, the joints predict held-out \
+                 logs no better, so it is not named.",
+                body.words()
+            ));
+        }
         first
     };
     let carriers: Vec<&str> =
         setup.description.carriers(body.link).iter().map(|at| setup.description.joints[at.0].name.as_str()).collect();
-    let carries = |joint: &ClampedJoint| carriers.contains(&joint.name.as_str());
+    let carries = |joint: &ClampedJoint| explains || carriers.contains(&joint.name.as_str());
     let carrying: Vec<&ClampedJoint> = with_it.joints.iter().filter(|joint| carries(joint)).collect();
     if !is_promising(&case, &carrying, options) {
         return Ok((case, refused(first)));
@@ -98,13 +94,22 @@ fn searched_within(
     // To the joints that do not carry it nothing has changed.
     let (carrying, others) = std::mem::take(&mut with_it.joints).into_iter().partition(carries);
     with_it.joints = carrying;
-    with_it.joints.iter_mut().for_each(|joint: &mut ClampedJoint| joint.needs_no_cause = explains);
-    let again = diagnose_joints(&with_it.joints.iter().collect::<Vec<_>>(), options, &first.joints, progress)?;
+    let mut again;
+    loop {
+        with_it.joints.iter_mut().for_each(|joint: &mut ClampedJoint| joint.needs_no_cause = explains);
+        again = diagnose_joints(&with_it.joints.iter().collect::<Vec<_>>(), options, &first.joints, progress)?;
+        let verdicts = again.iter().filter_map(|joint| Some(joint.diagnosis.as_ref()?.answer.verdict));
+        // Who says that nothing explains the rest has to have looked.
+        if !explains || !verdicts.into_iter().any(|verdict| verdict == Verdict::Unexplained) {
+            break;
+        }
+        explains = false;
+    }
     let own = |joint: &JointAnswer| again.iter().find(|own| own.joint == joint.joint).unwrap_or(joint).clone();
     let joints: Vec<JointAnswer> = first.joints.iter().map(own).collect();
     with_it.joints.extend::<Vec<ClampedJoint>>(others);
     with_it.joints.sort_by_key(|joint| case.joints.iter().position(|own| own.name == joint.name));
-    for joint in &mut with_it.joints {
+    for joint in with_it.joints.iter_mut().filter(|joint| carriers.contains(&joint.name.as_str())) {
         let own = case.joints.iter().find(|own| own.name == joint.name);
         joint.as_described = own.map(|own| own.as_described.as_ref().unwrap_or(&own.case).clone());
     }
@@ -125,8 +130,8 @@ fn searched_within(
     Ok((with_it, diagnosis))
 }
 
-/// The body with which the whole robot leaves least, with the mass and the place at which it does: of those that the torques
-/// ask for, and those with which it leaves only noise of every joint, and whether it does. The first that torques ask for where it
+/// The body with which the whole robot leaves only noise of every joint, and whether there is one; else, of those that the torques
+/// ask for, the one with which it leaves least, with the mass and the place at which it does; the first of them where the robot
 /// cannot be simulated.
 fn best_of(
     setup: &ClampedSetup,
@@ -147,117 +152,29 @@ fn best_of(
         let beside = beside.map(|beside| BodyAtBest { explains: false, ..beside });
         alone.into_iter().chain(beside).min_by(|a, b| a.left_rad.total_cmp(&b.left_rad))
     };
-    let tried: Vec<BodyAtBest> = bodies.iter().filter_map(at_best).collect();
+    let mut tried: Vec<BodyAtBest> = bodies.iter().filter_map(at_best).collect();
+    let explains = tried.iter().any(|one| one.explains);
+    tried.retain(|one| one.explains || !explains);
     let least_rad = tried.iter().map(|one| one.left_rad).fold(f64::INFINITY, f64::min);
-    let mut as_good = tried.into_iter().filter(|one| one.left_rad <= AS_GOOD * least_rad);
-    let Some(best) = as_good.next() else {
-        let asked = bodies.into_iter().next().filter(|body| body.saved >= MARGIN);
-        return asked.map(|body| (body, false));
+    let mut as_good = tried.into_iter().filter(|one| one.left_rad <= AS_GOOD * least_rad).map(|one| one.body);
+    let Some(mut best) = as_good.next() else {
+        return bodies.into_iter().next().filter(|body| body.saved >= MARGIN).map(|body| (body, false));
     };
-    let BodyAtBest { mut body, explains, .. } = best;
-    // The same on other links as torques tell it, other kinds as the whole robot does.
-    body.equivalent.retain(|other| other.kind == body.kind);
-    body.equivalent.extend(as_good.map(|other| other.body.name()));
-    Some((body, explains))
+    // What the whole robot did not try is as good as torques tell.
+    let was_tried = |other: &BodyName| bodies.iter().any(|body| body.name() == *other);
+    let others = std::mem::take(&mut best.equivalent);
+    let others = others.into_iter().filter(|other| other.kind == best.kind && !was_tried(other));
+    best.equivalent = [best.name()].into_iter().chain(others).chain(as_good.map(|other| other.name())).collect();
+    Some((best, explains))
 }
 
-/// The joints along the robot as found, again and again, where that follows motions better which the logs hardly resolve: what
-/// joints push one another with is then known better, and so is what is missing.
-fn followed(
-    setup: &ClampedSetup,
-    options: &GapOptions,
-    progress: &dyn Progress,
-    (mut case, mut found): (ClampedCase, ClampedDiagnosis),
-) -> Result<(ClampedCase, ClampedDiagnosis), TorqueError> {
-    for _ in 0..ROUNDS {
-        let is_sound = found.answer.verdict == Verdict::None;
-        if is_sound || options.deadline.leaves_out(AS_FOUND) {
-            break;
-        }
-        let Some(robot) = as_found(setup, &found, &options.deadline) else { break };
-        progress.go_on(Step::stage(AS_FOUND))?;
-        case.joints.iter_mut().for_each(|joint| tell(joint, &robot));
-        let masses: Vec<FoundNumber> =
-            found.weighed.iter().filter(|number| number.key == FoundKey::Mass).cloned().collect();
-        let whole = &robot.whole;
-        let weighed = if robot.explains { whole.numbers_but_causes() } else { whole.masses() };
-        let second = match ClampedCase::as_found(setup, &masses, whole)? {
-            None => None,
-            Some(mut again) => {
-                for (joint, before) in again.joints.iter_mut().zip(&case.joints) {
-                    joint.as_described.clone_from(&before.as_described);
-                    joint.whole = before.whole;
-                    joint.at_best.clone_from(&before.at_best);
-                }
-                let second = diagnose_clamped(&again, options, progress)?.with_weighed(weighed.clone());
-                Some((again, second))
-            }
-        };
-        let worth = if robot.explains { NO_WORSE } else { WORTH_A_ROUND };
-        let is_better =
-            |second: &ClampedDiagnosis| second.gap.after < worth * found.gap.after || explains_one_more(second, &found);
-        let Some(better) = second.filter(|(_, second)| is_better(second)) else {
-            let weighed = if robot.explains { weighed } else { masses };
-            found = explained(&case, options, progress, found, weighed)?;
-            break;
-        };
-        (case, found) = better;
-        if robot.explains && found.accused().len() <= robot.joints.len() {
-            break;
-        }
-    }
-    Ok((case, found))
-}
-
-/// Whether a joint that was left with more than noise is left with much less, and all of them together with no more: of many
-/// joints one hardly shows in what they leave together.
-fn explains_one_more(second: &ClampedDiagnosis, first: &ClampedDiagnosis) -> bool {
-    let both = first.joints.iter().zip(&second.joints);
-    let mut gaps =
-        both.filter_map(|(before, now)| Some([&before.diagnosis.as_ref()?.gap, &now.diagnosis.as_ref()?.gap]));
-    second.gap.after <= first.gap.after
-        && gaps.any(|[before, now]| {
-            leaves_something(before.after, before.floor) && now.after < WORTH_A_ROUND * before.after
-        })
-}
-
-/// Tells a joint what the whole robot as found leaves of it, and, where that explains all joints, its causes.
-fn tell(joint: &mut ClampedJoint, robot: &AsFound) {
-    let left_rad = joint.whole.zip(robot.whole.left_rad(&joint.name));
-    joint.whole = left_rad.map(|(before, rad)| WholeLeft {
-        bare_rad: if robot.joints.contains(&joint.name) { before.bare_rad } else { rad },
-        found_rad: rad,
-    });
-    joint.at_best = if robot.explains { robot.whole.causes_of(&joint.name) } else { Vec::new() };
-}
-
-/// The same with joints diagnosed again that the whole robot explains but nothing did, that have causes which it does not need,
-/// or of which it knows the causes better.
-fn explained(
-    case: &ClampedCase,
-    options: &GapOptions,
-    progress: &dyn Progress,
-    found: ClampedDiagnosis,
-    weighed: Vec<FoundNumber>,
-) -> Result<ClampedDiagnosis, GapError> {
-    let is_explained = |joint: &&ClampedJoint| {
-        let own = found.joints.iter().find(|own| own.joint == joint.name).and_then(|own| own.diagnosis.as_ref());
-        own.zip(joint.whole).is_some_and(|(own, whole)| {
-            let is_better = |left_rad: f64| left_rad < own.gap.after && !leaves_something(left_rad, own.gap.floor);
-            match own.answer.verdict {
-                Verdict::Unexplained => is_better(whole.found_rad),
-                _ => !own.causes.is_empty() && is_better(whole.bare_rad),
-            }
-        }) || !joint.at_best.is_empty()
-    };
-    let those: Vec<&ClampedJoint> = case.joints.iter().filter(is_explained).collect();
-    if those.is_empty() {
-        return Ok(found);
-    }
-    let again = diagnose_joints(&those, options, &[], progress)?;
-    let own = |joint: &JointAnswer| again.iter().find(|own| own.joint == joint.joint).unwrap_or(joint).clone();
-    let joints: Vec<JointAnswer> = found.joints.iter().map(own).collect();
-    Ok(concluded_of(case, joints).with_weighed(weighed))
+/// Whether the whole robot at its best needs no more than numbers to leave only noise of every joint.
+fn needs_only_numbers(case: &ClampedCase, found: &ClampedDiagnosis) -> bool {
+    let joints = found.joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
+    joints.into_iter().all(|own| {
+        let whole = case.joints.iter().find(|joint| joint.name == own.joint).and_then(|joint| joint.whole);
+        whole.is_some_and(|whole| !leaves_something(whole.bare_rad, own.gap.floor))
+    })
 }
 
 /// Whether causes beside a body are worth a search on the joints that carry it: with it in place their numbers alone predict
@@ -282,8 +199,8 @@ fn needs(diagnosis: &ClampedDiagnosis) -> usize {
 
 fn with_body(body: &BodyCause) -> String {
     format!(
-        "With {} in place, found along the measured motion over all joints that carry it: joints' numbers are told beside it, \
-         what they were before belongs to the robot as described.",
+        "With {} in place, which all joints that carry it share: joints' numbers are told beside it, what they were before \
+         belongs to the robot as described.",
         body.words()
     )
 }

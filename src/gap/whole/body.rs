@@ -37,6 +37,9 @@ pub(in crate::gap) fn body_at_best(
     let whole = settled(setup, &numbers, causes, deadline)?;
     let is_own = |number: &&FoundNumber| number.key == of_torques.key && number.name == of_torques.name;
     let own = whole.numbers.iter().find(is_own)?;
+    if whole.left_rad.is_empty() {
+        return None;
+    }
     let logs: f64 = whole.left_rad.iter().map(|(_, left)| math::ln(*left)).sum();
     Some(BodyAtBest {
         body: moved(setup, body, own, &whole),
@@ -54,12 +57,18 @@ fn moved(setup: &ClampedSetup, body: &BodyCause, own: &FoundNumber, whole: &Sett
         BodyKind::BodyMass => BodyChange::Mass { factor: own.value / inertia.mass_kg },
         BodyKind::BodyCom => BodyChange::Centre { shift_m: place_m - inertia.centre_m() },
     };
-    let places = place_m.iter().zip(whole.body_sd.iter().rev().take(3).rev());
-    let places = places.map(|(at, sd)| (*at, Some([-HALF_95, HALF_95].map(|side| at + side * sd))));
-    let told: Vec<(f64, Option<[f64; 2]>)> = match body.kind {
-        BodyKind::BodyMass => vec![(own.value, own.interval)],
-        BodyKind::Payload => [(own.value, own.interval)].into_iter().chain(places).collect(),
-        BodyKind::BodyCom => places.collect(),
+    let around = |at: f64, sd: Option<f64>| sd.map(|sd| [-HALF_95, HALF_95].map(|side| at + side * sd));
+    let not_negative = |range: [f64; 2]| range.map(|end| end.max(0.0));
+    let places = |sd: &[Option<f64>]| -> Vec<(f64, Option<[f64; 2]>)> {
+        place_m.iter().zip(sd).map(|(at, sd)| (*at, around(*at, *sd))).collect()
+    };
+    let told: Vec<(f64, Option<[f64; 2]>)> = match (body.kind, &whole.body_sd[..]) {
+        (BodyKind::Payload, [of_mass, of_place @ ..]) => {
+            let mass = (own.value, around(own.value, *of_mass).map(not_negative));
+            [vec![mass], places(of_place)].concat()
+        }
+        (BodyKind::BodyCom, of_place) => places(of_place),
+        _ => vec![(own.value, own.interval)],
     };
     let parameters = body.parameters.iter().zip(told).map(|(number, (value, interval))| Number {
         value,

@@ -35,6 +35,8 @@ const GETS_THERE: f64 = 0.5;
 /// Change of a number to either side for what it does, in its standard deviations: what scales masses, gains and friction
 /// together changes nothing, and is seen to change nothing only where each of them is told well.
 const NUDGE: f64 = 0.05;
+/// What is known to more than this share of what was believed of it is not told.
+const OPEN: f64 = 0.7;
 /// Nobody reads angles better than this \[rad\].
 const LEAST_NOISE_RAD: f64 = 1e-4;
 /// A joint that goes less far does not move \[rad\].
@@ -46,8 +48,9 @@ pub(in crate::gap) struct Settled {
     pub numbers: Vec<FoundNumber>,
     /// Its causes; spreads are standard deviations of their values.
     pub causes: Vec<PlacedCause>,
-    /// Standard deviations of the mass of a body that was found, where it hangs on a link \[kg\], and of its place \[m\].
-    pub body_sd: Vec<f64>,
+    /// Standard deviations of the mass of a body that was found, where it hangs on a link \[kg\], and of its place \[m\]; `None`
+    /// where the logs do not tell.
+    pub body_sd: Vec<Option<f64>>,
     /// Root of the mean square that it leaves of each joint that moves, on held-out logs where these show that \[rad\].
     pub left_rad: Vec<(String, f64)>,
 }
@@ -198,11 +201,12 @@ impl<'a> Bench<'a> {
                 Quantity::Body { key, name, axis } => {
                     let own = bodies.iter_mut().filter(|body| body.key == *key && body.name == *name);
                     own.for_each(|body| match (axis, &mut body.place_m) {
-                        (Some(axis), Some(place_m)) => place_m[*axis] = at(*size),
-                        _ => {
+                        (None, _) => {
                             body.value = at(*size);
                             body.interval = Some([-HALF_95, HALF_95].map(|side| at(size + side * sd).max(0.0)));
                         }
+                        (Some(axis), Some(place_m)) => place_m[*axis] = at(*size),
+                        (Some(_), None) => {}
                     });
                 }
                 Quantity::Value { cause, value } => {
@@ -334,7 +338,7 @@ impl<'a> Bench<'a> {
         };
         let left_rad = self.setup.description.joints.iter().filter_map(|joint| of_joint(&joint.name)).collect();
         let of_body = self.unknowns.iter().zip(&sd).filter(|(own, _)| matches!(own.quantity, Quantity::Body { .. }));
-        let body_sd = of_body.map(|(own, sd)| sd * own.sd).collect();
+        let body_sd = of_body.map(|(own, sd)| (*sd < OPEN).then_some(sd * own.sd)).collect();
         Some(Settled { numbers, causes, body_sd, left_rad })
     }
 }

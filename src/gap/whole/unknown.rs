@@ -114,7 +114,8 @@ pub(super) fn believed(setup: &ClampedSetup, logs: &[&RobotLog], found: &[FoundN
     for body in found.iter().filter(|number| is_body(number)) {
         let mass = (body.key == FoundKey::Payload).then_some((None, body.value, BODY_SHARE * body.value));
         let place = body.place_m.into_iter().flatten().enumerate();
-        all.extend(mass.into_iter().chain(place.map(|(axis, at)| (Some(axis), at, PLACE_M))).map(|(axis, was, sd)| {
+        let parts = mass.into_iter().chain(place.map(|(axis, at)| (Some(axis), at, PLACE_M)));
+        all.extend(parts.filter(|(_, _, sd)| *sd > 0.0).map(|(axis, was, sd)| {
             let quantity = Quantity::Body { key: body.key, name: body.name.clone(), axis };
             Unknown { quantity, was, centre: was, sd }
         }));
