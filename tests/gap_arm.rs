@@ -126,26 +126,6 @@ fn light_links_in_steps_of_the_encoder_are_weighed_and_nothing_is_accused() {
     }
 }
 
-/// Joint by joint it looks like a wrong zero of the elbow.
-#[test]
-fn a_small_payload_beside_the_link_is_weighed_by_the_whole_arm() {
-    let folder = tempfile::tempdir().unwrap();
-    let truth = Truth { payload_kg: 0.06, place_m: [0.06, 0.0, -0.22], ..Truth::default() };
-    support::arm::study(folder.path(), &truth, 8.0);
-    let found = gap(folder.path());
-    let effects = found["effects"].as_array().unwrap();
-    assert_eq!(effects.len(), 1, "{}", found["sentence"]);
-    assert_eq!((&effects[0]["id"], &effects[0]["body"]), (&"payload".into(), &"lower".into()), "{effects:#?}");
-    let is_told = |name: &str, was: f64| {
-        let own = &effects[0]["parameters"][name];
-        let [low, high] = [0, 1].map(|side| own["interval"][side].as_f64().unwrap());
-        assert!((low..=high).contains(&was), "{name}: {own}");
-    };
-    is_told("mass", truth.payload_kg);
-    is_told("x", truth.place_m[0]);
-    is_told("z", truth.place_m[2]);
-}
-
 /// Writes `data/examples/arm` anew: `cargo test --release --test gap_arm -- --ignored`.
 #[test]
 #[ignore = "writes files of the repository"]
