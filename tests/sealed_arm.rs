@@ -1,5 +1,5 @@
 //! Arms of `blind --robot` with a payload, beside a cause of one joint which explains more than it does, and alone where joint
-//! by joint it looks like wrong zeros and gains of encoders: `cargo test --release --test sealed_arm -- --ignored`, some four
+//! by joint it looks like wrong zeros and gains of encoders: `cargo test --release --test sealed_arm -- --ignored`, some
 //! minutes.
 
 use serde_json::Value;
@@ -49,7 +49,7 @@ fn a_payload_is_weighed_by_the_whole_arm() {
 }
 
 #[test]
-#[ignore = "a minute and a half"]
+#[ignore = "two minutes; fails: 57 [51, 62.4] g are told of the payload's 63 g"]
 fn a_payload_is_found_beside_what_explains_more() {
     let folder = tempfile::tempdir().unwrap();
     let [truth, found] = diagnosed(folder.path(), &["--scenario", "arm", "--seed", SEED], 2);
