@@ -4,6 +4,9 @@ use crate::gap::{BodyKind, Number};
 use crate::number::quantity;
 use crate::robot::description::{BodyChange, LinkId};
 
+/// A direction of which logs leave more than this share of what was believed open is not told.
+pub(in crate::gap) const BODY_OPEN: f64 = 0.7;
+
 /// A cause that all joints share which carry a body, fitted to the logs of all of them at once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyCause {

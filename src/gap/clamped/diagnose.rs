@@ -128,6 +128,10 @@ pub(in crate::gap) fn concluded_of(case: &ClampedCase, joints: Vec<JointAnswer>)
     concluded(&case.robot, &case.groups, joints, Vec::new(), None, notes)
 }
 
+/// Why a joint's own page has no effects.
+const NEEDS_NO_CAUSE: &str = "The whole robot, simulated at once with the body that was found and with numbers alone, leaves only \
+                              noise of every joint: no cause was looked for on this one.";
+
 /// Every one of some joints' own answer; those of `described` are what they were before a body was changed.
 pub(in crate::gap) fn diagnose_joints(
     joints: &[&ClampedJoint],
@@ -146,7 +150,10 @@ pub(in crate::gap) fn diagnose_joints(
         let (described, needs_no_cause) = (first.as_ref(), joint.needs_no_cause);
         let beside = Beside { described, whole: joint.whole, at_best: &joint.at_best, needs_no_cause };
         let found = match diagnose_from(&joint.case, &own, beside, &counted) {
-            Ok(diagnosis) => Ok(Some(diagnosis)),
+            Ok(mut diagnosis) => {
+                diagnosis.notes.extend(needs_no_cause.then(|| NEEDS_NO_CAUSE.to_owned()));
+                Ok(Some(diagnosis))
+            }
             Err(GapError::NeverMoved) => Ok(None),
             Err(other) => Err(other),
         };

@@ -15,6 +15,7 @@ mod setup;
 mod tests;
 
 pub use super::BodyKind;
+pub(super) use body::BODY_OPEN;
 pub use body::{BodyCause, BodyName};
 pub use case::{ClampedCase, ClampedJoint};
 pub use diagnose::{ClampedAnswer, ClampedDiagnosis, ClampedGap, JointAnswer, SharedCause, diagnose_clamped};

@@ -11,7 +11,7 @@ use super::signals::Motion;
 use super::system::{Block, Solved, System, Unknown};
 use crate::deadline::Deadline;
 use crate::gap::Number;
-use crate::gap::clamped::{BodyCause, BodyKind, BodyName, ClampedCaseError, ClampedSetup};
+use crate::gap::clamped::{BODY_OPEN, BodyCause, BodyKind, BodyName, ClampedCaseError, ClampedSetup};
 use crate::number::chance::HALF_95;
 use crate::robot::description::{BodyChange, Description, LinkId};
 use crate::robot::tree::{Tree, TreeBase};
@@ -36,8 +36,6 @@ const LEAST_PLACE_M: f64 = 0.05;
 /// Standard deviations within which a body is as believed; of a centre as a share of its distance.
 const BELIEVED: f64 = 3.0;
 const CENTRE_SHARE: f64 = 0.02;
-/// A direction of which the logs leave more than this share open is not told.
-const OPEN: f64 = 0.7;
 /// Steps of Gauss and Newton, and beside joints' causes, from where they end without.
 const STEPS: usize = 8;
 const STEPS_BESIDE: usize = 2;
@@ -383,7 +381,7 @@ impl<'a> Bench<'a> {
             let around = |sd: f64| {
                 [-1.0, 1.0].map(|side| (offset + scale * estimated.value + side * HALF_95 * scale * sd).max(least))
             };
-            let is_told = estimated.sd < OPEN * sd[k];
+            let is_told = estimated.sd < BODY_OPEN * sd[k];
             Number {
                 name: name.to_owned(),
                 value: offset + scale * estimated.value,

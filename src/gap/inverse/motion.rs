@@ -52,85 +52,108 @@ fn searched_within(
 ) -> Result<(ClampedCase, ClampedDiagnosis), TorqueError> {
     let (case, masses) = weighed_case(setup, options, progress)?;
     let first = diagnose_clamped(&case, options, progress)?.with_weighed(masses);
-    let (case, first) = followed(setup, options, progress, (case, first))?;
-    let found = || first.joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
-    if !options.only.is_empty() || !found().any(asks) || options.deadline.leaves_out(BODIES) {
+    let (case, mut first) = followed(setup, options, progress, (case, first))?;
+    let may_ask = options.only.is_empty() && found(&first).any(asks);
+    if !may_ask || options.deadline.leaves_out(BODIES) {
         return Ok((case, first));
     }
     progress.go_on(Step::stage("payload and masses"))?;
-    let late_s: BTreeMap<String, f64> = found().filter_map(|d| Some((d.joint.clone(), late_s(d)?))).collect();
+    let Some(asked) = asked_for(setup, &case, &first, options)? else { return Ok((case, first)) };
+    if let Some(better) = with_body(setup, (&case, &first), &asked, options, progress)? {
+        return Ok(better);
+    }
+    if asked.body.saved >= MARGIN {
+        first.notes.push(format!(
+            "Along the measured motion the servos' torques ask for {}; simulated with it, the joints predict held-out logs \
+             no better, so it is not named.",
+            asked.body.words()
+        ));
+    }
+    Ok((case, first))
+}
+
+/// A body that may be other than described.
+struct Asked {
+    body: BodyCause,
+    /// Whether the whole robot with it and numbers alone leaves only noise of every joint.
+    explains: bool,
+}
+
+/// The body that joints ask for along their measured motion, if any, as the whole robot has it.
+fn asked_for(
+    setup: &ClampedSetup,
+    case: &ClampedCase,
+    first: &ClampedDiagnosis,
+    options: &GapOptions,
+) -> Result<Option<Asked>, TorqueError> {
+    let late_s: BTreeMap<String, f64> = found(first).filter_map(|d| Some((d.joint.clone(), late_s(d)?))).collect();
     let commanded = TorqueCase::commanded(setup, &late_s)?;
     let (_, mut founds, moving) = searched(&commanded, &[], &|effect| is_asked(effect, options));
     for (own, data) in founds.iter_mut().zip(&moving.joints) {
-        let simulated = found().find(|d| d.joint == data.name);
+        let simulated = found(first).find(|d| d.joint == data.name);
         own.with_causes(simulated.iter().flat_map(|d| &d.causes).map(|cause| cause.effect));
     }
     if founds.is_empty() {
-        return Ok((case, first));
+        return Ok(None);
     }
     // Where numbers alone explain everything only what torques ask for is worth a look.
-    let least = if needs_only_numbers(&case, &first) { MARGIN } else { f64::NEG_INFINITY };
+    let least = if needs_only_numbers(case, first) { MARGIN } else { f64::NEG_INFINITY };
     let bodies = find(setup, &moving, &founds, &[], &options.without_bodies, least, &options.deadline)?;
-    let Some((body, mut explains)) = best_of(setup, bodies, &first, options) else { return Ok((case, first)) };
+    Ok(best_of(setup, bodies, first, options))
+}
+
+/// The robot diagnosed with a body in place; `None` where that is worth no more than what was found before.
+fn with_body(
+    setup: &ClampedSetup,
+    (case, first): (&ClampedCase, &ClampedDiagnosis),
+    asked: &Asked,
+    options: &GapOptions,
+    progress: &dyn Progress,
+) -> Result<Option<(ClampedCase, ClampedDiagnosis)>, TorqueError> {
+    let Asked { body, explains } = asked;
     let changed = setup.with_change(body.link, &body.change)?;
     let (mut with_it, masses) = weighed_case(&changed, options, progress)?;
-    let refused = |mut first: ClampedDiagnosis| {
-        if body.saved >= MARGIN {
-            first.notes.push(format!(
-                "Along the measured motion the servos' torques ask for {}; simulated with it, the joints predict held-out \
-                 logs no better, so it is not named.",
-                body.words()
-            ));
-        }
-        first
-    };
     let carriers: Vec<&str> =
         setup.description.carriers(body.link).iter().map(|at| setup.description.joints[at.0].name.as_str()).collect();
-    let carries = |joint: &ClampedJoint| explains || carriers.contains(&joint.name.as_str());
-    let carrying: Vec<&ClampedJoint> = with_it.joints.iter().filter(|joint| carries(joint)).collect();
-    if !is_promising(&case, &carrying, options) {
-        return Ok((case, refused(first)));
-    }
-    // To the joints that do not carry it nothing has changed.
-    let (carrying, others) = std::mem::take(&mut with_it.joints).into_iter().partition(carries);
-    with_it.joints = carrying;
-    let mut again;
-    loop {
-        with_it.joints.iter_mut().for_each(|joint: &mut ClampedJoint| joint.needs_no_cause = explains);
-        again = diagnose_joints(&with_it.joints.iter().collect::<Vec<_>>(), options, &first.joints, progress)?;
-        let verdicts = again.iter().filter_map(|joint| Some(joint.diagnosis.as_ref()?.answer.verdict));
-        // Who says that nothing explains the rest has to have looked.
-        if !explains || !verdicts.into_iter().any(|verdict| verdict == Verdict::Unexplained) {
-            break;
+    let carries = |joint: &ClampedJoint| carriers.contains(&joint.name.as_str());
+    for joint in &mut with_it.joints {
+        joint.needs_no_cause = *explains;
+        if let Some(own) = case.joints.iter().find(|own| own.name == joint.name && carries(own)) {
+            joint.as_described = Some(own.as_described.as_ref().unwrap_or(&own.case).clone());
         }
-        explains = false;
+    }
+    // To joints that do not carry it nothing has changed, unless it leaves nothing to explain of them either.
+    let looks_again = |joint: &ClampedJoint| *explains || carries(joint);
+    if !is_promising(case, &those(&with_it, &looks_again), options) {
+        return Ok(None);
+    }
+    let told = |with_it: &ClampedCase| diagnose_joints(&those(with_it, &looks_again), options, &first.joints, progress);
+    let mut again = told(&with_it)?;
+    let leaves_none = !again.iter().any(|joint| joint.diagnosis.as_ref().is_some_and(is_unexplained));
+    if *explains && !leaves_none {
+        // Who says that nothing explains the rest has to have looked.
+        with_it.joints.iter_mut().for_each(|joint| joint.needs_no_cause = false);
+        again = told(&with_it)?;
     }
     let own = |joint: &JointAnswer| again.iter().find(|own| own.joint == joint.joint).unwrap_or(joint).clone();
     let joints: Vec<JointAnswer> = first.joints.iter().map(own).collect();
-    with_it.joints.extend::<Vec<ClampedJoint>>(others);
-    with_it.joints.sort_by_key(|joint| case.joints.iter().position(|own| own.name == joint.name));
-    for joint in with_it.joints.iter_mut().filter(|joint| carriers.contains(&joint.name.as_str())) {
-        let own = case.joints.iter().find(|own| own.name == joint.name);
-        joint.as_described = own.map(|own| own.as_described.as_ref().unwrap_or(&own.case).clone());
-    }
-    let mut found = concluded_of(&with_it, joints).with_weighed(masses);
-    if !explains {
-        (with_it, found) = followed(&changed, options, progress, (with_it, found))?;
+    let mut second = concluded_of(&with_it, joints).with_weighed(masses);
+    let needs_no_cause = *explains && leaves_none;
+    if !needs_no_cause {
+        (with_it, second) = followed(&changed, options, progress, (with_it, second))?;
     }
     let mut notes = case.notes.clone();
-    notes.push(with_body(&body));
+    notes.push(in_place(body, needs_no_cause));
     let named = vec![body.clone()];
-    let diagnosis = concluded(&case.robot, &case.groups, found.joints, named, Some(&first.joints), notes);
-    let diagnosis = diagnosis.with_weighed(found.weighed);
-    let [without, with] = [&first, &diagnosis].map(|d| d.gap.after);
+    let second = concluded(&case.robot, &case.groups, second.joints, named, Some(&first.joints), notes)
+        .with_weighed(second.weighed);
+    let [without, with] = [first, &second].map(|d| d.gap.after);
     // The body is one more.
-    if with > NO_WORSE * without || with > CLOSES * without && needs(&diagnosis) + 1 >= needs(&first) {
-        return Ok((case, refused(first)));
-    }
-    Ok((with_it, diagnosis))
+    let is_worth = with <= CLOSES * without || needs(&second) + 1 < needs(first);
+    Ok((with <= NO_WORSE * without && is_worth).then_some((with_it, second)))
 }
 
-/// The body with which the whole robot leaves only noise of every joint, and whether there is one; else, of those that the torques
+/// The body with which the whole robot leaves only noise of every joint, if there is one; else, of those that the torques
 /// ask for, the one with which it leaves least, with the mass and the place at which it does; the first of them where the robot
 /// cannot be simulated.
 fn best_of(
@@ -138,7 +161,7 @@ fn best_of(
     bodies: Vec<BodyCause>,
     first: &ClampedDiagnosis,
     options: &GapOptions,
-) -> Option<(BodyCause, bool)> {
+) -> Option<Asked> {
     let causes = placed_causes(first);
     let at_best = |body: &BodyCause| {
         let alone = body_at_best(setup, body, &[], first, &options.deadline);
@@ -158,20 +181,20 @@ fn best_of(
     let least_rad = tried.iter().map(|one| one.left_rad).fold(f64::INFINITY, f64::min);
     let mut as_good = tried.into_iter().filter(|one| one.left_rad <= AS_GOOD * least_rad).map(|one| one.body);
     let Some(mut best) = as_good.next() else {
-        return bodies.into_iter().next().filter(|body| body.saved >= MARGIN).map(|body| (body, false));
+        let first = bodies.into_iter().next().filter(|body| body.saved >= MARGIN);
+        return first.map(|body| Asked { body, explains: false });
     };
     // What the whole robot did not try is as good as torques tell.
     let was_tried = |other: &BodyName| bodies.iter().any(|body| body.name() == *other);
     let others = std::mem::take(&mut best.equivalent);
     let others = others.into_iter().filter(|other| other.kind == best.kind && !was_tried(other));
     best.equivalent = [best.name()].into_iter().chain(others).chain(as_good.map(|other| other.name())).collect();
-    Some((best, explains))
+    Some(Asked { body: best, explains })
 }
 
 /// Whether the whole robot at its best needs no more than numbers to leave only noise of every joint.
-fn needs_only_numbers(case: &ClampedCase, found: &ClampedDiagnosis) -> bool {
-    let joints = found.joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
-    joints.into_iter().all(|own| {
+fn needs_only_numbers(case: &ClampedCase, first: &ClampedDiagnosis) -> bool {
+    found(first).all(|own| {
         let whole = case.joints.iter().find(|joint| joint.name == own.joint).and_then(|joint| joint.whole);
         whole.is_some_and(|whole| !leaves_something(whole.bare_rad, own.gap.floor))
     })
@@ -193,14 +216,30 @@ fn is_promising(case: &ClampedCase, carrying: &[&ClampedJoint], options: &GapOpt
 
 /// How many causes joints need, and numbers far from what is believed.
 fn needs(diagnosis: &ClampedDiagnosis) -> usize {
-    let found = diagnosis.joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
-    found.map(|own| own.causes.len() + own.beliefs.iter().filter(|belief| belief.is_finding()).count()).sum()
+    found(diagnosis).map(|own| own.causes.len() + own.beliefs.iter().filter(|belief| belief.is_finding()).count()).sum()
 }
 
-fn with_body(body: &BodyCause) -> String {
+/// Answers of the joints that move.
+fn found(diagnosis: &ClampedDiagnosis) -> impl Iterator<Item = &Diagnosis> {
+    diagnosis.joints.iter().filter_map(|joint| joint.diagnosis.as_ref())
+}
+
+fn those<'a>(case: &'a ClampedCase, are: &dyn Fn(&ClampedJoint) -> bool) -> Vec<&'a ClampedJoint> {
+    case.joints.iter().filter(|joint| are(joint)).collect()
+}
+
+fn is_unexplained(diagnosis: &Diagnosis) -> bool {
+    diagnosis.answer.verdict == Verdict::Unexplained
+}
+
+fn in_place(body: &BodyCause, needs_no_cause: bool) -> String {
+    let looked = match needs_no_cause {
+        true => " It and numbers alone leave only noise of every joint: no causes of joints were looked for beside it.",
+        false => "",
+    };
     format!(
         "With {} in place, which all joints that carry it share: joints' numbers are told beside it, what they were before \
-         belongs to the robot as described.",
+         belongs to the robot as described.{looked}",
         body.words()
     )
 }

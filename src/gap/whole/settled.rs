@@ -9,7 +9,7 @@ use super::robot::{PlacedCause, Stretch, WholeRobot};
 use super::unknown::{Quantity, Unknown, believed, is_body};
 use crate::deadline::Deadline;
 use crate::fit::correlation_length;
-use crate::gap::clamped::ClampedSetup;
+use crate::gap::clamped::{BODY_OPEN, ClampedSetup};
 use crate::gap::told::AtBest;
 use crate::identify::best_window;
 use crate::joint::EffectId;
@@ -35,8 +35,6 @@ const GETS_THERE: f64 = 0.5;
 /// Change of a number to either side for what it does, in its standard deviations: what scales masses, gains and friction
 /// together changes nothing, and is seen to change nothing only where each of them is told well.
 const NUDGE: f64 = 0.05;
-/// What is known to more than this share of what was believed of it is not told.
-const OPEN: f64 = 0.7;
 /// Nobody reads angles better than this \[rad\].
 const LEAST_NOISE_RAD: f64 = 1e-4;
 /// A joint that goes less far does not move \[rad\].
@@ -338,7 +336,7 @@ impl<'a> Bench<'a> {
         };
         let left_rad = self.setup.description.joints.iter().filter_map(|joint| of_joint(&joint.name)).collect();
         let of_body = self.unknowns.iter().zip(&sd).filter(|(own, _)| matches!(own.quantity, Quantity::Body { .. }));
-        let body_sd = of_body.map(|(own, sd)| (*sd < OPEN).then_some(sd * own.sd)).collect();
+        let body_sd = of_body.map(|(own, sd)| (*sd < BODY_OPEN).then_some(sd * own.sd)).collect();
         Some(Settled { numbers, causes, body_sd, left_rad })
     }
 }
