@@ -9,7 +9,7 @@ use super::floor::noise_rad;
 use super::grow::{Growth, Looked, Pruned};
 use super::judged::{Judged, judged};
 use super::laws::lawful;
-use super::refuted::refutes;
+use super::refuted::{refuted_by, refutes};
 use super::score::Measure;
 use super::trial::Trial;
 use crate::fit::Budget;
@@ -71,6 +71,20 @@ const WORTH_A_LAW: f64 = 0.3;
 /// Rivals within this score of the best are carried over to all samples.
 const NEAR: f64 = 60.0;
 
+/// What is known before causes are carried over to all samples.
+#[derive(Clone)]
+struct Known {
+    given: Trial,
+    calibrated: Trial,
+    firsts: Vec<Trial>,
+    noise_rad: f64,
+}
+
+/// How many samples count.
+fn counted(evidence: &Evidence) -> f64 {
+    evidence.fit.iter().map(|e| counts(e).sum::<f64>()).sum()
+}
+
 impl Attribution {
     /// Fits all hypotheses about a study; `effects` is the catalogue that is considered.
     ///
@@ -84,7 +98,7 @@ impl Attribution {
         stage("recalibrating")?;
         let mut calibrated = calibrate(&coarse, &baseline, &given);
         stage("trying causes")?;
-        let samples: f64 = coarse.fit.iter().map(|e| counts(e).sum::<f64>()).sum();
+        let samples = counted(&coarse);
         let enough = |noise_rad: f64| samples * noise_rad.powi(2) * (1.0 + LEFT_OVER);
         let as_given = given.found.values.clone();
         let rough = noise_rad(&coarse, &[&given, &calibrated]);
@@ -148,24 +162,51 @@ impl Attribution {
                 }
             }
         }
+        let known = Known { given, calibrated, firsts, noise_rad: noise };
+        let this = Self::carried(evidence, &growth, judged, known.clone(), None)?;
+        stage("whether fewer causes predict better")?;
+        let Some(less) = this.fewer_predict(evidence) else { return Ok(this) };
+        let mut best = less.clone();
+        best.begin_as(evidence, &coarse);
+        let gone = this.best.effects().iter().filter(|e| !less.effects().contains(e));
+        let refuted = this.refuted.iter().chain(gone).copied().collect();
+        let best = best.on(&coarse, AGAIN);
+        // Without members, what stands in the place of each is looked for again.
+        let judged = Judged { best, members: Vec::new(), rivals: Vec::new(), refuted };
+        Self::carried(evidence, &growth, judged, known, Some(less))
+    }
+
+    /// A set of causes that was judged, with a law beside it where one predicts, carried over to all samples; it may have been
+    /// found on these.
+    fn carried(
+        evidence: &Evidence,
+        growth: &Growth<'_>,
+        judged: Judged,
+        known: Known,
+        on_all: Option<Trial>,
+    ) -> Result<Self, Cancelled> {
+        let stage = |stage| growth.progress.go_on(Step::stage(stage));
+        let coarse = growth.evidence;
+        let Known { given, calibrated, mut firsts, noise_rad: noise } = known;
         let Judged { best, members, rivals, mut refuted } = judged;
+        let samples = counted(coarse);
         refuted.retain(|e| !best.effects().contains(e));
         stage("looking for a law in what is left")?;
         let step_rad = coarse.reach.resolution_rad;
-        let worth_a_law = best.fit_loss(&coarse) > samples * step_rad.max(noise_of_law(noise)).powi(2);
+        let worth_a_law = best.fit_loss(coarse) > samples * step_rad.max(noise_of_law(noise)).powi(2);
         let law = if worth_a_law && !evidence.deadline.leaves_out("a law in what is left") {
-            lawful(&coarse, &best, &calibrated)
+            lawful(coarse, &best, &calibrated)
         } else {
             None
         };
-        let refutes_it = |law: &Trial| refutes(&coarse, evidence, law, &best);
+        let refutes_it = |law: &Trial| refutes(coarse, evidence, law, &best);
         let law_refuted = law.as_ref().is_some_and(refutes_it);
         let law = law.filter(|_| !law_refuted);
         let best = match &law {
             Some(law) if law.effects().len() < best.effects().len() => {
                 let kept: Vec<usize> =
                     (0..best.effects().len()).filter(|k| law.effects().contains(&best.effects()[*k])).collect();
-                best.keeping(&coarse, &kept, AGAIN)
+                best.keeping(coarse, &kept, AGAIN)
             }
             _ => best,
         };
@@ -192,12 +233,34 @@ impl Attribution {
             best,
         };
         stage("the serious ones on all samples")?;
-        this.on_all_samples(evidence);
+        // A law may have taken the place of some of the causes.
+        this.on_all_samples(evidence, on_all.filter(|t| t.effects() == this.best.effects()));
         Ok(this)
     }
 
-    /// Carries what may matter over to all samples, and predicts the held-out logs.
-    fn on_all_samples(&mut self, evidence: &Evidence) {
+    /// Some of the causes alone, where held-out logs are predicted clearly better by these than by all of them at the place
+    /// in which they came to rest, and no law stands beside them.
+    fn fewer_predict(&self, evidence: &Evidence) -> Option<Trial> {
+        if self.law.is_some() {
+            return None;
+        }
+        let all = self.best.effects();
+        let is_less = |t: &&Trial| {
+            (1..all.len()).contains(&t.effects().len()) && t.effects().iter().all(|effect| all.contains(effect))
+        };
+        // With one cause from the beginning another place, in another form, may predict better.
+        let fewer = self
+            .alone
+            .iter()
+            .chain(self.ladder.iter().skip(1))
+            .chain(&self.without)
+            .chain(&self.firsts)
+            .filter(is_less);
+        refuted_by(evidence, &self.best, &fewer.collect::<Vec<_>>()).cloned()
+    }
+
+    /// Carries what may matter over to all samples, and predicts the held-out logs; the best may be `found` on them already.
+    fn on_all_samples(&mut self, evidence: &Evidence, found: Option<Trial>) {
         let line = self.firsts.first().map_or(f64::INFINITY, |best| SERIOUS * best.criterion());
         self.firsts.retain(|t| t.criterion() < line);
         self.firsts.truncate(MOST);
@@ -211,9 +274,12 @@ impl Attribution {
         for rivals in &mut self.rivals {
             rivals.retain(|t| measure.score(&coarse, t) < score + NEAR);
         }
-        let found = [&mut self.given, &mut self.calibrated, &mut self.best].into_iter().chain(&mut self.law);
+        let these = [&mut self.given, &mut self.calibrated, &mut self.best].into_iter().chain(&mut self.law);
         let others = self.without.iter_mut().chain(&mut self.firsts).chain(self.rivals.iter_mut().flatten());
-        found.chain(others).for_each(|t| t.begin_as(&coarse, evidence));
+        these.chain(others).for_each(|t| t.begin_as(&coarse, evidence));
+        if let Some(found) = found {
+            self.best = found;
+        }
         let mut given = self.given.on(evidence, AGAIN);
         given.predict(evidence, None);
         let mut calibrated = self.calibrated.on(evidence, AGAIN);
@@ -224,17 +290,23 @@ impl Attribution {
             *t = t.on(evidence, AGAIN);
             t.predict(evidence, Some(near));
         };
+        let there_at_rest = |t: &mut Trial| {
+            *t = t.on(evidence, AGAIN).at_rest(evidence, AGAIN);
+            t.predict(evidence, Some(near));
+        };
         let causes = self.best.effects().len();
         self.alone = (0..causes).into_par_iter().map(|k| self.best.keeping(evidence, &[k], AGAIN)).collect();
         there(&mut self.best);
         self.law.iter_mut().for_each(there);
         self.without.par_iter_mut().for_each(there);
-        self.firsts.par_iter_mut().for_each(there);
+        self.firsts.par_iter_mut().for_each(there_at_rest);
         self.rivals.par_iter_mut().for_each(|rivals| rivals.iter_mut().for_each(there));
         self.alone.par_iter_mut().for_each(|t| t.predict(evidence, Some(near)));
         // What was fitted with one cause from the beginning may have found a better place.
+        let measure = Measure::by(evidence, &self.best);
         for alone in &mut self.alone {
-            let better = |t: &&Trial| t.effects() == alone.effects() && t.criterion() < alone.criterion();
+            let is_less = |t: &Trial| measure.deviance(evidence, t) < measure.deviance(evidence, alone);
+            let better = |t: &&Trial| t.effects() == alone.effects() && is_less(t);
             if let Some(first) = self.firsts.iter().find(better) {
                 *alone = first.clone();
             }

@@ -35,6 +35,8 @@ const FEEBLE: f64 = 0.5;
 const APART: usize = 1;
 /// Causes that part motor side and link have to lower the square sum by so much more than others.
 const IMITATES: f64 = 4.0;
+/// Logarithm of the square sum by which others of as many causes may be behind the best to be brought to rest beside it.
+const CLOSE_BY: f64 = 0.2;
 /// Single effects whose forms contend.
 const CONTENDERS: usize = 3;
 /// Rivals that are kept for each member.
@@ -89,9 +91,8 @@ impl Growth<'_> {
             if best.effects().is_empty() {
                 looked = here;
             }
-            let Some(grown) = grown.filter(|grown| self.lowers(&best, grown)) else { break };
-            let settled = self.shaken(grown.settled(self.evidence, SETTLE));
-            best = self.reshaped(settled, done);
+            let Some(grown) = grown else { break };
+            best = self.reshaped(self.shaken(grown), done);
         }
         (best, looked)
     }
@@ -114,7 +115,7 @@ impl Growth<'_> {
         best.filter(|t| t.criterion() < fitted.criterion()).unwrap_or(fitted)
     }
 
-    /// The best hypothesis with one effect more, or two, and what was seen of all with one more.
+    /// The best hypothesis with one effect more, or two, that lowers what is left, brought to rest; and what was seen of all with one more.
     fn step(&self, from: &Trial) -> (Option<Trial>, Looked) {
         let others = self.others(from);
         let sights = self.sights(from, &others);
@@ -136,8 +137,24 @@ impl Growth<'_> {
             let apart = if t.model.has_two_bodies() { IMITATES } else { 1.0 };
             math::ln((apart * loss(t) / before).max(1e-12)) / added.sqrt()
         };
-        let best = singles.iter().chain(&rival).chain(&together).min_by(|a, b| worth(a).total_cmp(&worth(b))).cloned();
+        let mut all: Vec<&Trial> = singles.iter().chain(&rival).chain(&together).collect();
+        all.sort_by(|a, b| worth(a).total_cmp(&worth(b)));
+        let alike = |t: &Trial| {
+            (t.effects().len(), t.model.has_two_bodies()) == (all[0].effects().len(), all[0].model.has_two_bodies())
+        };
+        let near = all.iter().take_while(|t| worth(t) - worth(all[0]) < CLOSE_BY);
+        let near = near.filter(|t| alike(t) && self.lowers(from, t)).take(CONTENDERS);
+        let best = self.settled(&near.copied().collect::<Vec<_>>());
         (best, Looked { singles, sights })
+    }
+
+    /// The best of those that come near it, each brought to rest with beliefs in the unit of its own residuals: in that of the
+    /// hypothesis from which it was grown they weigh too much.
+    fn settled(&self, near: &[&Trial]) -> Option<Trial> {
+        let settled: Vec<Trial> = near.par_iter().map(|t| (*t).clone().settled(self.evidence, SETTLE)).collect();
+        let measure = Measure::by(self.evidence, settled.first()?);
+        let score = |t: &Trial| measure.score(self.evidence, t);
+        settled.into_iter().min_by(|a, b| score(a).total_cmp(&score(b)))
     }
 
     /// The effect that explains the logs best once the best few are in the forms that suit them, where that is not the first

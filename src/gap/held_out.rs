@@ -55,7 +55,7 @@ impl HeldOut {
         Self { experiments: all.clone(), how, from: From::InTurn }
     }
 
-    /// The fitted logs, each predicted by the others.
+    /// The fitted logs, each predicted by the others, or the parts of the only one.
     pub fn in_turn(evidence: &Evidence) -> Self {
         Self { experiments: evidence.fit.clone(), how: "each log predicted by a fit to all others", from: From::InTurn }
     }

@@ -1,6 +1,6 @@
 //! Causes that held-out logs refute, or do not know: the fitted logs ask for them, and with them logs that were not fitted
 //! are predicted clearly worse, or no better. Two or three logs seldom show more than they were made to show. Where the
-//! study holds none out, a few logs are held out in turn.
+//! study holds none out, a few logs are held out in turn, or the parts of the only one.
 
 use super::compare::{Difference, blocks};
 use super::evidence::{Evidence, counts};
@@ -20,6 +20,8 @@ const LITTLE: f64 = 1.3;
 /// Share of what all causes close, and of a step of the encoder, below which one of them is negligible.
 const NEGLIGIBLE: f64 = 0.02;
 const OF_A_STEP: f64 = 0.4;
+/// What is left out where this is not asked.
+const WHETHER_REFUTED: &str = "whether held-out logs refute a cause";
 /// Evaluations of a fit that begins near its end.
 const AGAIN: Budget = Budget { evaluations: 24 };
 
@@ -49,10 +51,10 @@ pub(super) fn unrefuted(
     known: &[Trial],
 ) -> (Trial, Vec<EffectId>) {
     let in_turn = evidence.held.is_empty();
-    if best.effects().is_empty() || in_turn && !(2..=FEW_LOGS).contains(&evidence.fit.len()) {
+    if best.effects().is_empty() || in_turn && !(1..=FEW_LOGS).contains(&evidence.fit.len()) {
         return (best, Vec::new());
     }
-    if evidence.deadline.cuts("whether held-out logs refute a cause") {
+    if evidence.deadline.cuts(WHETHER_REFUTED) {
         return (best, Vec::new());
     }
     let on_all = |t: &Trial| {
@@ -178,6 +180,22 @@ pub(super) fn refutes(coarse: &Evidence, evidence: &Evidence, more: &Trial, less
         whole
     });
     predicts_clearly_worse(evidence, &more, &less)
+}
+
+/// Of hypotheses with fewer causes, all on all samples, the one that predicts held-out logs best, where that is clearly better.
+pub(super) fn refuted_by<'a>(evidence: &Evidence, more: &Trial, fewer: &[&'a Trial]) -> Option<&'a Trial> {
+    let in_turn = evidence.held.is_empty();
+    let many = in_turn && evidence.fit.len() > FEW_LOGS;
+    if fewer.is_empty() || many || evidence.pooled_from.is_some() || evidence.deadline.leaves_out(WHETHER_REFUTED) {
+        return None;
+    }
+    let held = HeldOut::of(evidence);
+    let judged = evidence.with_logs(evidence.fit.clone(), held.experiments.clone());
+    let predicted = |t: &Trial| Trial { held: held.residuals(evidence, t), ..t.clone() };
+    let all: Vec<Trial> = fewer.par_iter().map(|t| predicted(t)).collect();
+    let loss = |k: &usize| all[*k].held_loss(&judged);
+    let least = (0..all.len()).min_by(|a, b| loss(a).total_cmp(&loss(b)))?;
+    predicts_clearly_worse(&judged, &predicted(more), &all[least]).then(|| fewer[least])
 }
 
 /// Whether the held-out logs are predicted clearly better by a hypothesis that has less.

@@ -10,6 +10,9 @@ use rayon::prelude::*;
 /// Distance from its optimum, in variances of the residuals, at which a fit is close enough to be judged.
 pub(super) const CLOSE: f64 = 0.01;
 
+/// Share of the unit of the beliefs below which that of the residuals sets another.
+const MUCH_LESS: f64 = 0.5;
+
 /// A model with the values that were found, and its residuals.
 #[derive(Clone, Debug)]
 pub(super) struct Trial {
@@ -114,6 +117,13 @@ impl Trial {
         let unit = self.unit_rad2_s(evidence);
         let model = self.model.clone().in_unit(unit);
         Self::solved(evidence, model, &self.found.values, self.found.starts.clone(), budget)
+    }
+
+    /// The same where the beliefs weigh far more than its own residuals say, as they do where others were far from the logs.
+    pub fn at_rest(self, evidence: &Evidence, budget: Budget) -> Self {
+        let unit = self.unit_rad2_s(evidence);
+        let weighs_too_much = unit > 0.0 && unit < MUCH_LESS * self.model.unit_rad2_s();
+        if weighs_too_much { self.settled(evidence, budget) } else { self }
     }
 
     /// What one unit of deviance weighs in the criterion \[rad^2 s\], by the residuals' size and how long they hang
