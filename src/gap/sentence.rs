@@ -43,25 +43,31 @@ fn only(decision: &Decision<'_>, effect: EffectId) -> String {
     set.map_or(String::new(), |set| format!(" {}", set.words))
 }
 
+/// How so many causes are meant once they were named; a law that stands beside them is said, for it closes a part as well.
+pub(super) fn them(causes: usize, has_law: bool) -> String {
+    let causes = match causes {
+        0 if has_law => return "a law".to_owned(),
+        0 | 1 => "it",
+        2 => "both",
+        _ => "all of them",
+    };
+    if has_law { format!("{causes} and a law") } else { causes.to_owned() }
+}
+
 /// The error as given, with refitted numbers and with the causes, and what these close of what the numbers leave.
 ///
-/// All in rad, with the sensor's noise last; `refitted` is what the second one is with, `causes` how many the third is with.
-pub(super) fn closing(figures: [f64; 4], refitted: &str, causes: usize) -> String {
-    closing_in(figures, refitted, causes, mrad)
+/// All in rad, with the sensor's noise last; `refitted` is what the second one is with, `them` what the third is with.
+pub(super) fn closing(figures: [f64; 4], refitted: &str, them: &str) -> String {
+    closing_in(figures, refitted, them, mrad)
 }
 
 /// The same of errors in any unit, each written by `with_unit`.
 pub(super) fn closing_in(
     [before, calibrated, after, floor]: [f64; 4],
     refitted: &str,
-    causes: usize,
+    them: &str,
     with_unit: fn(f64) -> String,
 ) -> String {
-    let them = match causes {
-        0 | 1 => "it",
-        2 => "both",
-        _ => "all of them",
-    };
     let left = calibrated - floor;
     let closed = share(((calibrated - after) / left).clamp(0.0, 1.0));
     let [before, calibrated, after] = [before, calibrated, after].map(with_unit);
@@ -194,6 +200,7 @@ pub(super) fn sentence(
         each.join(", together with ")
     };
     let all = || together(&decision.effects);
+    let them = them(decision.effects.len(), law.is_some());
     let may_be_none = |effect: &EffectId| effects.iter().any(|(e, numbers)| e == effect && includes_none(*e, numbers));
     let is_far = beliefs(decision.answer).iter().any(BeliefFound::is_finding);
     match (decision.verdict, decision.effect()) {
@@ -217,8 +224,7 @@ pub(super) fn sentence(
         ),
         (Verdict::Effect, Some(effect)) => {
             let (how_much, left) = of_the_gap(figures);
-            let mut text =
-                format!("{joint}: {how_much} {}; {}.{left}", all(), closing(figures, refitted, decision.effects.len()));
+            let mut text = format!("{joint}: {how_much} {}; {}.{left}", all(), closing(figures, refitted, &them));
             let open =
                 decision.effects.iter().copied().filter(may_be_none).map(words).collect::<Vec<_>>().join(" and of ");
             if !open.is_empty() {
@@ -242,9 +248,8 @@ pub(super) fn sentence(
                     together(open)
                 ),
             };
-            let nearest = partial.map_or(String::new(), |_| {
-                format!(" {known}; {}.", closing(figures, refitted, decision.effects.len()))
-            });
+            let nearest =
+                partial.map_or(String::new(), |_| format!(" {known}; {}.", closing(figures, refitted, &them)));
             let unnamed = law.map_or(String::new(), |law| format!(" Without a name {}", unnamed(law)));
             let stays = format!("{} are left, and the sensor itself makes {}", mrad(gap.after), mrad(gap.floor));
             if gap.calibrated < MOST_BY_NUMBERS * gap.before {
@@ -303,5 +308,13 @@ mod tests {
         assert_eq!(of([29.6, 26.4, 3.56, 0.519]), "most of the gap is");
         assert_eq!(of([29.9, 24.6, 12.7, 0.682]), "a part of the gap is");
         assert_eq!(of([194.0, 28.4, 3.45, 0.146]), "a part of the gap is");
+    }
+
+    #[test]
+    fn what_a_law_closes_is_not_put_down_to_the_causes_beside_it() {
+        let of = |causes, has_law| closing([0.194, 0.0284, 0.0016, 0.0001], REFITTED, &them(causes, has_law));
+        assert!(of(2, true).contains("1.60 mrad with both and a law, which closes"), "{}", of(2, true));
+        assert!(of(1, false).contains("1.60 mrad with it, which closes"), "{}", of(1, false));
+        assert_eq!([them(0, true), them(3, true), them(3, false)], ["a law", "all of them and a law", "all of them"]);
     }
 }

@@ -6,7 +6,7 @@ use super::parameters::{Estimated, detectable, law, named};
 use super::search::{Choice, Found, values};
 use super::sure::Redraws;
 use crate::gap::as_given::AsGiven;
-use crate::gap::sentence::{MUCH_LEFT, REFITTED, closing_in, number_words, words};
+use crate::gap::sentence::{MUCH_LEFT, REFITTED, closing_in, number_words, them, words};
 use crate::gap::{
     Answer, Candidate, CauseShare, Detectable, Diagnosis, Gap, LawFound, LogGap, Number, Variable, Verdict, Where,
 };
@@ -389,7 +389,7 @@ fn sentence(
     let goes = if causes.is_empty() && law.is_none() {
         format!("the error goes from {before} as given to {calibrated} with {REFITTED}")
     } else {
-        closing_in(figures, REFITTED, causes.len() + usize::from(law.is_some()), newton_metres)
+        closing_in(figures, REFITTED, &them(causes.len(), law.is_some()), newton_metres)
     };
     let apart = if gap.per_log.len() > 1 { "any two logs" } else { "any two parts of the log" };
     let stays = if gap.after > MUCH_LEFT * gap.floor {

@@ -2,7 +2,7 @@
 
 use super::cause::Cause;
 use super::diagnosis::{Found, RobotGap};
-use crate::gap::sentence::{REFITTED, closing, far, moved, words as effect_words};
+use crate::gap::sentence::{REFITTED, closing, far, moved, them, words as effect_words};
 use crate::gap::{BeliefFound, Verdict};
 use crate::number::{mrad, quantity};
 
@@ -73,7 +73,7 @@ pub(super) fn sentence(said: &Said<'_>, gap: &RobotGap) -> String {
                 text += &format!(", together with {}", sized(second));
             }
             let causes = 1 + usize::from(second.is_some());
-            text += &format!("; {}.", closing(figures, REFITTED, causes));
+            text += &format!("; {}.", closing(figures, REFITTED, &them(causes, false)));
             let others: Vec<&str> =
                 equivalent.iter().filter(|cause| **cause != first.cause).map(|cause| words(*cause)).collect();
             if !others.is_empty() {
@@ -88,7 +88,7 @@ pub(super) fn sentence(said: &Said<'_>, gap: &RobotGap) -> String {
         }
         _ => {
             let nearest = partial.map_or(String::new(), |found| {
-                format!(" What comes closest is {}; {}.", sized(found), closing(figures, REFITTED, 1))
+                format!(" What comes closest is {}; {}.", sized(found), closing(figures, REFITTED, &them(1, false)))
             });
             let far = far(broken).unwrap_or_default();
             format!(

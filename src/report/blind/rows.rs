@@ -95,10 +95,14 @@ pub(super) fn rates(score: &Score) -> Vec<Row> {
 pub(super) fn stated(name: &str, s: &Stated) -> (String, String) {
     let text = match (s.brier, s.log_score, s.excess) {
         (Some(brier), Some(log), Some(excess)) => {
-            let word = if excess >= 0.0 { "too sure" } else { "too modest" };
             let points = (100.0 * excess.abs()).round();
-            let unit = if points == 1.0 { "point" } else { "points" };
-            format!("Brier {brier:.3}, log score {log:.3}, {word} by {points:.0} {unit}")
+            let word = if excess >= 0.0 { "too sure" } else { "too modest" };
+            let lean = match points {
+                0.0 => "neither too sure nor too modest".to_owned(),
+                1.0 => format!("{word} by 1 point"),
+                _ => format!("{word} by {points:.0} points"),
+            };
+            format!("Brier {brier:.3}, log score {log:.3}, {lean}")
         }
         _ => "none stated".to_owned(),
     };

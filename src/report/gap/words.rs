@@ -85,17 +85,18 @@ fn phase(phase: Phase) -> &'static str {
     }
 }
 
-/// The effects that were added for the answer, or that are known so far; `None` where nothing was added.
+/// The effects that were added for the answer, or that are known so far, and a law beside them; `None` where no effect was.
 pub(super) fn answer(diagnosis: &Diagnosis) -> Option<String> {
     if !matches!(diagnosis.answer.verdict, Verdict::Effect | Verdict::Unexplained) {
         return None;
     }
-    match &diagnosis.causes[..] {
-        [] => None,
-        [only] => Some(format!("with {}", only.effect)),
-        [first, second] => Some(format!("with {} and {}", first.effect, second.effect)),
-        more => Some(format!("with all {} causes", more.len())),
-    }
+    let mut with: Vec<String> = match &diagnosis.causes[..] {
+        [] => return None,
+        few @ ([_] | [_, _]) => few.iter().map(|cause| cause.effect.to_string()).collect(),
+        more => vec![format!("all {} causes", more.len())],
+    };
+    with.extend(diagnosis.law.is_some().then(|| "a law".to_owned()));
+    Some(format!("with {}", with.join(" and ")))
 }
 
 /// Whether an effect is part of the answer, or comes closest where there is none.
