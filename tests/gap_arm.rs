@@ -55,6 +55,22 @@ fn a_late_setpoint_of_the_elbow_is_found_on_the_elbow_and_told_to_what_its_inter
     }
 }
 
+/// Alone along the motion of the other each joint shows a part of it.
+#[test]
+fn what_all_joints_have_is_told_once_with_one_size() {
+    let folder = tempfile::tempdir().unwrap();
+    support::arm::study(folder.path(), &Truth { drag: [0.02; 2], ..Truth::default() }, 8.0);
+    let found = gap(folder.path());
+    let causes = found["causes"].as_array().unwrap();
+    assert_eq!(causes.len(), 1, "{}", found["sentence"]);
+    assert_eq!((&causes[0]["effect"], &causes[0]["group"]), (&"quadratic_drag".into(), &"all".into()), "{causes:#?}");
+    assert_eq!(causes[0]["joints"].as_array().unwrap().len(), 2);
+    let [low, high] = [0, 1].map(|side| causes[0]["size"]["interval"][side].as_f64().unwrap());
+    assert!(low < 0.02 && 0.02 < high && high - low < 4e-3, "{}", causes[0]["size"]);
+    let left = |key: &str| found["gap"]["whole"][key].as_f64().unwrap();
+    assert!(left("after") < 0.1 * left("before"), "{}", found["gap"]["whole"]);
+}
+
 /// At 50 Hz the jolts of either joint are over within a few samples: what they push the other with is not read off those.
 #[test]
 fn a_sound_arm_that_its_samples_hardly_follow_is_accused_of_nothing() {

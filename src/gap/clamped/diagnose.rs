@@ -7,6 +7,7 @@ use crate::deadline::{Deadline, Spent};
 use crate::gap::as_given::AsGiven;
 use crate::gap::diagnose::{Beside, diagnose_from};
 use crate::gap::sentence::{REFITTED, words};
+use crate::gap::whole::Common;
 use crate::gap::{CauseShare, Diagnosis, GapError, GapOptions, Number, Verdict};
 use crate::joint::EffectId;
 use crate::number::{capital, mrad, newton_metres, quantity};
@@ -34,6 +35,10 @@ pub struct ClampedDiagnosis {
     pub weighed: Vec<FoundNumber>,
     /// Causes with all joints that have them, the one that closes most first.
     pub causes: Vec<SharedCause>,
+    /// One cause that all joints have with one size, as the whole robot tells it: on some of them it may be too little to be told
+    /// alone.
+    #[serde(skip)]
+    pub common: Option<Common>,
     /// Numbers that groups of joints have elsewhere alike.
     pub pooled: Vec<PooledNumber>,
     /// In the description's order.
@@ -202,10 +207,28 @@ pub(in crate::gap) fn concluded(
         ));
     }
     let robot = robot.to_owned();
-    ClampedDiagnosis { robot, answer, gap, bodies, weighed: Vec::new(), causes, pooled, joints, notes, budget: None }
+    ClampedDiagnosis {
+        robot,
+        answer,
+        gap,
+        bodies,
+        weighed: Vec::new(),
+        causes,
+        common: None,
+        pooled,
+        joints,
+        notes,
+        budget: None,
+    }
 }
 
 impl ClampedDiagnosis {
+    /// Whether anything is left of a joint that no cause explains.
+    pub(in crate::gap) fn leaves_a_joint_unexplained(&self) -> bool {
+        let mut found = self.joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
+        found.any(|own| own.answer.verdict == Verdict::Unexplained)
+    }
+
     /// Joints that causes were found on, the one first where these close most.
     pub(in crate::gap) fn accused(&self) -> Vec<&str> {
         let found = self.joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
@@ -282,7 +305,7 @@ impl Progress for Counted<'_> {
 }
 
 /// What outweighs what.
-fn gravity(verdict: Verdict) -> u8 {
+pub(super) fn gravity(verdict: Verdict) -> u8 {
     match verdict {
         Verdict::None => 0,
         Verdict::Calibration => 1,
@@ -291,7 +314,7 @@ fn gravity(verdict: Verdict) -> u8 {
     }
 }
 
-fn gap(joints: &[JointAnswer]) -> ClampedGap {
+pub(super) fn gap(joints: &[JointAnswer]) -> ClampedGap {
     let found: Vec<&Diagnosis> = joints.iter().filter_map(|joint| joint.diagnosis.as_ref()).collect();
     let root = |of: fn(&Diagnosis) -> f64| {
         (found.iter().map(|d| of(d).powi(2)).sum::<f64>() / found.len().max(1) as f64).sqrt()
@@ -350,7 +373,7 @@ fn shared(groups: &BTreeMap<String, Vec<String>>, joints: &[JointAnswer]) -> Vec
     causes
 }
 
-fn sentence(
+pub(super) fn sentence(
     robot: &str,
     joints: &[JointAnswer],
     gap: &ClampedGap,
@@ -362,10 +385,11 @@ fn sentence(
     let size = if gap.unit == "rad" { mrad } else { newton_metres };
     let [given, calibrated, after] = [gap.before, gap.calibrated, gap.after].map(size);
     let what = if gap.unit == "rad" { "error" } else { "torque error" };
+    let has_none = bodies.is_empty() && causes.is_empty() && found().all(|(_, d)| d.law.is_none());
     let mut text = format!(
         "{robot}: over {} joints the {what} is {given} as given, {}.",
         found().count(),
-        if bodies.is_empty() && found().all(|(_, d)| d.causes.is_empty() && d.law.is_none()) {
+        if has_none {
             format!("and {calibrated} with {REFITTED}; no cause was found beside them")
         } else {
             format!("{calibrated} with {REFITTED} and {after} with the causes that were found")

@@ -9,6 +9,7 @@ mod body;
 mod case;
 mod diagnose;
 mod followed;
+mod in_common;
 mod pooled;
 mod setup;
 #[cfg(test)]

@@ -28,26 +28,43 @@ pub(super) fn followed(
     progress: &dyn Progress,
     (mut case, mut found): (ClampedCase, ClampedDiagnosis),
 ) -> Result<(ClampedCase, ClampedDiagnosis), TorqueError> {
+    let allows =
+        |effect| !options.without.contains(&effect) && (options.only.is_empty() || options.only.contains(&effect));
     for _ in 0..ROUNDS {
         let is_sound = found.answer.verdict == Verdict::None;
         if is_sound || options.deadline.leaves_out(AS_FOUND) {
             break;
         }
-        let Some(robot) = as_found(setup, &found, &options.deadline) else { break };
+        let Some(robot) = as_found(setup, &found, &allows, &options.deadline) else { break };
         progress.go_on(Step::stage(AS_FOUND))?;
         case.joints.iter_mut().for_each(|joint| tell(joint, &robot));
         let masses: Vec<FoundNumber> =
             found.weighed.iter().filter(|number| number.key == FoundKey::Mass).cloned().collect();
         let whole = &robot.whole;
         let weighed = if robot.explains { whole.numbers_but_causes() } else { whole.masses() };
-        let second = match ClampedCase::as_found(setup, &masses, whole)? {
+        let again = ClampedCase::as_found(setup, &masses, whole)?.map(|mut again| {
+            for (joint, before) in again.joints.iter_mut().zip(&case.joints) {
+                joint.as_described.clone_from(&before.as_described);
+                joint.whole = before.whole;
+                joint.at_best.clone_from(&before.at_best);
+            }
+            again
+        });
+        if let Some(common) = robot.common {
+            // What the whole robot does not need is not asked for.
+            let needed = whole.causes.iter().map(|cause| cause.form.id).collect();
+            let only = GapOptions { only: needed, ..options.clone() };
+            let second = diagnose_clamped(again.as_ref().unwrap_or(&case), &only, progress)?.with_weighed(weighed);
+            let second = second.with_common(&common, &|joint| whole.left_rad(joint), &found);
+            if second.gap.after < NO_WORSE * found.gap.after || !second.leaves_a_joint_unexplained() {
+                found = second;
+                case = again.unwrap_or(case);
+            }
+            break;
+        }
+        let second = match again {
             None => None,
-            Some(mut again) => {
-                for (joint, before) in again.joints.iter_mut().zip(&case.joints) {
-                    joint.as_described.clone_from(&before.as_described);
-                    joint.whole = before.whole;
-                    joint.at_best.clone_from(&before.at_best);
-                }
+            Some(again) => {
                 let second = diagnose_clamped(&again, options, progress)?.with_weighed(weighed.clone());
                 Some((again, second))
             }

@@ -1,6 +1,7 @@
 //! A robot's joints as cases of the bench, with the robot as stated, or as found, to follow motions by that its logs hardly
 //! resolve.
 
+use super::common::{Common, in_common, misfit};
 use super::numbers::found_robot;
 use super::robot::{Stretch, WholeRobot, placed_causes};
 use super::settled::{Settled, settled};
@@ -8,6 +9,7 @@ use super::simulated::simulated;
 use crate::deadline::Deadline;
 use crate::gap::clamped::{ClampedCase, ClampedCaseError, ClampedDiagnosis, ClampedSetup, SimulatedMotion};
 use crate::gap::decide::leaves_something;
+use crate::joint::EffectId;
 use crate::log::{DriveMode, RobotLog};
 use crate::robot::description::FoundNumber;
 
@@ -71,15 +73,19 @@ pub(in crate::gap) struct AsFound {
     pub whole: Settled,
     /// Joints whose causes it has.
     pub joints: Vec<String>,
+    /// The one cause that all joints have.
+    pub common: Option<Common>,
     /// Whether it leaves only noise of every joint.
     pub explains: bool,
 }
 
 /// The whole robot at its best beside what was found: with numbers alone, or the causes of the few joints that explain it all,
-/// those first that close most, or else with everything but what the whole robot refutes.
+/// those first that close most, or one cause on all joints that leaves less, or else with everything but what the whole robot
+/// refutes. `allows` says which effects are considered.
 pub(in crate::gap) fn as_found(
     setup: &ClampedSetup,
     diagnosis: &ClampedDiagnosis,
+    allows: &dyn Fn(EffectId) -> bool,
     deadline: &Deadline,
 ) -> Option<AsFound> {
     let accused = diagnosis.accused();
@@ -93,10 +99,18 @@ pub(in crate::gap) fn as_found(
         let found = found_robot(setup, Some(&only)).ok()?;
         let whole = settled(setup, &found.numbers, &placed_causes(&only), deadline)?;
         let joints = accused[..n].iter().map(|&joint| joint.to_owned()).collect();
-        explains(&whole, diagnosis).then_some(AsFound { whole, joints, explains: true })
+        explains(&whole, diagnosis).then_some(AsFound { whole, joints, common: None, explains: true })
     });
-    if few.is_some() {
-        return few;
+    let asks = !accused.is_empty() || diagnosis.leaves_a_joint_unexplained();
+    let of_all = asks.then(|| in_common(setup, diagnosis, allows, deadline)).flatten().map(|(common, whole)| {
+        let joints = whole.causes.iter().map(|cause| cause.joint.clone()).collect();
+        let explains = explains(&whole, diagnosis);
+        AsFound { whole, joints, common: Some(common), explains }
+    });
+    let left = |found: &AsFound| misfit(&found.whole, diagnosis);
+    let least = few.into_iter().chain(of_all).min_by(|a, b| left(a).total_cmp(&left(b)));
+    if least.is_some() {
+        return least;
     }
     let whole = simulated(setup, diagnosis).ok()?;
     let is_left_out = |joint: &String| whole.left_out.iter().any(|left| left.joint.as_ref() == Some(joint));
@@ -105,7 +119,7 @@ pub(in crate::gap) fn as_found(
     let joints = accused.into_iter().map(str::to_owned).filter(|joint| !is_left_out(joint)).collect();
     let whole = settled(setup, &whole.robot.numbers, &causes, deadline)?;
     let explains = explains(&whole, diagnosis);
-    Some(AsFound { whole, joints, explains })
+    Some(AsFound { whole, joints, common: None, explains })
 }
 
 /// The whole robot with the joints' numbers, where it needs no cause to leave only noise of every joint, and no more than with
@@ -117,7 +131,12 @@ fn with_numbers_alone(setup: &ClampedSetup, diagnosis: &ClampedDiagnosis, deadli
     let leaves_no_more = joints.all(|own| {
         own.causes.is_empty() || whole.left_rad(&own.joint).is_some_and(|left_rad| left_rad <= own.gap.after)
     });
-    (leaves_no_more && explains(&whole, diagnosis)).then(|| AsFound { whole, joints: Vec::new(), explains: true })
+    (leaves_no_more && explains(&whole, diagnosis)).then(|| AsFound {
+        whole,
+        joints: Vec::new(),
+        common: None,
+        explains: true,
+    })
 }
 
 /// Whether a robot leaves only noise of every joint.

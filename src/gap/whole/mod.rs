@@ -1,7 +1,9 @@
 //! What was found on a robot's joints and bodies, put back into the robot as a whole: as numbers of its description, and as
 //! one simulation of all joints at once.
 
+mod bench;
 mod body;
+mod common;
 mod followed;
 mod masses;
 mod numbers;
@@ -11,6 +13,7 @@ mod simulated;
 mod unknown;
 
 pub(in crate::gap) use body::{BodyAtBest, body_at_best};
+pub use common::Common;
 pub(in crate::gap) use followed::{AsFound, as_found, as_stated_at_best};
 pub use numbers::{FoundRobot, found_robot};
 pub use robot::{PlacedCause, WholeRobot, placed_causes};

@@ -19,8 +19,8 @@ pub(super) enum Quantity {
     Number { key: FoundKey, name: String, unit: &'static str },
     /// Of a body that was found its mass, or its place along an axis of the link's frame.
     Body { key: FoundKey, name: String, axis: Option<usize> },
-    /// A value of a cause, by place among the causes and among its values.
-    Value { cause: usize, value: usize },
+    /// A value that causes have alike, by their places and by its own among their values.
+    Value { causes: Vec<usize>, value: usize },
 }
 
 /// Such a quantity with what is believed of it.
