@@ -42,7 +42,7 @@ fn an_arm_as_described_lacks_nothing() {
 
 #[test]
 fn drag_of_the_elbow_is_found_on_the_elbow() {
-    let found = of(&Truth { drag: [0.0, 0.1], ..Truth::default() });
+    let found = of(&Truth { drag: 0.1, ..Truth::default() });
     let effects = found["effects"].as_array().unwrap();
     assert_eq!((effects.len(), &effects[0]["id"]), (1, &"quadratic_drag".into()), "{effects:#?}");
     assert_eq!(effects[0]["joints"][0], JOINTS[1]);

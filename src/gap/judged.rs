@@ -52,7 +52,10 @@ fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance:
         // Few logs are as many conditions: what holds in one has to hold in the others. Where logs are held out, these say
         // so better than one or two that are fitted.
         let few = evidence.held.is_empty() && (2..=FEW_LOGS).contains(&evidence.fit.len());
-        let worth = |t: &Trial| {
+        let worth = |(k, t): (usize, &Trial)| {
+            if best.model.has_no_size(&best.found.values, k) {
+                return f64::NEG_INFINITY;
+            }
             let gained = deviance(t) - deviance(&best);
             let lost = folds.difference(&folds.residuals(t), &held);
             let elsewhere =
@@ -66,7 +69,7 @@ fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance:
                 f64::NEG_INFINITY
             }
         };
-        let worths: Vec<f64> = without.par_iter().map(worth).collect();
+        let worths: Vec<f64> = without.par_iter().enumerate().map(worth).collect();
         let worst = (0..worths.len()).min_by(|a, b| worths[*a].total_cmp(&worths[*b]));
         match worst {
             Some(k) if worths[k] < 0.0 => {

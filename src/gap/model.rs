@@ -16,6 +16,8 @@ pub(super) const INERTIA: usize = 0;
 pub(super) const MOMENT: usize = 1;
 pub(super) const COULOMB: usize = 2;
 pub(super) const VISCOUS: usize = 3;
+/// A size so near to none, in its own unit, is none.
+const NO_SIZE: f64 = 1e-9;
 /// Torque that arrives per torque that the drive is believed to give.
 pub(super) const GAIN: usize = 4;
 /// The drive's derivative and integral gain per believed ones.
@@ -307,6 +309,14 @@ impl GapModel {
     pub(super) fn place(&self, k: usize) -> std::ops::Range<usize> {
         let from = BASELINE + self.forms[..k].iter().map(|e| e.searched_count()).sum::<usize>();
         from..from + self.forms[k].searched_count()
+    }
+
+    /// Whether effect number `k` has come to where it is none: what is then better is how its motion is computed.
+    pub(super) fn has_no_size(&self, values: &[f64], k: usize) -> bool {
+        let form = self.forms()[k];
+        let size = form.named(&values[self.place(k)], values[COULOMB]).first().copied();
+        let none = form.named_parameters().first().map(|named| named.zero);
+        size.zip(none).is_some_and(|(size, none)| (size - none).abs() < NO_SIZE)
     }
 
     /// Free parameters.

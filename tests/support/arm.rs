@@ -35,8 +35,8 @@ pub struct Truth {
     /// Hangs on the lower link \[kg\], and its place there \[m\].
     pub payload_kg: f64,
     pub place_m: [f64; 3],
-    /// Drag of each joint \[N m s^2/rad^2\].
-    pub drag: [f64; 2],
+    /// Drag of the elbow \[N m s^2/rad^2\].
+    pub drag: f64,
     /// Dry friction of both joints, times what is described.
     pub friction: f64,
     /// The logs have torques, held from sample to sample, in the place of setpoints.
@@ -50,7 +50,7 @@ impl Default for Truth {
             late_s: 0.0,
             payload_kg: 0.0,
             place_m: [0.0, 0.0, -0.25],
-            drag: [0.0; 2],
+            drag: 0.0,
             friction: 1.0,
             by_torque: false,
             period_s: 0.01,
@@ -88,7 +88,7 @@ fn log(described: &Description, truth: &Truth, seed: f64, seconds: f64) -> Strin
     let mut rate = |state: &TreeState, t_s: f64, held: &[f64; 2]| {
         let torque = |j: usize| {
             let w = state.rate[j];
-            let drag = truth.drag[j] * w * w.abs();
+            let drag = if j == 1 { truth.drag * w * w.abs() } else { 0.0 };
             let dry = truth.friction * DRY_NM[j] * (w / 3e-4).tanh() + VISCOUS[j] * w + drag;
             if truth.by_torque { held[j] - dry } else { servo(state, j, t_s) - dry }
         };

@@ -47,6 +47,18 @@ pub struct Common {
 }
 
 impl Common {
+    /// The last of a robot's causes, which all joints have.
+    fn of(form: EffectForm, whole: &Settled) -> Option<Self> {
+        let last = whole.causes.last()?;
+        let values = last.values.iter().zip(&last.spreads).zip(form.named_parameters());
+        let parameters = values.map(|((value, sd), named)| {
+            let interval = Some([-HALF_95, HALF_95].map(|side| value + side * sd));
+            let (name, unit) = (named.name.to_owned(), named.unit.to_owned());
+            Number { name, value: *value, unit, interval, interval_naive: interval }
+        });
+        Some(Self { form, parameters: parameters.collect() })
+    }
+
     /// `a setpoint that is late (T = 24.985 [24.962, 25.007] ms)`
     pub(in crate::gap) fn words(&self) -> String {
         let sizes = self.parameters.iter().map(|n| format!("{} = {}", n.name, quantity(n.value, n.interval, &n.unit)));
@@ -90,8 +102,8 @@ pub(super) fn in_common(
 }
 
 /// What a robot leaves of its joints, in squares of their noise.
-pub(super) fn misfit(whole: &Settled, diagnosis: &ClampedDiagnosis) -> f64 {
-    diagnosis.joints.iter().filter_map(|joint| joint.diagnosis.as_ref()).map(|own| share_of(whole, own)).sum()
+pub(super) fn misfit(whole: &Settled, found: &[&Diagnosis]) -> f64 {
+    found.iter().map(|own| share_of(whole, own)).sum()
 }
 
 /// The same of what joints' own answers leave.
@@ -176,24 +188,17 @@ impl<'a> Look<'a> {
                 fitted.extend(whole.map(|whole| (form, whole)));
             }
         }
-        let misfit_of = |(_, whole): &(EffectForm, Settled)| misfit(whole, diagnosis);
+        let misfit_of = |(_, whole): &(EffectForm, Settled)| misfit(whole, found);
         let (form, mut whole) = fitted.into_iter().min_by(|a, b| misfit_of(a).total_cmp(&misfit_of(b)))?;
         if self.beside.is_empty() && !explains(&whole, diagnosis) {
             let with_own = self.with_own(&whole, found, placed_causes(diagnosis), deadline);
             whole = with_own.filter(|better| explains(better, diagnosis)).unwrap_or(whole);
         }
         // What is left where joints stick is for their own reports, as long as it is little.
-        if !explains(&whole, diagnosis) && misfit(&whole, diagnosis) > MUCH_BETTER * misfit_alone(found) {
+        if !explains(&whole, diagnosis) && misfit(&whole, found) > MUCH_BETTER * misfit_alone(found) {
             return None;
         }
-        let last = whole.causes.last()?;
-        let values = last.values.iter().zip(&last.spreads).zip(form.named_parameters());
-        let parameters = values.map(|((value, sd), named)| {
-            let interval = Some([-HALF_95, HALF_95].map(|side| value + side * sd));
-            let (name, unit) = (named.name.to_owned(), named.unit.to_owned());
-            Number { name, value: *value, unit, interval, interval_naive: interval }
-        });
-        Some((Common { form, parameters: parameters.collect() }, whole))
+        Some((Common::of(form, &whole)?, whole))
     }
 
     /// The robot at its best with causes of single joints and others that have one size.
@@ -225,8 +230,7 @@ impl<'a> Look<'a> {
             let common = whole.causes.iter().map(|cause| PlacedCause { spreads: spreads.clone(), ..cause.clone() });
             self.settled(&whole.numbers, &[cause], common.collect(), deadline)
         });
-        let left = |whole: &Settled| found.iter().map(|own| share_of(whole, own)).sum::<f64>();
-        tried.min_by(|a, b| left(a).total_cmp(&left(b)))
+        tried.min_by(|a, b| misfit(a, found).total_cmp(&misfit(b, found)))
     }
 }
 

@@ -7,6 +7,7 @@ use super::robot::{Stretch, WholeRobot, placed_causes};
 use super::settled::{Settled, settled};
 use super::simulated::simulated;
 use crate::deadline::Deadline;
+use crate::gap::Diagnosis;
 use crate::gap::clamped::{ClampedCase, ClampedCaseError, ClampedDiagnosis, ClampedSetup, SimulatedMotion};
 use crate::gap::decide::leaves_something;
 use crate::joint::EffectId;
@@ -107,7 +108,8 @@ pub(in crate::gap) fn as_found(
         let explains = explains(&whole, diagnosis);
         AsFound { whole, joints, common: Some(common), explains }
     });
-    let left = |found: &AsFound| misfit(&found.whole, diagnosis);
+    let own: Vec<&Diagnosis> = diagnosis.joints.iter().filter_map(|joint| joint.diagnosis.as_ref()).collect();
+    let left = |found: &AsFound| misfit(&found.whole, &own);
     let least = few.into_iter().chain(of_all).min_by(|a, b| left(a).total_cmp(&left(b)));
     if least.is_some() {
         return least;
