@@ -108,7 +108,7 @@ impl RobotAnswered {
     /// The same from the diagnosis of an arm. A body that is not as described is the exam's payload, whichever of its
     /// numbers is said to be another.
     pub fn of_arm(diagnosis: &ClampedDiagnosis) -> Self {
-        let found = || diagnosis.joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
+        let found = || diagnosis.found();
         let bodies = diagnosis.bodies.iter().map(|body| StatedCause {
             cause: Cause::Payload,
             joints: Vec::new(),

@@ -7,7 +7,6 @@ use crate::deadline::{Deadline, Spent};
 use crate::gap::as_given::AsGiven;
 use crate::gap::diagnose::{Beside, diagnose_from};
 use crate::gap::sentence::{REFITTED, words};
-use crate::gap::whole::Common;
 use crate::gap::{CauseShare, Diagnosis, GapError, GapOptions, Number, Verdict};
 use crate::joint::EffectId;
 use crate::number::{capital, mrad, newton_metres, quantity};
@@ -35,10 +34,6 @@ pub struct ClampedDiagnosis {
     pub weighed: Vec<FoundNumber>,
     /// Causes with all joints that have them, the one that closes most first.
     pub causes: Vec<SharedCause>,
-    /// One cause that all joints have with one size, as the whole robot tells it: on some of them it may be too little to be told
-    /// alone.
-    #[serde(skip)]
-    pub common: Option<Common>,
     /// Numbers that groups of joints have elsewhere alike.
     pub pooled: Vec<PooledNumber>,
     /// In the description's order.
@@ -180,7 +175,7 @@ pub(in crate::gap) fn concluded(
     // What recalibration closes is not the body's.
     let gap = ClampedGap { calibrated: self::gap(first.unwrap_or(&joints)).calibrated, ..self::gap(&joints) };
     let causes = shared(groups, &joints);
-    let found = || joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
+    let found = || found_of(&joints);
     let verdict = found().map(|d| d.answer.verdict).max_by_key(|verdict| gravity(*verdict)).unwrap_or(Verdict::None);
     let verdict =
         if bodies.is_empty() || gravity(verdict) > gravity(Verdict::Effect) { verdict } else { Verdict::Effect };
@@ -207,32 +202,23 @@ pub(in crate::gap) fn concluded(
         ));
     }
     let robot = robot.to_owned();
-    ClampedDiagnosis {
-        robot,
-        answer,
-        gap,
-        bodies,
-        weighed: Vec::new(),
-        causes,
-        common: None,
-        pooled,
-        joints,
-        notes,
-        budget: None,
-    }
+    ClampedDiagnosis { robot, answer, gap, bodies, weighed: Vec::new(), causes, pooled, joints, notes, budget: None }
 }
 
 impl ClampedDiagnosis {
+    /// Answers of the joints that move, in the description's order.
+    pub fn found(&self) -> impl Iterator<Item = &Diagnosis> {
+        found_of(&self.joints)
+    }
+
     /// Whether anything is left of a joint that no cause explains.
     pub(in crate::gap) fn leaves_a_joint_unexplained(&self) -> bool {
-        let mut found = self.joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
-        found.any(|own| own.answer.verdict == Verdict::Unexplained)
+        self.found().any(|own| own.answer.verdict == Verdict::Unexplained)
     }
 
     /// Joints that causes were found on, the one first where these close most.
     pub(in crate::gap) fn accused(&self) -> Vec<&str> {
-        let found = self.joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
-        let mut accused: Vec<&Diagnosis> = found.filter(|own| !own.causes.is_empty()).collect();
+        let mut accused: Vec<&Diagnosis> = self.found().filter(|own| !own.causes.is_empty()).collect();
         let closes = |own: &Diagnosis| own.gap.calibrated.powi(2) - own.gap.after.powi(2);
         accused.sort_by(|a, b| closes(b).total_cmp(&closes(a)));
         accused.into_iter().map(|own| own.joint.as_str()).collect()
@@ -287,6 +273,11 @@ impl ClampedDiagnosis {
     }
 }
 
+/// Answers of the joints that move.
+pub(super) fn found_of(joints: &[JointAnswer]) -> impl Iterator<Item = &Diagnosis> {
+    joints.iter().filter_map(|joint| joint.diagnosis.as_ref())
+}
+
 /// Tells another how many joints are done.
 struct Counted<'a> {
     progress: &'a dyn Progress,
@@ -315,7 +306,7 @@ pub(super) fn gravity(verdict: Verdict) -> u8 {
 }
 
 pub(super) fn gap(joints: &[JointAnswer]) -> ClampedGap {
-    let found: Vec<&Diagnosis> = joints.iter().filter_map(|joint| joint.diagnosis.as_ref()).collect();
+    let found: Vec<&Diagnosis> = found_of(joints).collect();
     let root = |of: fn(&Diagnosis) -> f64| {
         (found.iter().map(|d| of(d).powi(2)).sum::<f64>() / found.len().max(1) as f64).sqrt()
     };

@@ -3,7 +3,7 @@
 //! Near its answer every joint's logs say of a number what its interval says; together they say the weighed mean, and whether
 //! one number for all is no worse than one for each.
 
-use super::diagnose::JointAnswer;
+use super::diagnose::{JointAnswer, found_of};
 use crate::gap::sentence::number_words;
 use crate::gap::{Diagnosis, Number};
 use crate::number::chance::HALF_95;
@@ -57,7 +57,7 @@ fn agreed(values: &[(f64, f64)]) -> Option<(f64, f64)> {
 
 /// Numbers that whole groups of joints have elsewhere alike, the largest groups first.
 pub(super) fn pooled(groups: &BTreeMap<String, Vec<String>>, joints: &[JointAnswer]) -> Vec<PooledNumber> {
-    let found: Vec<&Diagnosis> = joints.iter().filter_map(|joint| joint.diagnosis.as_ref()).collect();
+    let found: Vec<&Diagnosis> = found_of(joints).collect();
     let all: Vec<String> = found.iter().map(|d| d.joint.clone()).collect();
     let mut tried: Vec<(String, Vec<String>)> = vec![(ALL.to_owned(), all)];
     tried.extend(groups.iter().map(|(name, joints)| (name.clone(), joints.clone())));

@@ -16,7 +16,7 @@ use crate::gap::clamped::{
 use crate::gap::decide::leaves_something;
 use crate::gap::recalibrated::Refitted;
 use crate::gap::whole::{BodyAtBest, body_at_best, placed_causes};
-use crate::gap::{Diagnosis, GapOptions, Verdict};
+use crate::gap::{CauseShare, Diagnosis, GapOptions, Verdict};
 use crate::joint::EffectId;
 use crate::progress::{Progress, Step};
 use rayon::prelude::*;
@@ -53,7 +53,7 @@ fn searched_within(
     let (case, masses) = weighed_case(setup, options, progress)?;
     let first = diagnose_clamped(&case, options, progress)?.with_weighed(masses);
     let (case, mut first) = followed(setup, options, progress, (case, first))?;
-    let may_ask = options.only.is_empty() && found(&first).any(asks);
+    let may_ask = options.only.is_empty() && first.found().any(asks);
     if !may_ask || options.deadline.leaves_out(BODIES) {
         return Ok((case, first));
     }
@@ -86,11 +86,11 @@ fn asked_for(
     first: &ClampedDiagnosis,
     options: &GapOptions,
 ) -> Result<Option<Asked>, TorqueError> {
-    let late_s: BTreeMap<String, f64> = found(first).filter_map(|d| Some((d.joint.clone(), late_s(d)?))).collect();
+    let late_s: BTreeMap<String, f64> = first.found().filter_map(|d| Some((d.joint.clone(), late_s(d)?))).collect();
     let commanded = TorqueCase::commanded(setup, &late_s)?;
     let (_, mut founds, moving) = searched(&commanded, &[], &|effect| is_asked(effect, options));
     for (own, data) in founds.iter_mut().zip(&moving.joints) {
-        let simulated = found(first).find(|d| d.joint == data.name);
+        let simulated = first.found().find(|d| d.joint == data.name);
         own.with_causes(simulated.iter().flat_map(|d| &d.causes).map(|cause| cause.effect));
     }
     if founds.is_empty() {
@@ -194,7 +194,7 @@ fn best_of(
 
 /// Whether the whole robot at its best needs no more than numbers to leave only noise of every joint.
 fn needs_only_numbers(case: &ClampedCase, first: &ClampedDiagnosis) -> bool {
-    found(first).all(|own| {
+    first.found().all(|own| {
         let whole = case.joints.iter().find(|joint| joint.name == own.joint).and_then(|joint| joint.whole);
         whole.is_some_and(|whole| !leaves_something(whole.bare_rad, own.gap.floor))
     })
@@ -216,12 +216,14 @@ fn is_promising(case: &ClampedCase, carrying: &[&ClampedJoint], options: &GapOpt
 
 /// How many causes joints need, and numbers far from what is believed.
 fn needs(diagnosis: &ClampedDiagnosis) -> usize {
-    found(diagnosis).map(|own| own.causes.len() + own.beliefs.iter().filter(|belief| belief.is_finding()).count()).sum()
-}
-
-/// Answers of the joints that move.
-fn found(diagnosis: &ClampedDiagnosis) -> impl Iterator<Item = &Diagnosis> {
-    diagnosis.joints.iter().filter_map(|joint| joint.diagnosis.as_ref())
+    // What all joints have, told by the whole robot and not by this one, is counted where it shows.
+    let shows = |cause: &&CauseShare| cause.alone.is_some() || cause.last.is_some();
+    diagnosis
+        .found()
+        .map(|own| {
+            own.causes.iter().filter(shows).count() + own.beliefs.iter().filter(|belief| belief.is_finding()).count()
+        })
+        .sum()
 }
 
 fn those<'a>(case: &'a ClampedCase, are: &dyn Fn(&ClampedJoint) -> bool) -> Vec<&'a ClampedJoint> {

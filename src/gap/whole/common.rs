@@ -74,7 +74,7 @@ pub(super) fn in_common(
     allows: &dyn Fn(EffectId) -> bool,
     deadline: &Deadline,
 ) -> Option<(Common, Settled)> {
-    let found: Vec<&Diagnosis> = diagnosis.joints.iter().filter_map(|joint| joint.diagnosis.as_ref()).collect();
+    let found: Vec<&Diagnosis> = diagnosis.found().collect();
     if found.len() < 2 || deadline.leaves_out(IN_COMMON) {
         return None;
     }

@@ -108,7 +108,7 @@ pub(in crate::gap) fn as_found(
         let explains = explains(&whole, diagnosis);
         AsFound { whole, joints, common: Some(common), explains }
     });
-    let own: Vec<&Diagnosis> = diagnosis.joints.iter().filter_map(|joint| joint.diagnosis.as_ref()).collect();
+    let own: Vec<&Diagnosis> = diagnosis.found().collect();
     let left = |found: &AsFound| misfit(&found.whole, &own);
     let least = few.into_iter().chain(of_all).min_by(|a, b| left(a).total_cmp(&left(b)));
     if least.is_some() {
@@ -129,8 +129,7 @@ pub(in crate::gap) fn as_found(
 fn with_numbers_alone(setup: &ClampedSetup, diagnosis: &ClampedDiagnosis, deadline: &Deadline) -> Option<AsFound> {
     let found = found_robot(setup, Some(&diagnosis.without_causes())).ok()?;
     let whole = settled(setup, &found.numbers, &[], deadline)?;
-    let mut joints = diagnosis.joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
-    let leaves_no_more = joints.all(|own| {
+    let leaves_no_more = diagnosis.found().all(|own| {
         own.causes.is_empty() || whole.left_rad(&own.joint).is_some_and(|left_rad| left_rad <= own.gap.after)
     });
     (leaves_no_more && explains(&whole, diagnosis)).then(|| AsFound {
@@ -143,8 +142,9 @@ fn with_numbers_alone(setup: &ClampedSetup, diagnosis: &ClampedDiagnosis, deadli
 
 /// Whether a robot leaves only noise of every joint.
 pub(super) fn explains(whole: &Settled, diagnosis: &ClampedDiagnosis) -> bool {
-    let mut found = diagnosis.joints.iter().filter_map(|joint| joint.diagnosis.as_ref());
-    found.all(|own| whole.left_rad(&own.joint).is_none_or(|left_rad| !leaves_something(left_rad, own.gap.floor)))
+    diagnosis
+        .found()
+        .all(|own| whole.left_rad(&own.joint).is_none_or(|left_rad| !leaves_something(left_rad, own.gap.floor)))
 }
 
 /// The whole robot as stated, at its best.

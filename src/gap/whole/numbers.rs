@@ -1,10 +1,9 @@
 //! What was found, as numbers of the description, and what no description can say.
 
-use super::common::Common;
 use super::masses::{masses, own_inertias};
 use crate::gap::clamped::{BodyCause, BodyKind, ClampedDiagnosis, ClampedSetup};
 use crate::gap::rotor::armature_kg_m2;
-use crate::gap::{Diagnosis, Number, Verdict};
+use crate::gap::{CauseShare, Diagnosis, Verdict};
 use crate::identify::Estimate;
 use crate::joint::EffectId;
 use crate::number::quantity;
@@ -31,8 +30,7 @@ pub fn found_robot(setup: &ClampedSetup, diagnosis: Option<&ClampedDiagnosis>) -
     let bodies = diagnosis.map_or(&[][..], |diagnosis| &diagnosis.bodies);
     found.numbers.extend(bodies.iter().map(|body| of_body(body, &setup.description)));
     let with_bodies = setup.description.with_found(&found.numbers)?;
-    let joints: Vec<&Diagnosis> =
-        diagnosis.iter().flat_map(|d| &d.joints).filter_map(|joint| joint.diagnosis.as_ref()).collect();
+    let joints: Vec<&Diagnosis> = diagnosis.iter().flat_map(|d| d.found()).collect();
     let weighed = diagnosis.map_or(&[][..], |diagnosis| &diagnosis.weighed);
     found.numbers.extend_from_slice(weighed);
     let (masses, missed) = match weighed.is_empty() {
@@ -61,9 +59,7 @@ pub fn found_robot(setup: &ClampedSetup, diagnosis: Option<&ClampedDiagnosis>) -
         // A joint that lacks nothing keeps its numbers.
         let own = joints.iter().find(|d| d.joint == *name && d.answer.verdict != Verdict::None);
         let links_kg_m2 = inertias.iter().find(|(joint, _)| joint == name).map(|(_, inertia)| *inertia);
-        let moving = joints.iter().find(|d| d.joint == *name);
-        let common = diagnosis.zip(moving).and_then(|(diagnosis, own)| diagnosis.common_beside(own));
-        of_joint(setup, at, (own.copied(), common), links_kg_m2, &mut found);
+        of_joint(setup, at, own.copied(), links_kg_m2, &mut found);
     }
     Ok(found)
 }
@@ -92,13 +88,12 @@ pub(super) fn of_body(body: &BodyCause, description: &Description) -> FoundNumbe
 fn of_joint(
     setup: &ClampedSetup,
     at: MoverId,
-    (own, common): (Option<&Diagnosis>, Option<&Common>),
+    own: Option<&Diagnosis>,
     links_kg_m2: Option<f64>,
     found: &mut FoundRobot,
 ) {
     let mover = &setup.description.joints[at.0];
     let said = setup.beliefs(at);
-    let causes = causes(own, common);
     let estimate = |name: &str| own?.parameters.iter().find(|p| p.name == name);
     let mut push = |key: FoundKey, was: Option<f64>, value: f64, interval: Option<[f64; 2]>, unit: &str| {
         let is_weighed = found.numbers.iter().any(|number| number.key == key && number.name == mover.name);
@@ -139,25 +134,27 @@ fn of_joint(
         let share = of_kd.map_or(1.0, |e| e.value);
         let interval = of_kd.and_then(|e| e.interval).map(|range| range.map(|end| end * times * kd)).or(around(kd));
         push(FoundKey::Kd, described.as_ref().map(|servo| -servo.bias[2]), times * share * kd, interval, "N m s/rad");
-        let limit = causes.iter().find(|cause| cause.effect == EffectId::TorqueLimit);
-        let limit = limit.and_then(|cause| cause.parameters.first());
+        let of = |cause: &CauseShare| cause.effect == EffectId::TorqueLimit;
+        let limit =
+            own.and_then(|d| d.causes.iter().find(|cause| of(cause))).and_then(|cause| cause.parameters.first());
         let was = described.as_ref().and_then(|servo| servo.force_range_nm.map(|[_, high]| high));
         if let Some(value) = limit.map(|n| n.value).or(said.torque_limit_nm) {
             push(FoundKey::TorqueLimit, was, value, limit.and_then(|n| n.interval), "N m");
         }
     }
-    for cause in &causes {
+    let Some(own) = own else { return };
+    for cause in &own.causes {
         let numbers: Vec<String> = cause
             .parameters
             .iter()
             .map(|n| format!("{} = {}", n.name, quantity(n.value, n.interval, &n.unit)))
             .collect();
-        match (cause.effect, cause.parameters) {
+        match (cause.effect, &cause.parameters[..]) {
             (EffectId::TorqueLimit, _) => {}
-            (EffectId::Delay, [late]) if cause.everywhere => {
+            (EffectId::Delay, [late]) if cause.only.is_none() => {
                 push(FoundKey::Delay, None, late.value, late.interval, "s");
             }
-            (EffectId::AngleOffset, [zero]) if cause.everywhere => {
+            (EffectId::AngleOffset, [zero]) if cause.only.is_none() => {
                 push(FoundKey::EncoderZero, None, zero.value, zero.interval, "rad");
             }
             (EffectId::JointSpring, [k, rest]) if mover.stiffness[0] == 0.0 => {
@@ -165,33 +162,14 @@ fn of_joint(
                 push(FoundKey::Springref, None, rest.value, rest.interval, "rad");
             }
             (effect, values) => {
-                if let (EffectId::Stribeck, [most, ..], true) = (effect, values, cause.everywhere) {
+                if let (EffectId::Stribeck, [most, ..], None) = (effect, values, &cause.only) {
                     push(FoundKey::StaticFriction, None, most.value, most.interval, "N m");
                 }
                 found.cannot_say.push(format!("{}: {} ({})", mover.name, cause.effect, numbers.join(", ")));
             }
         }
     }
-    if let Some(law) = own.and_then(|own| own.law.as_ref()) {
+    if let Some(law) = &own.law {
         found.cannot_say.push(format!("{}: a law ({})", mover.name, law.table.looks_like));
     }
-}
-
-/// A cause as a description may tell it.
-struct Told<'a> {
-    effect: EffectId,
-    parameters: &'a [Number],
-    /// Whether it holds in all logs.
-    everywhere: bool,
-}
-
-/// A joint's own causes, and the one that all joints have.
-fn causes<'a>(own: Option<&'a Diagnosis>, common: Option<&'a Common>) -> Vec<Told<'a>> {
-    let alone = own.into_iter().flat_map(|own| &own.causes).map(|cause| Told {
-        effect: cause.effect,
-        parameters: &cause.parameters,
-        everywhere: cause.only.is_none(),
-    });
-    let shared = common.map(|common| Told { effect: common.form.id, parameters: &common.parameters, everywhere: true });
-    alone.chain(shared).collect()
 }

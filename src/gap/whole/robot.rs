@@ -1,7 +1,7 @@
 //! A described robot as something to simulate: with what study and description believe, numbers that are others, and causes.
 
 use crate::gap::clamped::{ClampedDiagnosis, ClampedSetup};
-use crate::gap::{CauseShare, Diagnosis, Number};
+use crate::gap::{CauseShare, Number};
 use crate::joint::{EffectForm, EffectId, Knee, Motor, TorqueLimit};
 use crate::log::RobotLog;
 use crate::number::chance::HALF_95;
@@ -56,26 +56,20 @@ fn spread(number: &Number) -> f64 {
 /// What a diagnosis puts on joints beside numbers of the description; what holds in some logs only, springs before the link
 /// and late readings are left out.
 pub fn placed_causes(diagnosis: &ClampedDiagnosis) -> Vec<PlacedCause> {
-    // Springs and limits stand in the description.
-    let is_said =
-        |form: EffectForm| [EffectId::JointSpring, EffectId::TorqueLimit].contains(&form.id) && form.is_default();
-    let placed = |own: &Diagnosis, form: EffectForm, parameters: &[Number]| PlacedCause {
-        joint: own.joint.clone(),
-        form,
-        values: parameters.iter().map(|number| number.value).collect(),
-        spreads: parameters.iter().map(spread).collect(),
-    };
-    let of_joint = |own: &Diagnosis| -> Vec<PlacedCause> {
+    let placed = diagnosis.found().flat_map(|own| {
+        // Springs and limits stand in the description.
+        let in_description = [EffectId::JointSpring, EffectId::TorqueLimit];
         let is_told = |cause: &&CauseShare| cause.only.is_none() && cause.effect.is_known_to_robots();
-        let alone = own.causes.iter().filter(is_told).filter_map(|cause| {
+        let everywhere = own.causes.iter().filter(is_told);
+        everywhere.filter_map(move |cause| {
             let form = EffectForm::named_so(cause.effect, Some(cause.form).filter(|form| !form.is_empty())).ok()?;
-            Some((form, &cause.parameters))
-        });
-        let common = diagnosis.common_beside(own).map(|common| (common.form, &common.parameters));
-        let all = alone.chain(common).filter(|(form, _)| !is_said(*form));
-        all.map(|(form, parameters)| placed(own, form, parameters)).collect()
-    };
-    diagnosis.joints.iter().filter_map(|joint| joint.diagnosis.as_ref()).flat_map(of_joint).collect()
+            let is_said = in_description.contains(&cause.effect) && form.is_default();
+            let values = cause.parameters.iter().map(|number| number.value).collect();
+            let spreads = cause.parameters.iter().map(spread).collect();
+            (!is_said).then(|| PlacedCause { joint: own.joint.clone(), form, values, spreads })
+        })
+    });
+    placed.collect()
 }
 
 /// A robot with its joints, ready to run.

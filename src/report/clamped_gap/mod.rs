@@ -72,7 +72,7 @@ impl ClampedGapReport {
             Ok(whole) => whole.robot.clone(),
             Err(_) => found_robot(setup, Some(&diagnosis)).unwrap_or_default(),
         };
-        let told: Vec<&Diagnosis> = diagnosis.joints.iter().filter_map(|joint| joint.diagnosis.as_ref()).collect();
+        let told: Vec<&Diagnosis> = diagnosis.found().collect();
         let animation = whole.as_ref().ok().and_then(|whole| animation::animation(setup, whole, &told));
         let whole = Some(whole);
         let model = setup.study.model_path.clone();
