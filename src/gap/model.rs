@@ -314,9 +314,11 @@ impl GapModel {
     /// Whether effect number `k` has come to where it is none: what is then better is how its motion is computed.
     pub(super) fn has_no_size(&self, values: &[f64], k: usize) -> bool {
         let form = self.forms()[k];
-        let size = form.named(&values[self.place(k)], values[COULOMB]).first().copied();
-        let none = form.named_parameters().first().map(|named| named.zero);
-        size.zip(none).is_some_and(|(size, none)| (size - none).abs() < NO_SIZE)
+        match (&form.named(&values[self.place(k)], values[COULOMB])[..], form.named_parameters()) {
+            ([size], [named]) => (size - named.zero).abs() < NO_SIZE,
+            // One of several may be none without the others being so.
+            _ => false,
+        }
     }
 
     /// Free parameters.

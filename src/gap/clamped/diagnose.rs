@@ -91,6 +91,8 @@ pub struct SharedCause {
     pub size: Option<Number>,
     /// Share of the robot's recalibrated squares that it closes where it is added.
     pub share: f64,
+    /// Whether the whole robot tells it of all joints, with one size, and not each of them alone.
+    pub common: bool,
 }
 
 /// A joint's own answer.
@@ -211,9 +213,9 @@ impl ClampedDiagnosis {
         found_of(&self.joints)
     }
 
-    /// Whether anything is left of a joint that no cause explains.
-    pub(in crate::gap) fn leaves_a_joint_unexplained(&self) -> bool {
-        self.found().any(|own| own.answer.verdict == Verdict::Unexplained)
+    /// Joints of which something is left that no cause explains.
+    pub(in crate::gap) fn unexplained(&self) -> impl Iterator<Item = &str> {
+        self.found().filter(|own| own.answer.verdict == Verdict::Unexplained).map(|own| own.joint.as_str())
     }
 
     /// Joints that causes were found on, the one first where these close most.
@@ -344,7 +346,14 @@ fn shared(groups: &BTreeMap<String, Vec<String>>, joints: &[JointAnswer]) -> Vec
                 }
                 None => {
                     let joints = vec![(*joint).to_owned()];
-                    causes.push(SharedCause { effect: cause.effect, joints, group: None, size: None, share });
+                    causes.push(SharedCause {
+                        effect: cause.effect,
+                        joints,
+                        group: None,
+                        size: None,
+                        share,
+                        common: false,
+                    });
                 }
             }
         }

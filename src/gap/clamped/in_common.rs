@@ -2,8 +2,10 @@
 
 use super::diagnose::{ClampedAnswer, ClampedDiagnosis, ClampedGap, SharedCause, gap, gravity, sentence};
 use crate::gap::held_out::closed;
+use crate::gap::sentence::REFITTED;
 use crate::gap::whole::Common;
 use crate::gap::{CauseShare, Diagnosis, Verdict};
+use crate::number::{capital, mrad};
 
 impl ClampedDiagnosis {
     /// The same where all joints have one cause as the whole robot has it, which leaves so much of each \[rad\]; alone joints were
@@ -22,15 +24,19 @@ impl ClampedDiagnosis {
                 own.withheld.clone_from(&first.withheld);
                 own.detectable.clone_from(&first.detectable);
             }
-            if own.causes.iter().all(|cause| cause.effect != effect) {
-                put_in(own, common, left_rad(&own.joint));
+            match own.causes.iter_mut().find(|cause| cause.effect == effect) {
+                None => put_in(own, common, left_rad(&own.joint)),
+                Some(cause) if cause.form == common.form.name() => cause.parameters.clone_from(&common.parameters),
+                Some(_) => {}
             }
         }
         self.gap = ClampedGap { calibrated: self.gap.calibrated, ..gap(&self.joints) };
         self.causes.retain(|cause| cause.effect != effect);
         let (group, size) = (Some("all".to_owned()), common.parameters.first().cloned());
-        let share = (1.0 - (self.gap.after / self.gap.calibrated).powi(2)).max(0.0);
-        self.causes.push(SharedCause { effect, joints: all, group, size, share });
+        // What others close is theirs.
+        let others: f64 = self.causes.iter().map(|cause| cause.share).sum();
+        let share = (1.0 - (self.gap.after / self.gap.calibrated).powi(2) - others).max(0.0);
+        self.causes.push(SharedCause { effect, joints: all, group, size, share, common: true });
         self.causes.sort_by(|a, b| b.share.total_cmp(&a.share));
         let mut ids = self.causes.iter().map(|cause| cause.effect.id());
         let verdict = self.answer.verdict;
@@ -48,15 +54,11 @@ impl ClampedDiagnosis {
 /// Puts what all joints have into the answer of one that does not show it alone; the whole robot leaves so much of it \[rad\].
 fn put_in(own: &mut Diagnosis, common: &Common, left_rad: Option<f64>) {
     let effect = common.form.id;
-    let mut told = format!(
-        " As all joints of the robot it has {}: all of them simulated at once tell that; alone, along the motion of the others, it \
-         is too little here.",
-        common.words()
-    );
-    if let Some(left_rad) = left_rad.filter(|left_rad| *left_rad < own.gap.after) {
+    let is_lower = left_rad.is_some_and(|left_rad| left_rad < own.gap.after);
+    if let Some(left_rad) = left_rad.filter(|_| is_lower) {
         own.gap.after = left_rad;
         own.gap.closed = closed(own.gap.before, left_rad, own.gap.floor);
-        told += " What is left with it is what the whole robot leaves.";
+        own.gap.closed_interval = None;
     }
     own.causes.push(CauseShare {
         effect,
@@ -69,10 +71,22 @@ fn put_in(own: &mut Diagnosis, common: &Common, left_rad: Option<f64>) {
         after: own.gap.after,
     });
     own.effect_parameters.push((effect, common.parameters.clone()));
+    let told = format!(
+        "as all joints of the robot it has {}, which all of them simulated at once tell; alone, along the motion of the others, it is \
+         too little here",
+        common.words()
+    );
+    let of_whole = if is_lower { ", as the whole robot leaves it" } else { "" };
+    let [before, calibrated, after] = [own.gap.before, own.gap.calibrated, own.gap.after].map(mrad);
     let answer = &mut own.answer;
-    answer.sentence += &told;
     if gravity(answer.verdict) < gravity(Verdict::Effect) {
         answer.verdict = Verdict::Effect;
         answer.effect = Some(effect.id().to_owned());
+        answer.sentence = format!(
+            "{}: {told}; the error goes from {before} as given to {calibrated} with {REFITTED} and to {after} with it{of_whole}.",
+            own.joint
+        );
+    } else {
+        answer.sentence += &format!(" {}{of_whole}.", capital(&told));
     }
 }

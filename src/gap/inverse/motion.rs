@@ -16,7 +16,7 @@ use crate::gap::clamped::{
 use crate::gap::decide::leaves_something;
 use crate::gap::recalibrated::Refitted;
 use crate::gap::whole::{BodyAtBest, body_at_best, placed_causes};
-use crate::gap::{CauseShare, Diagnosis, GapOptions, Verdict};
+use crate::gap::{Diagnosis, GapOptions, Verdict};
 use crate::joint::EffectId;
 use crate::progress::{Progress, Step};
 use rayon::prelude::*;
@@ -53,7 +53,9 @@ fn searched_within(
     let (case, masses) = weighed_case(setup, options, progress)?;
     let first = diagnose_clamped(&case, options, progress)?.with_weighed(masses);
     let (case, mut first) = followed(setup, options, progress, (case, first))?;
-    let may_ask = options.only.is_empty() && first.found().any(asks);
+    // Beside what all joints have, as the whole robot tells it, no body is looked for.
+    let has_common = first.causes.iter().any(|cause| cause.common);
+    let may_ask = options.only.is_empty() && !has_common && first.found().any(asks);
     if !may_ask || options.deadline.leaves_out(BODIES) {
         return Ok((case, first));
     }
@@ -216,14 +218,8 @@ fn is_promising(case: &ClampedCase, carrying: &[&ClampedJoint], options: &GapOpt
 
 /// How many causes joints need, and numbers far from what is believed.
 fn needs(diagnosis: &ClampedDiagnosis) -> usize {
-    // What all joints have, told by the whole robot and not by this one, is counted where it shows.
-    let shows = |cause: &&CauseShare| cause.alone.is_some() || cause.last.is_some();
-    diagnosis
-        .found()
-        .map(|own| {
-            own.causes.iter().filter(shows).count() + own.beliefs.iter().filter(|belief| belief.is_finding()).count()
-        })
-        .sum()
+    let far = |own: &Diagnosis| own.beliefs.iter().filter(|belief| belief.is_finding()).count();
+    diagnosis.found().map(|own| own.causes.len() + far(own)).sum()
 }
 
 fn those<'a>(case: &'a ClampedCase, are: &dyn Fn(&ClampedJoint) -> bool) -> Vec<&'a ClampedJoint> {

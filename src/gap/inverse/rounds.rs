@@ -9,6 +9,7 @@ use crate::gap::decide::leaves_something;
 use crate::gap::evidence::WholeLeft;
 use crate::gap::whole::{AsFound, as_found};
 use crate::gap::{GapError, GapOptions, Verdict};
+use crate::joint::EffectId;
 use crate::progress::{Progress, Step};
 use crate::robot::description::{FoundKey, FoundNumber};
 
@@ -28,14 +29,16 @@ pub(super) fn followed(
     progress: &dyn Progress,
     (mut case, mut found): (ClampedCase, ClampedDiagnosis),
 ) -> Result<(ClampedCase, ClampedDiagnosis), TorqueError> {
-    let allows =
-        |effect| !options.without.contains(&effect) && (options.only.is_empty() || options.only.contains(&effect));
-    for _ in 0..ROUNDS {
+    let allows = |effect: EffectId| {
+        !options.without.contains(&effect) && (options.only.is_empty() || options.only.contains(&effect))
+    };
+    let (mut rounds, mut may_be_common) = (0, true);
+    while rounds < ROUNDS {
         let is_sound = found.answer.verdict == Verdict::None;
         if is_sound || options.deadline.leaves_out(AS_FOUND) {
             break;
         }
-        let Some(robot) = as_found(setup, &found, &allows, &options.deadline) else { break };
+        let Some(robot) = as_found(setup, &found, may_be_common.then_some(&allows), &options.deadline) else { break };
         progress.go_on(Step::stage(AS_FOUND))?;
         case.joints.iter_mut().for_each(|joint| tell(joint, &robot));
         let masses: Vec<FoundNumber> =
@@ -56,12 +59,15 @@ pub(super) fn followed(
             let only = GapOptions { only: needed, ..options.clone() };
             let second = diagnose_clamped(again.as_ref().unwrap_or(&case), &only, progress)?.with_weighed(weighed);
             let second = second.with_common(&common, &|joint| whole.left_rad(joint), &found);
-            if second.gap.after < NO_WORSE * found.gap.after || !second.leaves_a_joint_unexplained() {
-                found = second;
-                case = again.unwrap_or(case);
+            if second.gap.after < NO_WORSE * found.gap.after
+                && second.unexplained().all(|joint| is_unexplained(&found, joint))
+            {
+                return Ok((again.unwrap_or(case), second));
             }
-            break;
+            may_be_common = false;
+            continue;
         }
+        rounds += 1;
         let second = match again {
             None => None,
             Some(again) => {
@@ -83,6 +89,10 @@ pub(super) fn followed(
         }
     }
     Ok((case, found))
+}
+
+fn is_unexplained(diagnosis: &ClampedDiagnosis, joint: &str) -> bool {
+    diagnosis.unexplained().any(|own| own == joint)
 }
 
 /// Whether a joint that was left with more than noise is left with much less, and all of them together with no more: of many

@@ -169,6 +169,11 @@ impl<'a> Bench<'a> {
         self.point(vec![0.0; self.unknowns.len()])
     }
 
+    /// The robot with numbers.
+    pub fn with(&self, numbers: &[FoundNumber]) -> Option<Point> {
+        self.point(self.unknowns.iter().map(|unknown| unknown.size_in(numbers)).collect())
+    }
+
     pub fn point(&self, sizes: Vec<f64>) -> Option<Point> {
         let sd = vec![1.0; sizes.len()];
         let (numbers, causes) = self.robot(&sizes, &sd);

@@ -12,7 +12,7 @@ use crate::deadline::Deadline;
 use crate::gap::clamped::{ClampedDiagnosis, ClampedSetup};
 use crate::gap::sentence::words;
 use crate::gap::{Diagnosis, Number};
-use crate::joint::{EffectForm, EffectId};
+use crate::joint::{EffectForm, EffectId, Named};
 use crate::number::chance::HALF_95;
 use crate::number::quantity;
 use crate::robot::description::FoundNumber;
@@ -29,6 +29,9 @@ const MUCH_BETTER: f64 = 0.5;
 /// So many effects are fitted, and of each are so many of the joints' sizes looked at.
 const FITTED: usize = 2;
 const OF_AN_EFFECT: usize = 4;
+/// So many joints have to show it: without it on them the robot leaves this many times as much, in squares of noise.
+const SHOWN_BY: usize = 2;
+const SHOWS: f64 = 1.05;
 /// Two sizes are one that differ by less than this share.
 const SAME: f64 = 0.1;
 /// A size may be off by this share of it.
@@ -85,7 +88,10 @@ pub(super) fn in_common(
         return of_all;
     }
     let own = placed_causes(diagnosis).into_par_iter().filter(|cause| !cause.form.id.parts_two_bodies());
-    let closing = |cause: PlacedCause| Some((alone.closes(std::slice::from_ref(&cause))?.1, cause));
+    let closing = |cause: PlacedCause| {
+        let closes = (!deadline.leaves_out(IN_COMMON)).then(|| alone.closes(std::slice::from_ref(&cause)));
+        Some((closes??.1, cause))
+    };
     let mut seen: Vec<(f64, PlacedCause)> = own.filter_map(closing).filter(|(closes, _)| *closes > BESIDE).collect();
     seen.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut tried: Vec<EffectId> = Vec::new();
@@ -123,7 +129,9 @@ struct Look<'a> {
     beside: Vec<PlacedCause>,
     here: Point,
     slopes: Slopes,
-    /// What numbers leave beyond noise.
+    /// The noise of each row \[rad^2\].
+    noise_rad2: Vec<f64>,
+    /// What numbers leave beyond it.
     excess: f64,
 }
 
@@ -138,15 +146,18 @@ impl<'a> Look<'a> {
         let bench = Bench::new(setup, stated, &beside, each(beside.len()))?;
         let here = bench.stated()?;
         let slopes = bench.slopes(&here)?;
-        let joints = bench.logs.iter().flat_map(|log| &log.joints);
-        let noise = joints.zip(&here.left).zip(&slopes.weights).map(|((joint, left), weight)| {
-            let own = found.iter().find(|own| own.joint == joint.name);
-            let least = mean_square(left);
-            weight * left.len() as f64 * own.map_or(least, |own| own.gap.floor.powi(2).min(least))
-        });
-        let noise: f64 = noise.sum();
+        let joints = bench.logs.iter().flat_map(|log| &log.joints).zip(&here.left);
+        // A joint that never moves says nothing.
+        let noise_rad2: Vec<f64> = joints
+            .map(|(joint, left)| {
+                let own = found.iter().find(|own| own.joint == joint.name);
+                own.map_or(f64::INFINITY, |own| own.gap.floor.powi(2)).min(mean_square(left)).max(f64::MIN_POSITIVE)
+            })
+            .collect();
+        let rows = here.left.iter().zip(&slopes.weights).zip(&noise_rad2);
+        let noise: f64 = rows.map(|((left, weight), noise)| weight * left.len() as f64 * noise).sum();
         let excess = slopes.left(&here) - noise;
-        (excess > WORTH_A_LOOK * noise).then_some(Self { setup, stated, beside, here, slopes, excess })
+        (excess > WORTH_A_LOOK * noise).then_some(Self { setup, stated, beside, here, slopes, noise_rad2, excess })
     }
 
     /// How many times as large causes are best, to first order, and the share of what numbers leave beyond noise that they close.
@@ -170,9 +181,12 @@ impl<'a> Look<'a> {
         let joints: Vec<&str> = found.iter().map(|own| own.joint.as_str()).collect();
         let is_other = |effect: EffectId| allows(effect) && self.beside.iter().all(|cause| cause.form.id != effect);
         let look = |(form, mut values): (EffectForm, Vec<f64>)| {
+            if deadline.leaves_out(IN_COMMON) {
+                return None;
+            }
             let (times, closes) = self.closes(&placed(&joints, form, &values))?;
-            // What has one size has it to first order.
-            if let ([size], [named]) = (&mut values[..], form.named_parameters()) {
+            // What has one size has it to first order; of limits the larger is the lesser.
+            if let ([size], [named @ Named { zero: 0.0, .. }]) = (&mut values[..], form.named_parameters()) {
                 *size = Some(times * *size).filter(|size| named.bounds.admit(*size)).unwrap_or(*size);
             }
             (closes > PROMISES).then(|| (closes, placed(&joints, form, &values)))
@@ -183,7 +197,8 @@ impl<'a> Look<'a> {
         let mut fitted: Vec<(EffectForm, Settled)> = Vec::new();
         for (_, causes) in promising {
             let form = causes[0].form;
-            if fitted.len() < FITTED && !fitted.iter().any(|(other, _)| *other == form) {
+            let is_new = !fitted.iter().any(|(other, _)| *other == form);
+            if fitted.len() < FITTED && is_new && !deadline.leaves_out(IN_COMMON) {
                 let whole = self.settled(self.stated, &self.beside, causes, deadline);
                 fitted.extend(whole.map(|whole| (form, whole)));
             }
@@ -198,7 +213,22 @@ impl<'a> Look<'a> {
         if !explains(&whole, diagnosis) && misfit(&whole, found) > MUCH_BETTER * misfit_alone(found) {
             return None;
         }
-        Some((Common::of(form, &whole)?, whole))
+        (self.shown_by(&whole, form, &joints) >= SHOWN_BY).then_some((Common::of(form, &whole)?, whole))
+    }
+
+    /// How many joints show the effect: without it on them the robot is worse. A limit does nothing where it is never reached.
+    fn shown_by(&self, whole: &Settled, form: EffectForm, joints: &[&str]) -> usize {
+        let squares = |causes: &[PlacedCause]| -> Option<f64> {
+            let left = Bench::new(self.setup, &whole.numbers, causes, Vec::new())?.with(&whole.numbers)?.left;
+            let noise = self.noise_rad2.iter().zip(&left);
+            Some(noise.map(|(noise, left)| mean_square(left) / noise).sum())
+        };
+        let Some(with_all) = squares(&whole.causes) else { return 0 };
+        let shows = |joint: &&&str| {
+            let others = whole.causes.iter().filter(|cause| cause.form != form || cause.joint != **joint);
+            squares(&others.cloned().collect::<Vec<_>>()).is_none_or(|without| without > SHOWS * with_all)
+        };
+        joints.par_iter().filter(shows).count()
     }
 
     /// The robot at its best with causes of single joints and others that have one size.

@@ -20,6 +20,8 @@ const DENSE_S: f64 = 2.5e-3;
 const MOST_PER_SAMPLE: f64 = 40.0;
 /// Causes of so many joints at most are tried without those of the others.
 const FEW: usize = 2;
+/// One cause on all joints has to leave this share of what those leave, in squares of noise.
+const CLEARLY_LESS: f64 = 0.95;
 
 impl ClampedCase {
     /// The case of a robot and its logs.
@@ -82,11 +84,12 @@ pub(in crate::gap) struct AsFound {
 
 /// The whole robot at its best beside what was found: with numbers alone, or the causes of the few joints that explain it all,
 /// those first that close most, or one cause on all joints that leaves less, or else with everything but what the whole robot
-/// refutes. `allows` says which effects are considered.
+/// refutes. `allows` says which effects may be common to
+/// all, if any.
 pub(in crate::gap) fn as_found(
     setup: &ClampedSetup,
     diagnosis: &ClampedDiagnosis,
-    allows: &dyn Fn(EffectId) -> bool,
+    allows: Option<&dyn Fn(EffectId) -> bool>,
     deadline: &Deadline,
 ) -> Option<AsFound> {
     let accused = diagnosis.accused();
@@ -102,17 +105,20 @@ pub(in crate::gap) fn as_found(
         let joints = accused[..n].iter().map(|&joint| joint.to_owned()).collect();
         explains(&whole, diagnosis).then_some(AsFound { whole, joints, common: None, explains: true })
     });
-    let asks = !accused.is_empty() || diagnosis.leaves_a_joint_unexplained();
-    let of_all = asks.then(|| in_common(setup, diagnosis, allows, deadline)).flatten().map(|(common, whole)| {
+    let asks = !accused.is_empty() || diagnosis.unexplained().next().is_some();
+    let in_common = allows.filter(|_| asks).and_then(|allows| in_common(setup, diagnosis, allows, deadline));
+    let of_all = in_common.map(|(common, whole)| {
         let joints = whole.causes.iter().map(|cause| cause.joint.clone()).collect();
         let explains = explains(&whole, diagnosis);
         AsFound { whole, joints, common: Some(common), explains }
     });
     let own: Vec<&Diagnosis> = diagnosis.found().collect();
     let left = |found: &AsFound| misfit(&found.whole, &own);
-    let least = few.into_iter().chain(of_all).min_by(|a, b| left(a).total_cmp(&left(b)));
-    if least.is_some() {
-        return least;
+    let leaves_less =
+        |of_all: &AsFound| few.as_ref().is_none_or(|few| of_all.explains && left(of_all) < CLEARLY_LESS * left(few));
+    let best = of_all.filter(leaves_less).or(few);
+    if best.is_some() {
+        return best;
     }
     let whole = simulated(setup, diagnosis).ok()?;
     let is_left_out = |joint: &String| whole.left_out.iter().any(|left| left.joint.as_ref() == Some(joint));

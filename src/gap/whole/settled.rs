@@ -99,7 +99,7 @@ pub(super) fn settled_alike(
         return None;
     }
     let bench = Bench::new(setup, numbers, causes, alike)?;
-    let mut here = bench.point(bench.unknowns.iter().map(|unknown| unknown.size_in(numbers)).collect())?;
+    let mut here = bench.with(numbers)?;
     for _ in 0..POINTS {
         if deadline.leaves_out("the whole robot at its best") {
             break;
