@@ -7,6 +7,9 @@ use crate::gap::whole::Common;
 use crate::gap::{CauseShare, Diagnosis, Verdict};
 use crate::number::{capital, mrad};
 
+/// Where no exam has asked how often such an answer is right.
+const NOT_MEASURED: &str = "no probability is stated for what the whole robot tells and not the joint alone";
+
 impl ClampedDiagnosis {
     /// The same where all joints have one cause as the whole robot has it, which leaves so much of each \[rad\]; alone joints were
     /// asked for that only, and `before` for anything.
@@ -38,6 +41,8 @@ impl ClampedDiagnosis {
         let share = (1.0 - (self.gap.after / self.gap.calibrated).powi(2) - others).max(0.0);
         self.causes.push(SharedCause { effect, joints: all, group, size, share, common: true });
         self.causes.sort_by(|a, b| b.share.total_cmp(&a.share));
+        // A joint that was asked for that alone bends its numbers; those that all have are the whole robot's.
+        self.pooled.clear();
         let mut ids = self.causes.iter().map(|cause| cause.effect.id());
         let verdict = self.answer.verdict;
         self.answer = ClampedAnswer {
@@ -79,6 +84,8 @@ fn put_in(own: &mut Diagnosis, common: &Common, left_rad: Option<f64>) {
     let of_whole = if is_lower { ", as the whole robot leaves it" } else { "" };
     let [before, calibrated, after] = [own.gap.before, own.gap.calibrated, own.gap.after].map(mrad);
     let answer = &mut own.answer;
+    (answer.probability, answer.probability_source) = (None, NOT_MEASURED.to_owned());
+    own.ranking.iter_mut().for_each(|candidate| candidate.probability = 0.0);
     if gravity(answer.verdict) < gravity(Verdict::Effect) {
         answer.verdict = Verdict::Effect;
         answer.effect = Some(effect.id().to_owned());

@@ -84,8 +84,7 @@ pub(in crate::gap) struct AsFound {
 
 /// The whole robot at its best beside what was found: with numbers alone, or the causes of the few joints that explain it all,
 /// those first that close most, or one cause on all joints that leaves less, or else with everything but what the whole robot
-/// refutes. `allows` says which effects may be common to
-/// all, if any.
+/// refutes. `allows` says which effects may be common to all, if any.
 pub(in crate::gap) fn as_found(
     setup: &ClampedSetup,
     diagnosis: &ClampedDiagnosis,
