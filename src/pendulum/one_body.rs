@@ -11,6 +11,9 @@ use std::ops::{Add, Mul};
 /// Halvings that find the instant at which a resting joint breaks away.
 const HALVINGS: i32 = 60;
 
+/// A joint that a whole step slows down by less than this has come to rest as it began to move \[rad/s\].
+const BARELY_RAD_S: f64 = 1e-13;
+
 /// What the joint is doing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Mode {
@@ -262,13 +265,12 @@ impl<T: Real> OneBody<'_, T> {
             self.mode = Mode::Stuck;
             return Ok(());
         };
+        // The same Newton step as at a breakaway; what barely moves comes to rest at no instant that derivatives would know.
         let near = stop_at(dt);
         let deceleration = rate(self.t_s + dt, &near)[1];
-        let dt = if deceleration.re() * direction < 0.0 {
-            T::constant(dt) - near[1] / deceleration
-        } else {
-            T::constant(dt)
-        };
+        let stops = deceleration.re() * direction * step.re() < -BARELY_RAD_S;
+        let dt = T::constant(dt);
+        let dt = if stops { dt - (near[1] - near[1].re()) / deceleration } else { dt };
         self.y = stop(dt);
         self.y[1] = T::nought();
         self.t_s += dt;

@@ -145,6 +145,22 @@ fn a_stuck_joint_breaks_away_when_the_setpoint_has_moved_far_enough() {
     assert!(q[..=20].iter().all(|&x| x == 0.0) && q[22] > 0.0);
 }
 
+/// A setpoint that turns back a joint that still creeps is followed at once, however little it creeps.
+#[test]
+fn a_joint_that_barely_moves_is_there_when_it_is_turned_back() {
+    let t = times(200, 0.02);
+    let mut c = chain(5e-6, 0.0, 0.0, 0.89);
+    (c.motor, c.armature_kg_m2) = (Some(Motor::new(MotorSpec::pd(17.8, 0.0))), 0.0077);
+    for turned in 20..150 {
+        // Until then it creeps to none, by a factor of e in 50 ms.
+        let setpoint: Vec<f64> = (0..t.len()).map(|k| 2e-3 * k.saturating_sub(turned) as f64).collect();
+        let input = Input::Position { setpoint_rad: &setpoint, hold: Hold::Linear, on: None };
+        let [coarse, fine] = [0.4, 4.0].map(|refinement| angles(&c, input, &t, free(0.3), refinement));
+        let apart = largest_difference(&coarse[20..], &fine[20..]);
+        assert!(apart < 1e-4, "turned back after {turned} samples: {apart} rad");
+    }
+}
+
 #[test]
 fn an_integral_term_alone_breaks_a_joint_away() {
     let mut c = chain(0.01, 0.0, 0.5, 0.01);
