@@ -171,12 +171,22 @@ impl<T: Real> OneBody<'_, T> {
         [angle, rate, integral]
     }
 
-    /// How far the torque on the resting joint is beyond breakaway \[N m\], and its direction.
+    /// How far the torque on the resting joint is beyond breakaway \[N m\] in the direction in which it acts, and that.
     fn beyond_breakaway(&self, command: &Command<T>, t_s: T, y: &[T; 3]) -> (T, f64) {
+        let torques_nm = self.resting_nm(command, t_s, y);
+        let direction = if torques_nm[1].re() < 0.0 { -1.0 } else { 1.0 };
+        (self.beyond_in(direction, torques_nm, t_s, y[0]), direction)
+    }
+
+    /// The same in a direction, of the motor's torque and the net one.
+    fn beyond_in(&self, direction: f64, [motor_nm, net_nm]: [T; 2], t_s: T, angle_rad: T) -> T {
+        net_nm * direction - self.chain.breakaway_nm(t_s, angle_rad, direction, motor_nm)
+    }
+
+    /// Torque of the motor, and of all that acts on the resting joint but friction \[N m\].
+    fn resting_nm(&self, command: &Command<T>, t_s: T, y: &[T; 3]) -> [T; 2] {
         let motor_nm = self.motor_nm(command, t_s, &[y[0], y[1]], &y[2]);
-        let net_nm = self.chain.drive_nm(t_s, y[0], motor_nm);
-        let direction = if net_nm.re() < 0.0 { -1.0 } else { 1.0 };
-        (net_nm * direction - self.chain.breakaway_nm(t_s, y[0], direction, motor_nm), direction)
+        [motor_nm, self.chain.drive_nm(t_s, y[0], motor_nm)]
     }
 
     /// The state of a resting joint after `dt`: only the error integral moves.
@@ -215,9 +225,11 @@ impl<T: Real> OneBody<'_, T> {
         }
         let at_ends = [beyond.re(), beyond_end.re()];
         let [_, high] = halved(|dt| later(T::constant(dt)).0.re(), at_ends, whole.re(), HALVINGS);
-        // One Newton step in T gives the instant its derivatives; its slope is a difference over the bracketing half.
+        // One Newton step in T gives the instant its derivatives; its slope is a difference over all that was looked at, of the
+        // torque in one direction: it may have turned from the other.
         let here = later(T::constant(high)).0;
-        let slope = (beyond_end.re() - beyond.re()) / whole.re();
+        let at_start = self.beyond_in(direction, self.resting_nm(command, self.t_s, &self.y), self.t_s, self.y[0]);
+        let slope = (beyond_end.re() - at_start.re()) / whole.re();
         let dt = if slope > 0.0 { T::constant(high) - (here - here.re()) / slope } else { T::constant(high) };
         self.y = self.rested(command, dt);
         self.t_s += dt;
@@ -260,7 +272,7 @@ impl<T: Real> OneBody<'_, T> {
         };
         let Some(dt) = zero_of(|dt| speed(&stop_at(dt)), before, bracket) else {
             // It never got going within this step: it rests.
-            self.y[1] = T::nought();
+            self.y = self.rested(command, step);
             self.t_s = if parts > 1.0 { self.t_s + step } else { until };
             self.mode = Mode::Stuck;
             return Ok(());

@@ -6,7 +6,7 @@
 
 use super::one_body::OneBody;
 use super::play::TwoBodies;
-use super::schedule::{Command, Input, Schedule};
+use super::schedule::{Command, Input, SAME_INSTANT_S, Schedule};
 use crate::joint::{Chain, Real, Setpoint};
 
 /// How a motion begins.
@@ -177,7 +177,10 @@ fn walk<T: Real>(
                 && at.re() < to
             {
                 if at.re() <= now.re() {
-                    body.nudge(at, &schedule.command(k));
+                    // What a part of a log begins with was taken over before it.
+                    if now.re() - at.re() <= SAME_INSTANT_S {
+                        body.nudge(at, &schedule.command(k));
+                    }
                     schedule.change();
                     continue;
                 }

@@ -231,6 +231,41 @@ fn dual_numbers_agree_with_central_differences_through_events() {
     }
 }
 
+/// A joint that rests on one edge of breaking loose and is driven over the other within one sample.
+#[test]
+fn a_breakaway_the_other_way_has_the_derivative_of_its_instant() {
+    let (coulomb, kp) = (0.05, 18.0);
+    let t = times(6, 0.02);
+    // It rests where friction just holds it from above, and is torn down with a torque that falls by twice that and a little.
+    let setpoint: Vec<f64> = (0..t.len()).map(|k| (coulomb - 0.101 * k as f64) / kp).collect();
+    let input = Input::Position { setpoint_rad: &setpoint, hold: Hold::Linear, on: None };
+    fn at_end<T: Real>(friction_nm: T, input: Input<'_>, t: &[f64], kp: f64) -> T {
+        let link = Link::new(T::constant(0.01), T::nought(), T::nought(), G);
+        let friction = Friction::coulomb_viscous(friction_nm, T::constant(0.9));
+        let c = Chain::new(link, friction, Some(Motor::new(MotorSpec::pd(kp, 0.0))));
+        let start = Start { angle_rad: T::nought(), rate_rad_s: T::nought(), release_s: None };
+        angles(&c, input, t, start, 0.4)[1]
+    }
+    let holds_nm = coulomb + 1e-5;
+    let slope = at_end(Dual::<1>::variable(holds_nm, 0), input, &t, kp).eps[0];
+    let [less, more] = [-1e-6, 1e-6].map(|by| at_end(holds_nm + by, input, &t, kp));
+    assert_relative_eq!(slope, (more - less) / 2e-6, max_relative = 2e-3);
+}
+
+/// A hold counts from the beginning of the log: what it read before the part is no motion of the part.
+#[test]
+fn a_part_with_a_hold_begins_when_it_begins() {
+    let mut c = chain(0.01, 0.0, 1e-3, 0.01);
+    c.motor = Some(Motor::new(motor()));
+    let t: Vec<f64> = (0..100).map(|k| 8.08 + 0.02 * k as f64).collect();
+    let setpoint = vec![0.4; t.len()];
+    let input = Input::Position { setpoint_rad: &setpoint, hold: Hold::Step, on: None };
+    let start = Start { rate_rad_s: 1.0, ..free(0.1) };
+    let without = angles(&c, input, &t, start, 1.0);
+    c.setpoint.hold_s = Some(0.1);
+    assert!(largest_difference(&without, &angles(&c, input, &t, start, 1.0)) < 1e-7);
+}
+
 #[test]
 fn a_release_on_a_sample_keeps_its_derivative() {
     // A log with a `drive` column starts its search there: without the derivative the release could never leave.
