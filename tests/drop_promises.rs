@@ -179,7 +179,8 @@ fn two_loads_determine_the_lump_and_the_ratios_of_each_load() {
 }
 
 #[test]
-fn outputs_do_not_depend_on_threads_nor_on_the_run() {
+#[ignore = "slow"]
+fn slow_outputs_do_not_depend_on_threads_nor_on_the_run() {
     let logs = [0, 1, 2, 3].map(|k| format!("data/thesis-robot/q1-402g-{k}.csv"));
     let run = |threads: &str| {
         let dir = tempfile::tempdir().unwrap();

@@ -109,7 +109,8 @@ fn expected(studies: usize, without: &BTreeSet<String>) -> BTreeSet<String> {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn bad_studies_killed_workers_and_a_killed_fleet_lose_nothing() {
+#[ignore = "slow"]
+fn slow_bad_studies_killed_workers_and_a_killed_fleet_lose_nothing() {
     const STUDIES: usize = 12;
     let dir = tempfile::tempdir().unwrap();
     let broken = make(dir.path(), STUDIES, 3);

@@ -212,7 +212,8 @@ fn what_cannot_be_is_one_error_with_exit_code_3() {
 }
 
 #[test]
-fn logs_of_a_described_arm_are_those_of_its_truth_and_gap_names_it() {
+#[ignore = "slow"]
+fn slow_logs_of_a_described_arm_are_those_of_its_truth_and_gap_names_it() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("arm.urdf"), support::arm::ARM).unwrap();
     // Fast and damped enough for what the elbow feels of the shoulder's measured motion.
