@@ -224,7 +224,8 @@ impl Moving<'_, '_> {
     fn advance(&mut self, until_s: f64) {
         let driven = self.law.driven();
         let fastest_rad_s = self.along.fastest_rad_s[usize::from(driven == Driven::ByLaw)];
-        let longest_s = STRETCH * self.along.chain.longest_step_s(fastest_rad_s, self.y[0], self.y[1], driven);
+        let longest_s =
+            STRETCH * self.along.chain.longest_step_s(self.t_s, fastest_rad_s, self.y[0], self.y[1], driven);
         let longest_s = longest_s.min(self.along.chain.longest_step_of_load_s());
         let from_s = self.t_s;
         let steps = ((until_s - from_s) / longest_s).ceil().clamp(1.0, MOST_STEPS);

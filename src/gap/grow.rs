@@ -137,15 +137,31 @@ impl Growth<'_> {
             let apart = if t.model.has_two_bodies() { IMITATES } else { 1.0 };
             math::ln((apart * loss(t) / before).max(1e-12)) / added.sqrt()
         };
-        let mut all: Vec<&Trial> = singles.iter().chain(&rival).chain(&together).collect();
-        all.sort_by(|a, b| worth(a).total_cmp(&worth(b)));
-        let alike = |t: &Trial| {
-            (t.effects().len(), t.model.has_two_bodies()) == (all[0].effects().len(), all[0].model.has_two_bodies())
+        let near = |all: &[&Trial]| {
+            let mut all = all.to_vec();
+            all.sort_by(|a, b| worth(a).total_cmp(&worth(b)));
+            let alike = |t: &Trial| {
+                (t.effects().len(), t.model.has_two_bodies()) == (all[0].effects().len(), all[0].model.has_two_bodies())
+            };
+            let near = all.iter().take_while(|t| worth(t) - worth(all[0]) < CLOSE_BY);
+            let near = near.filter(|t| alike(t) && self.lowers(from, t)).take(CONTENDERS);
+            self.settled(&near.copied().collect::<Vec<_>>())
         };
-        let near = all.iter().take_while(|t| worth(t) - worth(all[0]) < CLOSE_BY);
-        let near = near.filter(|t| alike(t) && self.lowers(from, t)).take(CONTENDERS);
-        let best = self.settled(&near.copied().collect::<Vec<_>>());
+        let found = near(&singles.iter().chain(&rival).chain(&together).collect::<Vec<_>>());
+        let best = found.or_else(|| {
+            // Where none helps in its default formula, the right ones may in another.
+            let few = singles.iter().take(CONTENDERS).chain(together.iter().take(CONTENDERS));
+            let in_form = self.in_best_forms(few, from.effects().len());
+            near(&in_form.iter().collect::<Vec<_>>())
+        });
         (best, Looked { singles, sights })
+    }
+
+    /// Those that do not part motor side and link, where much is left, with the causes from number `from` on in the forms
+    /// that suit them.
+    fn in_best_forms<'a>(&self, few: impl Iterator<Item = &'a Trial>, from: usize) -> Vec<Trial> {
+        let few: Vec<&Trial> = few.filter(|t| !t.model.has_two_bodies()).collect();
+        few.into_par_iter().map(|t| self.reshaped(t.clone(), from)).collect()
     }
 
     /// The best of those that come near it, each brought to rest with beliefs in the unit of its own residuals: in that of the
@@ -160,9 +176,7 @@ impl Growth<'_> {
     /// The effect that explains the logs best once the best few are in the forms that suit them, where that is not the first
     /// of them: in its default formula the right family may be behind a wrong one.
     fn contended(&self, singles: &[Trial]) -> Option<Trial> {
-        let few: Vec<&Trial> = singles.iter().take(CONTENDERS).filter(|t| !t.model.has_two_bodies()).collect();
-        let in_form: Vec<Trial> =
-            few.into_par_iter().map(|t| self.reshaped(t.clone(), t.effects().len() - 1)).collect();
+        let in_form = self.in_best_forms(singles.iter().take(CONTENDERS), 0);
         let best =
             in_form.into_iter().min_by(|a, b| a.fit_loss(self.evidence).total_cmp(&b.fit_loss(self.evidence)))?;
         (best.effects() != singles[0].effects()).then_some(best)
@@ -232,10 +246,13 @@ impl Growth<'_> {
             let mut found = explore_rivals(self.evidence, without, &sights, (member, best));
             found.retain(|t| !t.effects().contains(&member));
             found.truncate(RIVALS);
-            // In its default formula what is easily taken for the member may be behind without being wrong.
+            // In its default formula what is easily taken for the member may be behind without being wrong, and where
+            // much is left so may anything.
+            let leaves_much = best.fit_loss(self.evidence) > SHAKE * self.enough && !without.model.has_two_bodies();
             let in_form = |t: Trial| {
                 let last = t.effects().len() - 1;
-                if is_kin(member, t.effects()[last]) && !self.late(FORMS) { self.in_best_form(t, last) } else { t }
+                let contends = leaves_much || is_kin(member, t.effects()[last]);
+                if contends && !self.late(FORMS) { self.in_best_form(t, last) } else { t }
             };
             found.into_par_iter().map(in_form).collect()
         };

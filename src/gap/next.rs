@@ -1,7 +1,9 @@
 //! The experiment that would tell apart what these logs cannot.
 //!
 //! Candidates are swings from wider angles and with more mass, and, where the joint has a motor, motions within the
-//! range that the logs already use. For each, both hypotheses predict the reading; what is left of the difference after
+//! range that the logs already use. What only a motor that is on can show is looked for with the motor on: with it off
+//! the hypotheses would differ by the masses and frictions that each asks for, and the joint could be any third thing.
+//! For each, both hypotheses predict the reading; what is left of the difference after
 //! the rival has been refitted to the old logs and the new one together, in units of the noise, gives the power
 //! (T-optimal discrimination, Atkinson and Fedorov 1975, to first order).
 
@@ -11,6 +13,7 @@ use super::evidence::Evidence;
 use super::trial::Trial;
 use crate::fit::{Normal, Residuals};
 use crate::identify::{Experiment, Load, Problem, Signal};
+use crate::joint::Stage;
 use crate::number::chance::normal_below;
 use crate::number::math;
 use crate::pendulum::Start;
@@ -27,12 +30,23 @@ struct Proposal {
     motion: Option<(Vec<f64>, Vec<f64>)>,
 }
 
+impl Proposal {
+    fn is_driven(&self) -> bool {
+        self.experiment.motor.is_some()
+    }
+}
+
 /// The proposal that separates the answer from all its rivals best; `None` where there is nothing to separate.
 pub(super) fn next(evidence: &Evidence, a: &Attribution, answer: &Trial, rivals: &[&Trial]) -> Option<Next> {
     if rivals.is_empty() {
         return None;
     }
-    let rated = proposals(evidence).into_iter().map(|proposal| {
+    let shown_freely = rivals.iter().all(|rival| differ_freely(answer, rival));
+    let mut proposals = proposals(evidence);
+    if !shown_freely && proposals.iter().any(Proposal::is_driven) {
+        proposals.retain(Proposal::is_driven);
+    }
+    let rated = proposals.into_iter().map(|proposal| {
         let weakest = rivals.iter().flat_map(|rival| {
             [
                 power(evidence, a, &proposal.experiment, answer, rival),
@@ -45,6 +59,14 @@ pub(super) fn next(evidence: &Evidence, a: &Attribution, answer: &Trial, rivals:
     let others: Vec<String> = rivals.iter().map(|rival| name(rival)).collect();
     let what = format!("{}, to tell {} from {}.", best.what, name(answer), others.join(" and "));
     Some(Next { what, power, motion: best.motion })
+}
+
+/// Whether two hypotheses differ by something that a motor that is off shows too.
+fn differ_freely(a: &Trial, b: &Trial) -> bool {
+    let only = |a: &Trial, b: &Trial| a.effects().iter().any(|e| !b.effects().contains(e) && !e.is_driven_only());
+    let law = |trial: &Trial| trial.model.law().map(|law| law.stage());
+    let by_law = |a: &Trial, b: &Trial| law(a).is_some_and(|stage| stage != Stage::Motor && law(b) != Some(stage));
+    only(a, b) || only(b, a) || by_law(a, b) || by_law(b, a)
 }
 
 /// Of what a hypothesis consists.

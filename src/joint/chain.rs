@@ -301,11 +301,18 @@ impl<T: Real> Chain<T> {
     /// A tenth of a radian of the fastest oscillation ([`Chain::fastest_rad_s`], which is the same all along a motion),
     /// or a quarter of the fastest decay: the phase error is then 1e-7 rad per step. Near a stop its stiffness counts, and no
     /// knot of a law may be stepped over.
-    pub(crate) fn longest_step_s(&self, fastest_rad_s: f64, angle_rad: f64, rate_rad_s: f64, driven: Driven) -> f64 {
+    pub(crate) fn longest_step_s(
+        &self,
+        t_s: f64,
+        fastest_rad_s: f64,
+        angle_rad: f64,
+        rate_rad_s: f64,
+        driven: Driven,
+    ) -> f64 {
         let (kp, kd) = self.stiffness_and_damping(driven);
         let speed_rad_s = rate_rad_s.abs();
         let inertia = self.inertia_kg_m2().re();
-        let decay_1_s = (self.friction.slope_nm_s_rad(speed_rad_s) + kd) / inertia;
+        let decay_1_s = (self.friction.slope_nm_s_rad(speed_rad_s, t_s) + kd) / inertia;
         let mut fastest_rad_s = fastest_rad_s;
         if let Some(spring @ Spring { curve: SpringCurve::Stiffening(_), .. }) = &self.spring {
             let stiffness = self.link.peak_gravity_nm() + kp + spring.slope_nm_rad(angle_rad);

@@ -30,8 +30,8 @@ pub trait FrictionTerm<T: Real>: Send + Sync {
     /// What the term adds to the resisting torque \[N m\]; it may be negative, the sum is cut off at zero.
     fn resistance_nm(&self, at: &Contact<T>) -> T;
 
-    /// A bound on its slope against speed \[N m s/rad\] near `speed_rad_s`, for the choice of the step.
-    fn slope_nm_s_rad(&self, speed_rad_s: f64) -> f64;
+    /// A bound on its slope against speed \[N m s/rad\] near `speed_rad_s` at an instant, for the choice of the step.
+    fn slope_nm_s_rad(&self, speed_rad_s: f64, t_s: f64) -> f64;
 
     /// Whether it changes while the joint rests and nothing else changes.
     fn changes_with_time(&self) -> bool {
@@ -147,15 +147,15 @@ impl<T: Real> Friction<T> {
         self.terms.iter().any(|term| term.changes_with_time())
     }
 
-    /// A bound on the slope of the law near `speed_rad_s` \[N m s/rad\], for the choice of the step.
-    pub(crate) fn slope_nm_s_rad(&self, speed_rad_s: f64) -> f64 {
+    /// A bound on the slope of the law near `speed_rad_s` at an instant \[N m s/rad\], for the choice of the step.
+    pub(crate) fn slope_nm_s_rad(&self, speed_rad_s: f64, t_s: f64) -> f64 {
         let mut slope = self.viscous_nm_s_rad.re();
         if let Some(s) = &self.stribeck {
             let v_st = s.speed_rad_s.re();
             let excess_nm = (s.static_nm.re() - self.coulomb_nm.re()).abs();
             slope += s.curve.slope(speed_rad_s / v_st) * excess_nm / v_st;
         }
-        slope + self.terms.iter().map(|term| term.slope_nm_s_rad(speed_rad_s)).sum::<f64>()
+        slope + self.terms.iter().map(|term| term.slope_nm_s_rad(speed_rad_s, t_s)).sum::<f64>()
     }
 }
 
@@ -184,7 +184,7 @@ mod tests {
         assert_eq!(f.breakaway_nm(&at(0.0)), 0.03);
         assert_relative_eq!(f.resistance_nm(&at(0.5)), 0.02 + 0.01 * (-1.0f64).exp(), epsilon = 1e-15);
         assert_relative_eq!(f.resistance_nm(&at(5.0)), 0.02, epsilon = 1e-12);
-        assert!(f.slope_nm_s_rad(0.3) >= 0.0171 && f.slope_nm_s_rad(3.0) == 0.0);
+        assert!(f.slope_nm_s_rad(0.3, 0.0) >= 0.0171 && f.slope_nm_s_rad(3.0, 0.0) == 0.0);
     }
 
     /// An effect is one term: it sees the joint and adds to the resistance.
@@ -193,7 +193,7 @@ mod tests {
         fn resistance_nm(&self, at: &Contact<f64>) -> f64 {
             0.5 * at.speed_rad_s * at.speed_rad_s
         }
-        fn slope_nm_s_rad(&self, speed_rad_s: f64) -> f64 {
+        fn slope_nm_s_rad(&self, speed_rad_s: f64, _t_s: f64) -> f64 {
             speed_rad_s
         }
     }
@@ -202,6 +202,6 @@ mod tests {
     fn a_term_adds_to_the_law_and_to_its_slope() {
         let f = Friction { terms: vec![Box::new(Drag)], ..Friction::coulomb_viscous(0.1, 0.2) };
         assert_relative_eq!(f.resistance_nm(&at(2.0)), 0.1 + 0.4 + 2.0, epsilon = 1e-15);
-        assert_relative_eq!(f.slope_nm_s_rad(2.0), 2.2, epsilon = 1e-15);
+        assert_relative_eq!(f.slope_nm_s_rad(2.0, 0.0), 2.2, epsilon = 1e-15);
     }
 }

@@ -1,7 +1,7 @@
 //! Motors fed by voltage, inertia before the gears, encoders on either side of them.
 
 use super::{Input, Start, State, readings, rollout};
-use crate::joint::{Chain, Friction, Link, Motor, Play};
+use crate::joint::{Carriage, Carried, Chain, Friction, Link, Motor, Play};
 use crate::log::{EncoderSide, Hold, MotorModel, MotorSpec, VoltageMotor};
 
 fn times(n: usize, period_s: f64) -> Vec<f64> {
@@ -93,6 +93,26 @@ fn behind_play_the_armature_is_on_the_motor_side() {
     };
     assert!(largest_difference(&path(0.004, 0.002), &path(0.0, 0.006)) < 1e-12);
     assert!(largest_difference(&path(0.004, 0.002), &path(0.0, 0.002)) > 1e-4);
+}
+
+/// Folded, an arm carries less than its rotor is of what it carries in the mean: both sides shrink, and neither runs out.
+#[test]
+fn play_of_no_width_is_no_play_while_other_joints_fold() {
+    let t = times(400, 0.01);
+    let folding = |t: &f64| Carried { inertia: 0.6 + 0.45 * (2.0 * t).cos(), ..Carried::NOMINAL };
+    let setpoint: Vec<f64> = t.iter().map(|t| 0.4 * (5.0 * t).sin()).collect();
+    let input = Input::Position { setpoint_rad: &setpoint, hold: Hold::Linear, on: None };
+    let motor = Some(Motor::new(MotorSpec::pd(3.0, 0.05)));
+    let mut c = Chain::new(Link::new(0.02, 0.05, 0.3, 9.81), Friction::coulomb_viscous(0.01, 0.02), motor);
+    c.armature_kg_m2 = 0.001;
+    c.carriage = Carriage::new(&t, &t.iter().map(folding).collect::<Vec<_>>());
+    let stiff = read(&c, input, &t, free(0.0));
+    let loose = |width_rad: f64, c: &mut Chain<f64>| {
+        c.play = Some(Play { width_rad, motor_side_kg_m2: 0.007 });
+        read(c, input, &t, free(0.0))
+    };
+    assert!(largest_difference(&stiff, &loose(1e-5, &mut c)) < 1e-4);
+    assert!(largest_difference(&stiff, &loose(0.1, &mut c)) > 1e-2);
 }
 
 #[test]

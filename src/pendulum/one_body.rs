@@ -242,7 +242,8 @@ impl<T: Real> OneBody<'_, T> {
         let whole = until - self.t_s;
         let fastest_rad_s = if driven == Driven::ByLaw { self.driven_rad_s } else { self.swinging_rad_s };
         let [angle, rate, _] = self.y;
-        let longest_s = self.chain.longest_step_s(fastest_rad_s, angle.re(), rate.re(), driven) / self.refinement;
+        let longest_s =
+            self.chain.longest_step_s(self.t_s.re(), fastest_rad_s, angle.re(), rate.re(), driven) / self.refinement;
         let longest_s = longest_s.min(self.chain.longest_step_of_load_s());
         let parts = (whole.re() / longest_s).ceil().max(1.0);
         if !(parts <= self.steps_left as f64) {

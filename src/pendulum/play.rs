@@ -16,6 +16,8 @@ use crate::log::EncoderSide;
 
 /// Halvings that separate the events of a step.
 const HALVINGS: i32 = 16;
+/// A margin (rad, rad/s or N m) that falls by less in a step passes zero at no instant that derivatives would know.
+const BARELY: f64 = 1e-13;
 /// Share of the friction that acts on the link side, in its bearing; the gears have the rest.
 pub(crate) const LINK_SHARE: f64 = 0.03;
 
@@ -51,7 +53,10 @@ pub(super) struct TwoBodies<'a, T: Real> {
     chain: &'a Chain<T>,
     width_rad: T,
     spring: Option<Compliance<T>>,
-    motor_side_kg_m2: T,
+    /// What the motor side has at every instant: the armature \[kg m^2\].
+    armature_kg_m2: T,
+    /// Part of what the joint carries that is on the motor side too.
+    motor_share: T,
     /// Where a late encoder still sees its side.
     history: Option<History<T>>,
     t_s: T,
@@ -100,7 +105,8 @@ impl<'a, T: Real> TwoBodies<'a, T> {
             chain,
             width_rad,
             spring: sides.compliance,
-            motor_side_kg_m2: sides.motor_side_kg_m2,
+            armature_kg_m2: chain.armature_kg_m2,
+            motor_share: (sides.motor_side_kg_m2 - chain.armature_kg_m2) / chain.link.inertia_kg_m2,
             history,
             t_s: from_s,
             y: [angle + ahead * on_motor, rate, angle - ahead * (1.0 - on_motor), rate, T::nought()],
@@ -171,8 +177,13 @@ impl<T: Real> Mechanism<T> for TwoBodies<'_, T> {
 }
 
 impl<T: Real> TwoBodies<'_, T> {
-    fn link_kg_m2(&self, t_s: T) -> T {
-        self.chain.inertia_at_kg_m2(t_s) - self.motor_side_kg_m2
+    /// Inertias of link and motor side at an instant \[kg m^2\]. Where other joints change what is carried both parts
+    /// of it change alike, so that neither runs out.
+    #[inline]
+    fn sides_kg_m2(&self, t_s: T) -> [T; 2] {
+        let carried_kg_m2 = self.chain.link_at(t_s).0.inertia_kg_m2;
+        let with_motor_kg_m2 = carried_kg_m2 * self.motor_share;
+        [carried_kg_m2 - with_motor_kg_m2, with_motor_kg_m2 + self.armature_kg_m2]
     }
 
     /// Angle and rate of the side on which the encoder sits.
@@ -273,7 +284,7 @@ impl<T: Real> TwoBodies<'_, T> {
     fn pressing_nm(&self, command: &Command<T>, flank: f64, direction: f64, t_s: T, y: &[T; 5]) -> T {
         let motor_nm = self.motor_nm(command, t_s, y);
         let own_nm = self.resistance_nm(t_s, y[0], y[1] * direction, direction, motor_nm) * (LINK_SHARE * direction);
-        let on_link_nm = self.link_kg_m2(t_s) * self.together(motor_nm, direction, t_s, y)
+        let on_link_nm = self.sides_kg_m2(t_s)[0] * self.together(motor_nm, direction, t_s, y)
             - self.chain.acting_nm(t_s, y[0], y[1])
             + own_nm;
         on_link_nm * -flank
@@ -296,14 +307,15 @@ impl<T: Real> TwoBodies<'_, T> {
                 let friction = |rate: T, direction: f64, share: f64| {
                     self.resistance_nm(t_s, y[0], rate * direction, direction, motor_nm) * (share * direction)
                 };
+                let [link_kg_m2, motor_kg_m2] = self.sides_kg_m2(t_s);
                 let a_link = match link {
                     Motion::Rest => nought,
-                    Motion::Slip(d) => (self.on_link_nm(t_s, y) - friction(y[1], d, LINK_SHARE)) / self.link_kg_m2(t_s),
+                    Motion::Slip(d) => (self.on_link_nm(t_s, y) - friction(y[1], d, LINK_SHARE)) / link_kg_m2,
                 };
                 let a_motor = match motor {
                     Motion::Rest => nought,
                     Motion::Slip(d) => {
-                        (motor_nm - self.spring_nm(y) - friction(y[3], d, 1.0 - LINK_SHARE)) / self.motor_side_kg_m2
+                        (motor_nm - self.spring_nm(y) - friction(y[3], d, 1.0 - LINK_SHARE)) / motor_kg_m2
                     }
                 };
                 [y[1], a_link, y[3], a_motor, error]
@@ -356,14 +368,16 @@ impl<T: Real> TwoBodies<'_, T> {
         let whole = until - self.t_s;
         let [angle, rate, _, motor_rate, _] = self.y;
         let fastest = rate.re().abs().max(motor_rate.re().abs());
-        let mut longest_s = self.chain.longest_step_s(self.fastest_rad_s, angle.re(), fastest, command.driven());
+        let mut longest_s =
+            self.chain.longest_step_s(self.t_s.re(), self.fastest_rad_s, angle.re(), fastest, command.driven());
+        let [link_kg_m2, motor_kg_m2] = self.sides_kg_m2(self.t_s).map(|side| side.re());
         if let Mode::Apart(..) = self.mode {
             // The motor side alone is the lighter of the two.
-            let share = self.motor_side_kg_m2.re() / self.chain.inertia_kg_m2().re();
+            let share = motor_kg_m2 / self.chain.inertia_kg_m2().re();
             longest_s *= share.clamp(1e-3, 1.0).sqrt();
         }
         if let Some(spring) = &self.spring {
-            let per_inertia = 1.0 / self.motor_side_kg_m2.re() + 1.0 / self.link_kg_m2(self.t_s).re();
+            let per_inertia = 1.0 / motor_kg_m2 + 1.0 / link_kg_m2;
             let swing_rad_s = (spring.stiffness_nm_rad.re() * per_inertia).sqrt();
             longest_s = longest_s.min(1.0 / (4.0 * swing_rad_s).max(3.0 * spring.damping_nm_s_rad.re() * per_inertia));
         }
@@ -413,7 +427,7 @@ impl<T: Real> TwoBodies<'_, T> {
         let here = margin(event, t_s + instant, &after_plain(instant));
         let slope = (here.re() - at(event, instant * 0.999)) / (instant * 0.001);
         let dt = T::constant(instant);
-        let dt = if slope < 0.0 { dt - (here - here.re()) / slope } else { dt };
+        let dt = if slope * step.re() < -BARELY { dt - (here - here.re()) / slope } else { dt };
         self.y = after(dt);
         self.t_s = t_s + dt;
         self.happen(event);
@@ -438,9 +452,9 @@ impl<T: Real> TwoBodies<'_, T> {
                 self.mode = Mode::Apart(Motion::Slip(d), Motion::Slip(d));
             }
             (Event::Meets(flank), _) => {
-                let whole = self.chain.inertia_at_kg_m2(self.t_s);
-                let momentum = self.link_kg_m2(self.t_s) * self.y[1] + self.motor_side_kg_m2 * self.y[3];
-                let rate = momentum / whole;
+                let [link_kg_m2, motor_kg_m2] = self.sides_kg_m2(self.t_s);
+                let momentum = link_kg_m2 * self.y[1] + motor_kg_m2 * self.y[3];
+                let rate = momentum / (link_kg_m2 + motor_kg_m2);
                 (self.y[1], self.y[3]) = (rate, rate);
                 self.y[2] = self.y[0] - self.width_rad * (0.5 * flank);
                 let motion = if rate.re() == 0.0 { Motion::Rest } else { Motion::Slip(rate.re().signum()) };

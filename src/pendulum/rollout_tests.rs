@@ -1,5 +1,5 @@
 use super::*;
-use crate::joint::{Dual, Friction, Link, Motor, Stribeck};
+use crate::joint::{Dual, EffectForm, EffectId, Friction, Link, Motor, Stribeck};
 use crate::log::Hold;
 use crate::log::MotorSpec;
 use approx::assert_relative_eq;
@@ -264,6 +264,19 @@ fn a_part_with_a_hold_begins_when_it_begins() {
     let without = angles(&c, input, &t, start, 1.0);
     c.setpoint.hold_s = Some(0.1);
     assert!(largest_difference(&without, &angles(&c, input, &t, start, 1.0)) < 1e-7);
+}
+
+/// Grease that stiffens thirtyfold along a log damps faster than a step that knew the cold joint only could follow.
+#[test]
+fn friction_that_grows_is_followed_to_the_end() {
+    let mut c = chain(0.001, 0.0, 1e-4, 0.01);
+    c.motor = Some(Motor::new(MotorSpec::pd(0.05, 0.0)));
+    EffectForm::from(EffectId::FrictionDrift).apply(&[2.0], c.link.inertia_kg_m2, &mut c);
+    let t = times(150, 0.1);
+    let setpoint: Vec<f64> = t.iter().map(|t| (0.8 * t).sin()).collect();
+    let input = Input::Position { setpoint_rad: &setpoint, hold: Hold::Linear, on: None };
+    let refined = angles(&c, input, &t, free(0.0), 10.0);
+    assert!(largest_difference(&angles(&c, input, &t, free(0.0), 1.0), &refined) < 1e-5);
 }
 
 #[test]

@@ -61,7 +61,7 @@ impl FrictionTerm<f64> for Drag {
     fn resistance_nm(&self, at: &Contact<f64>) -> f64 {
         self.c2 * at.speed_rad_s * at.speed_rad_s
     }
-    fn slope_nm_s_rad(&self, speed_rad_s: f64) -> f64 {
+    fn slope_nm_s_rad(&self, speed_rad_s: f64, _t_s: f64) -> f64 {
         2.0 * self.c2 * speed_rad_s
     }
 }

@@ -15,7 +15,7 @@ import numpy as np
 sys.dont_write_bytecode = True  # no __pycache__ in the source tree
 
 import joints
-from plan import PLAN, draw
+from plan import PLAN, SEED, draw
 
 SECONDS = 7.0
 COARSE_S = 2e-4  # step while sizes are sought
@@ -133,14 +133,16 @@ def main():
     ap = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     ap.add_argument("folder", type=Path)
     ap.add_argument("--only", default="", help="numbers of studies, separated by commas")
+    ap.add_argument("--seed", type=int, default=SEED, help="other studies of the same plan; their sizes are sought anew (minutes)")
     ap.add_argument("--sizes", action="store_true", help="seek the sizes of all effects anew (minutes) and write sizes.json")
     a = ap.parse_args()
     chosen = [int(n) for n in a.only.split(",") if n] or range(len(PLAN))
-    studies = [draw(n, SECONDS) for n in chosen]
+    studies = [draw(n, SECONDS, a.seed) for n in chosen]
     known = json.loads(SIZES.read_text()) if SIZES.exists() else {}
-    if a.sizes:
+    if a.sizes or a.seed != SEED:
         scale(studies)
         known.update({str(s.number): dict(most=s.most, causes=[[c.size, c.strength] for c in s.causes]) for s in studies if s.causes})
+    if a.sizes and a.seed == SEED:
         SIZES.write_text("{\n" + ",\n".join(f'"{k}": {json.dumps(known[k])}' for k in sorted(known, key=int)) + "\n}\n")
     for s in studies:
         if s.causes:

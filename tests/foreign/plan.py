@@ -146,10 +146,13 @@ class Study:
                     size=[c.size for c in self.causes], values=[c.values() for c in self.causes])
 
 
-def draw(number, seconds):
+SEED = 20_000  # of which `sizes.json` is
+
+
+def draw(number, seconds, seed=SEED):
     """The study of a number, before its effects have their sizes."""
     engine, drive, names = PLAN[number]
-    dice = np.random.default_rng(20_000 + number)
+    dice = np.random.default_rng(seed + number)
     log_uniform = lambda low, high: float(np.exp(dice.uniform(np.log(low), np.log(high))))
     inertia, omega = log_uniform(5e-4, 2e-2), dice.uniform(5, 10)
     moment = inertia * omega**2 / G

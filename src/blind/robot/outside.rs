@@ -132,7 +132,7 @@ impl FrictionTerm<f64> for Cogs {
         0.5 * self.most_nm * (1.0 + math::cos(self.cogs_1_rad * at.angle_rad))
     }
 
-    fn slope_nm_s_rad(&self, _speed_rad_s: f64) -> f64 {
+    fn slope_nm_s_rad(&self, _speed_rad_s: f64, _t_s: f64) -> f64 {
         0.0
     }
 }
@@ -148,7 +148,7 @@ impl FrictionTerm<f64> for Heat {
         self.share * at.t_s / self.end_s * at.motor_nm.abs()
     }
 
-    fn slope_nm_s_rad(&self, _speed_rad_s: f64) -> f64 {
+    fn slope_nm_s_rad(&self, _speed_rad_s: f64, _t_s: f64) -> f64 {
         0.0
     }
 

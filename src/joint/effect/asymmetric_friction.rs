@@ -37,7 +37,7 @@ impl<T: Real> FrictionTerm<T> for DirectionTerm<T> {
         self.delta_nm * at.direction
     }
 
-    fn slope_nm_s_rad(&self, _speed_rad_s: f64) -> f64 {
+    fn slope_nm_s_rad(&self, _speed_rad_s: f64, _t_s: f64) -> f64 {
         0.0
     }
 }

@@ -64,17 +64,24 @@ struct DriftTerm<T> {
     warming_s: Option<T>,
 }
 
+impl<T: Real> DriftTerm<T> {
+    /// Share by which friction has grown at an instant.
+    fn drifted(&self, t_s: T) -> T {
+        let elapsed_s = match self.warming_s {
+            None => t_s,
+            Some(warming_s) => warming_s * (-(-t_s / warming_s).exp() + 1.0),
+        };
+        self.rate_1_s * elapsed_s
+    }
+}
+
 impl<T: Real> FrictionTerm<T> for DriftTerm<T> {
     fn resistance_nm(&self, at: &Contact<T>) -> T {
-        let elapsed_s = match self.warming_s {
-            None => at.t_s,
-            Some(warming_s) => warming_s * (-(-at.t_s / warming_s).exp() + 1.0),
-        };
-        (self.coulomb_nm + self.viscous_nm_s_rad * at.speed_rad_s) * self.rate_1_s * elapsed_s
+        (self.coulomb_nm + self.viscous_nm_s_rad * at.speed_rad_s) * self.drifted(at.t_s)
     }
 
-    fn slope_nm_s_rad(&self, _speed_rad_s: f64) -> f64 {
-        0.0
+    fn slope_nm_s_rad(&self, _speed_rad_s: f64, t_s: f64) -> f64 {
+        self.viscous_nm_s_rad.re() * self.drifted(T::constant(t_s)).re()
     }
 
     fn changes_with_time(&self) -> bool {

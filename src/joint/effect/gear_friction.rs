@@ -175,7 +175,7 @@ impl<T: Real> FrictionTerm<T> for GearTerm<T> {
         self.mu_g * load_nm * share
     }
 
-    fn slope_nm_s_rad(&self, speed_rad_s: f64) -> f64 {
+    fn slope_nm_s_rad(&self, speed_rad_s: f64, _t_s: f64) -> f64 {
         let Some((rise, slow_rad_s)) = self.slow.map(|(rise, slow)| (rise.re(), slow.re())) else { return 0.0 };
         let mu = self.mu_g.re() + self.of_link.map_or(0.0, |mu_l| mu_l.re());
         mu * self.holding_nm * rise / slow_rad_s * math::exp(-0.5 * speed_rad_s / slow_rad_s)

@@ -60,7 +60,7 @@ impl<T: Real> FrictionTerm<T> for LoadTerm<T> {
         self.mu_l * load_nm
     }
 
-    fn slope_nm_s_rad(&self, speed_rad_s: f64) -> f64 {
+    fn slope_nm_s_rad(&self, speed_rad_s: f64, _t_s: f64) -> f64 {
         match self.load {
             Term::Bearing => 2.0 * self.mu_l.re() * self.link.inertia_kg_m2.re() * speed_rad_s,
             _ => 0.0,

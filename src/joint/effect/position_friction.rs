@@ -56,7 +56,7 @@ impl<T: Real> FrictionTerm<T> for PositionTerm<T> {
         if share.re() < -1.0 { -self.coulomb_nm } else { self.coulomb_nm * share }
     }
 
-    fn slope_nm_s_rad(&self, _speed_rad_s: f64) -> f64 {
+    fn slope_nm_s_rad(&self, _speed_rad_s: f64, _t_s: f64) -> f64 {
         0.0
     }
 }

@@ -75,7 +75,7 @@ impl<T: Real> FrictionTerm<T> for DragTerm<T> {
         }
     }
 
-    fn slope_nm_s_rad(&self, speed_rad_s: f64) -> f64 {
+    fn slope_nm_s_rad(&self, speed_rad_s: f64, _t_s: f64) -> f64 {
         let power = self.power.map_or(2.0, |power| power.re());
         power * self.c.re() * math::powf(speed_rad_s, power - 1.0)
     }

@@ -340,7 +340,7 @@ impl<T: Real> FrictionTerm<T> for Law<T> {
         })
     }
 
-    fn slope_nm_s_rad(&self, speed_rad_s: f64) -> f64 {
+    fn slope_nm_s_rad(&self, speed_rad_s: f64, _t_s: f64) -> f64 {
         match self.variable {
             LawVariable::Speed => self.curve.steepest(NEAR * speed_rad_s, speed_rad_s / NEAR),
             _ => 0.0,

@@ -82,10 +82,11 @@ struct System<'a> {
 impl<'a> System<'a> {
     fn new(scenario: &Scenario<'a>, limit_1_s: Option<f64>) -> Self {
         let n = scenario.model.joints().len();
+        let until_s = scenario.setpoints.t_s.last().copied().unwrap_or(0.0);
         let diagonal = |drive: &JointDrive| match (drive.is_rigid, limit_1_s) {
             (true, _) => HOLDING * drive.chain.link.inertia_kg_m2,
             (false, None) => 0.0,
-            (false, Some(limit)) => (drive.damping_nm_s_rad() / limit - drive.loose_kg_m2).max(0.0),
+            (false, Some(limit)) => (drive.damping_nm_s_rad(until_s) / limit - drive.loose_kg_m2).max(0.0),
         };
         Self {
             scenario: *scenario,
@@ -102,8 +103,8 @@ impl<'a> System<'a> {
 }
 
 impl JointDrive {
-    /// All that damps it, at the most \[N m s/rad\].
-    fn damping_nm_s_rad(&self) -> f64 {
+    /// All that damps it, at the most, in a run that ends at `until_s` \[N m s/rad\].
+    fn damping_nm_s_rad(&self, until_s: f64) -> f64 {
         let law =
             self.chain.motor.as_ref().map_or(0.0, |motor| motor.stiffness_and_damping(crate::joint::Driven::ByLaw).1);
         let springs = self.spring.map_or(0.0, |s| s.damping_nm_s_rad);
@@ -111,7 +112,7 @@ impl JointDrive {
         let stops: f64 = self.stops.iter().chain(&self.chain.stop).map(stop).sum();
         let f = &self.chain.friction;
         let dry = f.stribeck.map_or(f.coulomb_nm, |s| s.static_nm) * STEEPNESS_S_RAD;
-        law + springs + stops + dry + f.slope_nm_s_rad(0.0)
+        law + springs + stops + dry + f.slope_nm_s_rad(0.0, 0.0).max(f.slope_nm_s_rad(0.0, until_s))
     }
 }
 

@@ -262,7 +262,7 @@ impl<'a> Stiff<'a> {
                     let whole_nm = drive.friction_nm(at, direction, gravity_nm, motor_nm);
                     torque_nm -= direction * share * whole_nm;
                     let speed_rad_s = (at.rate_rad_s * direction).max(0.0);
-                    slopes.damping += share * drive.chain.friction.slope_nm_s_rad(speed_rad_s);
+                    slopes.damping += share * drive.chain.friction.slope_nm_s_rad(speed_rad_s, at.t_s);
                 }
                 Mode::Stuck | Mode::Rigid => {
                     torque_nm -= holding / gh * at.rate_rad_s;
