@@ -30,6 +30,8 @@ struct Fold {
 pub(super) struct Folds<'a> {
     evidence: &'a Evidence,
     folds: Vec<Fold>,
+    /// Whether a log without its first part starts where the whole log does, and not where the rest of it says.
+    holds_starts: bool,
 }
 
 impl<'a> Folds<'a> {
@@ -39,7 +41,13 @@ impl<'a> Folds<'a> {
             let n = e.compared();
             (0..each).map(move |part| Fold { log, rows: part * n / each..(part + 1) * n / each }).collect::<Vec<_>>()
         };
-        Self { evidence, folds: evidence.fit.iter().enumerate().flat_map(of_log).collect() }
+        Self { holds_starts: false, evidence, folds: evidence.fit.iter().enumerate().flat_map(of_log).collect() }
+    }
+
+    /// The same where a log that loses its first part keeps its start: the rest of a damped log tells little of that, and a
+    /// hypothesis that follows it is charged for where it went.
+    pub fn with_starts_held(self) -> Self {
+        Self { holds_starts: true, ..self }
     }
 
     /// Model less reading of each fitted log \[rad\], every part as the rest predicts it.
@@ -63,7 +71,10 @@ impl<'a> Folds<'a> {
             normal.jtr -= own.jtr;
             normal.criterion -= own.criterion;
             normal.residuals -= own.residuals;
-            let open = normal.unblocked(&x, coordinates);
+            let start = trial.model.free() + 2 * fold.log;
+            let is_held = |i: &usize| self.holds_starts && fold.rows.start == 0 && (start..start + 2).contains(i);
+            let mut open = normal.unblocked(&x, coordinates);
+            open.retain(|i| !is_held(i));
             let step = normal.step(&open, coordinates, 1e-6)?;
             let part = |share: f64| -> Vec<f64> {
                 let moved = |(i, c): (usize, &Coordinate)| {

@@ -11,11 +11,14 @@ use super::within::within_logs;
 use crate::fit::Budget;
 use crate::joint::EffectId;
 use rayon::prelude::*;
+use std::sync::OnceLock;
 
 /// Standard deviations by which a cause has to predict logs better that were not fitted.
 const PREDICTS: f64 = 0.5;
 /// Standard deviations from which on it clearly does.
 const CLEARLY: f64 = 2.0;
+/// Share of the squares without a cause that are far less.
+const FAR_LESS: f64 = 0.5;
 /// Evaluations of a fit that begins near its end.
 const AGAIN: Budget = Budget { evaluations: 24 };
 
@@ -49,6 +52,8 @@ fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance:
         let deviance = |t: &Trial| measure.deviance(evidence, t);
         let folds = Folds::of(evidence);
         let held = folds.residuals(&best);
+        let from_starts = Folds::of(evidence).with_starts_held();
+        let held_from_starts = OnceLock::new();
         // Few logs are as many conditions: what holds in one has to hold in the others. Where logs are held out, these say
         // so better than one or two that are fitted.
         let few = evidence.held.is_empty() && (2..=FEW_LOGS).contains(&evidence.fit.len());
@@ -57,7 +62,13 @@ fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance:
                 return f64::NEG_INFINITY;
             }
             let gained = deviance(t) - deviance(&best);
-            let lost = folds.difference(&folds.residuals(t), &held);
+            // What leaves far less everywhere need not tell where a log began whose first part it does not know.
+            let lost = if best.fit_loss(evidence) < FAR_LESS * t.fit_loss(evidence) {
+                let held = held_from_starts.get_or_init(|| from_starts.residuals(&best));
+                from_starts.difference(&from_starts.residuals(t), held)
+            } else {
+                folds.difference(&folds.residuals(t), &held)
+            };
             let elsewhere =
                 if few { Elsewhere::of(evidence, t, &best, measure.effective) } else { Elsewhere::default() };
             // What predicts clearly need not exceed chance by itself, but its charge.
