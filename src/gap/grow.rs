@@ -245,16 +245,22 @@ impl Growth<'_> {
             let sights = self.sights(without, &others);
             let mut found = explore_rivals(self.evidence, without, &sights, (member, best));
             found.retain(|t| !t.effects().contains(&member));
-            found.truncate(RIVALS);
             // In its default formula what is easily taken for the member may be behind without being wrong, and where
-            // much is left so may anything.
-            let leaves_much = best.fit_loss(self.evidence) > SHAKE * self.enough && !without.model.has_two_bodies();
+            // something is left so may anything.
+            let left = best.fit_loss(self.evidence) / self.enough;
+            let all_contend = left > SOMETHING && !without.model.has_two_bodies();
+            if !all_contend || left < SHAKE {
+                found.truncate(RIVALS);
+            }
             let in_form = |t: Trial| {
                 let last = t.effects().len() - 1;
-                let contends = leaves_much || is_kin(member, t.effects()[last]);
+                let contends = all_contend || is_kin(member, t.effects()[last]);
                 if contends && !self.late(FORMS) { self.in_best_form(t, last) } else { t }
             };
-            found.into_par_iter().map(in_form).collect()
+            let mut found: Vec<Trial> = found.into_par_iter().map(in_form).collect();
+            found.sort_by(|a, b| a.criterion().total_cmp(&b.criterion()));
+            found.truncate(RIVALS);
+            found
         };
         without.iter().enumerate().map(of).collect()
     }
@@ -350,6 +356,8 @@ const FORMS: &str = "other forms of causes";
 /// Factors on the Coulomb friction that are tried, where a fit leaves more than this many times what is enough.
 pub(super) const FACTORS: [f64; 4] = [0.4, 0.75, 1.35, 2.5];
 const SHAKE: f64 = 3.0;
+/// The same from which on something is left.
+const SOMETHING: f64 = 1.1;
 /// Evaluations with which each of them is looked at, and how near the fit the best has to come to be carried on.
 pub(super) const LOOK: Budget = Budget { evaluations: 7 };
 const NEARLY: f64 = 1.05;
