@@ -9,7 +9,7 @@ use serde_json::Value;
 use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
-use support::swing::{swing, swing_against, swings};
+use support::swing::{swing, swing_against, swing_under, swings};
 use support::*;
 
 /// No study of a few logs may take longer, whatever its numbers.
@@ -232,4 +232,20 @@ fn careless_command_lines_are_refused_in_words() {
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("written over this input"), "{}", stderr(&output));
     assert!(!dir.path().join("out").exists());
+}
+
+/// A cable that pulls on one side and stiffens, and drag of a power of the speed: in the default formulas of both a third
+/// cause would be needed, and much would be left.
+#[test]
+fn two_causes_in_other_formulas_than_the_default_ones_are_named_and_no_third() {
+    let cable = |q: f64| if q > 0.1 { -0.01 * ((q - 0.1) + 0.8 * (q - 0.1).powi(3)) } else { 0.0 };
+    let pulled = |q: f64, w: f64| cable(q) - 0.0006 * w.signum() * w.abs().powf(1.8);
+    let swung = |from: f64| swing_under(&pulled, from, 500, FRICTION);
+    let dir = swings(&[("fit", swung(1.2)), ("fit", swung(-0.9)), ("validate", swung(0.7))], RIGHT);
+    let found = diagnosed(dir.path(), &[]);
+    let mut named: Vec<&str> =
+        found["effects"].as_array().unwrap().iter().map(|effect| effect["id"].as_str().unwrap()).collect();
+    named.sort_unstable();
+    assert_eq!(named, ["joint_spring", "quadratic_drag"], "{found}");
+    assert!(found["gap"]["after"].as_f64().unwrap() < 1e-3, "{found}");
 }

@@ -141,3 +141,19 @@ fn every_sample_study_is_fitted() {
         assert!(rms < 0.1, "{}: RMS {rms}", study.display());
     }
 }
+
+/// With the motor off a limit of its torque shows nothing: two hypotheses would be told apart by their masses only.
+#[test]
+fn limits_of_a_motor_are_told_apart_by_a_motion_of_the_motor() {
+    let Some(shared) = shared() else { return };
+    let study = shared.join("real/sts3250-bam/driven/study.toml");
+    let dir = tempfile::tempdir().unwrap();
+    let study = study.to_str().unwrap();
+    expect_code(dir.path(), &["gap", study, "--out", "out", "--json", "gap.json", "--quiet"], 0);
+    let found = json(&dir.path().join("gap.json"));
+    let [effects, next] = ["effects", "next"].map(|key| &found[key]);
+    assert_eq!(effects[0]["id"], "speed_limit", "{effects}");
+    let what = next["what"].as_str().unwrap();
+    assert!(what.starts_with("Drive it") && what.contains("torque_limit"), "{what}");
+    assert!(dir.path().join("out/next.csv").exists());
+}

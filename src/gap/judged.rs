@@ -11,7 +11,6 @@ use super::within::within_logs;
 use crate::fit::Budget;
 use crate::joint::EffectId;
 use rayon::prelude::*;
-use std::sync::OnceLock;
 
 /// Standard deviations by which a cause has to predict logs better that were not fitted.
 const PREDICTS: f64 = 0.5;
@@ -52,8 +51,10 @@ fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance:
         let deviance = |t: &Trial| measure.deviance(evidence, t);
         let folds = Folds::of(evidence);
         let held = folds.residuals(&best);
+        // What leaves far less everywhere need not tell where a log began whose first part it does not know.
+        let leaves_far_less = |t: &Trial| best.fit_loss(evidence) < FAR_LESS * t.fit_loss(evidence);
         let from_starts = Folds::of(evidence).with_starts_held();
-        let held_from_starts = OnceLock::new();
+        let held_from_starts = without.iter().any(leaves_far_less).then(|| from_starts.residuals(&best));
         // Few logs are as many conditions: what holds in one has to hold in the others. Where logs are held out, these say
         // so better than one or two that are fitted.
         let few = evidence.held.is_empty() && (2..=FEW_LOGS).contains(&evidence.fit.len());
@@ -62,12 +63,9 @@ fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance:
                 return f64::NEG_INFINITY;
             }
             let gained = deviance(t) - deviance(&best);
-            // What leaves far less everywhere need not tell where a log began whose first part it does not know.
-            let lost = if best.fit_loss(evidence) < FAR_LESS * t.fit_loss(evidence) {
-                let held = held_from_starts.get_or_init(|| from_starts.residuals(&best));
-                from_starts.difference(&from_starts.residuals(t), held)
-            } else {
-                folds.difference(&folds.residuals(t), &held)
+            let lost = match &held_from_starts {
+                Some(there) if leaves_far_less(t) => from_starts.difference(&from_starts.residuals(t), there),
+                _ => folds.difference(&folds.residuals(t), &held),
             };
             let elsewhere =
                 if few { Elsewhere::of(evidence, t, &best, measure.effective) } else { Elsewhere::default() };

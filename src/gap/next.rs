@@ -32,7 +32,7 @@ struct Proposal {
 
 impl Proposal {
     fn is_driven(&self) -> bool {
-        self.experiment.motor.is_some()
+        self.experiment.is_driven()
     }
 }
 
@@ -64,8 +64,10 @@ pub(super) fn next(evidence: &Evidence, a: &Attribution, answer: &Trial, rivals:
 /// Whether two hypotheses differ by something that a motor that is off shows too.
 fn differ_freely(a: &Trial, b: &Trial) -> bool {
     let only = |a: &Trial, b: &Trial| a.effects().iter().any(|e| !b.effects().contains(e) && !e.is_driven_only());
-    let law = |trial: &Trial| trial.model.law().map(|law| law.stage());
-    let by_law = |a: &Trial, b: &Trial| law(a).is_some_and(|stage| stage != Stage::Motor && law(b) != Some(stage));
+    let law = |trial: &Trial| {
+        trial.model.law().map(|law| law.stage()).filter(|stage| [Stage::Link, Stage::Sensor].contains(stage))
+    };
+    let by_law = |a: &Trial, b: &Trial| law(a).is_some() && law(a) != law(b);
     only(a, b) || only(b, a) || by_law(a, b) || by_law(b, a)
 }
 
@@ -158,10 +160,10 @@ fn proposals(evidence: &Evidence) -> Vec<Proposal> {
                 " without extra mass".to_owned()
             };
             let what = format!("Let it swing from {angle:.1} rad{hung}, motor off, for {DURATION_S:.0} s");
-            all.push(Proposal { what, experiment: log(Signal::Off, angle, load, None), motion: None });
+            all.push(Proposal { what, experiment: log(Signal::Off, angle, load, example.motor), motion: None });
         }
     }
-    let driven = evidence.fit.iter().filter(|e| e.motor.is_some());
+    let driven = evidence.fit.iter().filter(|e| e.is_driven() && e.motor.is_some());
     let widest = driven.clone().flat_map(|e| &e.measured_rad).fold(0.0, |w: f64, q| w.max(q.abs()));
     if let Some(example) = driven.clone().next() {
         for (amplitude, from_hz, to_hz) in [(0.5, 0.2, 1.5), (1.0, 0.2, 1.5), (1.0, 0.5, 4.0)] {

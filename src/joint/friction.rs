@@ -155,7 +155,8 @@ impl<T: Real> Friction<T> {
             let excess_nm = (s.static_nm.re() - self.coulomb_nm.re()).abs();
             slope += s.curve.slope(speed_rad_s / v_st) * excess_nm / v_st;
         }
-        slope + self.terms.iter().map(|term| term.slope_nm_s_rad(speed_rad_s, t_s)).sum::<f64>()
+        // A term may take away no more than there is.
+        (slope + self.terms.iter().map(|term| term.slope_nm_s_rad(speed_rad_s, t_s)).sum::<f64>()).max(0.0)
     }
 }
 

@@ -20,7 +20,7 @@ mod rollout;
 mod schedule;
 mod simple;
 
-pub(crate) use play::LINK_SHARE;
+pub(crate) use play::{LINK_SHARE, ROTOR_AT_MOST};
 
 pub use extensive::ExtensivePendulum;
 pub use ratios::{

@@ -18,6 +18,8 @@ use crate::log::EncoderSide;
 const HALVINGS: i32 = 16;
 /// A margin (rad, rad/s or N m) that falls by less in a step passes zero at no instant that derivatives would know.
 const BARELY: f64 = 1e-13;
+/// Share that a rotor has at the most of what a joint carries while others fold.
+pub(crate) const ROTOR_AT_MOST: f64 = 0.8;
 /// Share of the friction that acts on the link side, in its bearing; the gears have the rest.
 pub(crate) const LINK_SHARE: f64 = 0.03;
 
@@ -55,8 +57,8 @@ pub(super) struct TwoBodies<'a, T: Real> {
     spring: Option<Compliance<T>>,
     /// What the motor side has at every instant: the armature \[kg m^2\].
     armature_kg_m2: T,
-    /// Part of what the joint carries that is on the motor side too.
-    motor_share: T,
+    /// What it has of the joint's nominal inertia besides \[kg m^2\].
+    rotor_kg_m2: T,
     /// Where a late encoder still sees its side.
     history: Option<History<T>>,
     t_s: T,
@@ -106,7 +108,7 @@ impl<'a, T: Real> TwoBodies<'a, T> {
             width_rad,
             spring: sides.compliance,
             armature_kg_m2: chain.armature_kg_m2,
-            motor_share: (sides.motor_side_kg_m2 - chain.armature_kg_m2) / chain.link.inertia_kg_m2,
+            rotor_kg_m2: sides.motor_side_kg_m2 - chain.armature_kg_m2,
             history,
             t_s: from_s,
             y: [angle + ahead * on_motor, rate, angle - ahead * (1.0 - on_motor), rate, T::nought()],
@@ -177,13 +179,15 @@ impl<T: Real> Mechanism<T> for TwoBodies<'_, T> {
 }
 
 impl<T: Real> TwoBodies<'_, T> {
-    /// Inertias of link and motor side at an instant \[kg m^2\]. Where other joints change what is carried both parts
-    /// of it change alike, so that neither runs out.
+    /// Inertias of link and motor side at an instant \[kg m^2\]. Where other joints change what is carried the link must
+    /// be left with some of it.
     #[inline]
     fn sides_kg_m2(&self, t_s: T) -> [T; 2] {
         let carried_kg_m2 = self.chain.link_at(t_s).0.inertia_kg_m2;
-        let with_motor_kg_m2 = carried_kg_m2 * self.motor_share;
-        [carried_kg_m2 - with_motor_kg_m2, with_motor_kg_m2 + self.armature_kg_m2]
+        let most_kg_m2 = carried_kg_m2 * ROTOR_AT_MOST;
+        let is_too_much = self.chain.carriage.is_some() && most_kg_m2.re() < self.rotor_kg_m2.re();
+        let rotor_kg_m2 = if is_too_much { most_kg_m2 } else { self.rotor_kg_m2 };
+        [carried_kg_m2 - rotor_kg_m2, rotor_kg_m2 + self.armature_kg_m2]
     }
 
     /// Angle and rate of the side on which the encoder sits.
@@ -372,8 +376,8 @@ impl<T: Real> TwoBodies<'_, T> {
             self.chain.longest_step_s(self.t_s.re(), self.fastest_rad_s, angle.re(), fastest, command.driven());
         let [link_kg_m2, motor_kg_m2] = self.sides_kg_m2(self.t_s).map(|side| side.re());
         if let Mode::Apart(..) = self.mode {
-            // The motor side alone is the lighter of the two.
-            let share = motor_kg_m2 / self.chain.inertia_kg_m2().re();
+            // The lighter side alone is the faster.
+            let share = motor_kg_m2.min(link_kg_m2) / self.chain.inertia_kg_m2().re();
             longest_s *= share.clamp(1e-3, 1.0).sqrt();
         }
         if let Some(spring) = &self.spring {

@@ -7,6 +7,7 @@ use crate::joint::{
     TorqueLimit,
 };
 use crate::log::{Derivative, Hold, MotorSpec};
+use crate::pendulum::ROTOR_AT_MOST;
 use crate::robot::model::BASE_FREEDOMS;
 use crate::robot::{Dynamics, JointId, Model, PidGains, State};
 use nalgebra::DMatrix;
@@ -242,7 +243,7 @@ impl Joints {
         form.apply(&searched, drive.chain.link.inertia_kg_m2, &mut drive.chain);
         if let Some(play) = &mut drive.chain.play {
             // The rotor's inertia is taken from the link's, which must be left with some even where others give way.
-            play.motor_side_kg_m2 = play.motor_side_kg_m2.min(0.8 * drive.loose_kg_m2);
+            play.motor_side_kg_m2 = play.motor_side_kg_m2.min(ROTOR_AT_MOST * drive.loose_kg_m2);
         }
         Ok(())
     }

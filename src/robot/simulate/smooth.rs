@@ -11,6 +11,7 @@ use super::terms::At;
 use super::world::{Around, World};
 use super::{Diverged, JointDrive, Scenario};
 use crate::integrate::{self, Counts, Ode, Solver};
+use crate::joint::Contact;
 use crate::number::math;
 use crate::pendulum::Command;
 use crate::robot::{Input, State};
@@ -111,8 +112,11 @@ impl JointDrive {
         let stop = |stop: &crate::joint::EndStop<f64>| stop.damping_nm_s_rad;
         let stops: f64 = self.stops.iter().chain(&self.chain.stop).map(stop).sum();
         let f = &self.chain.friction;
-        let dry = f.stribeck.map_or(f.coulomb_nm, |s| s.static_nm) * STEEPNESS_S_RAD;
-        law + springs + stops + dry + f.slope_nm_s_rad(0.0, 0.0).max(f.slope_nm_s_rad(0.0, until_s))
+        let friction = [0.0, until_s].map(|t_s| {
+            let at = Contact { t_s, angle_rad: 0.0, speed_rad_s: 0.0, direction: 1.0, gravity_nm: 0.0, motor_nm: 0.0 };
+            f.breakaway_nm(&at) * STEEPNESS_S_RAD + f.slope_nm_s_rad(0.0, t_s)
+        });
+        law + springs + stops + friction[0].max(friction[1])
     }
 }
 
