@@ -238,7 +238,7 @@ fn careless_command_lines_are_refused_in_words() {
 /// cause would be needed, and much would be left.
 #[test]
 fn two_causes_in_other_formulas_than_the_default_ones_are_named_and_no_third() {
-    let cable = |q: f64| if q > 0.1 { -0.01 * ((q - 0.1) + 0.8 * (q - 0.1).powi(3)) } else { 0.0 };
+    let cable = |q: f64| if q > 0.1 { -0.012 * ((q - 0.1) + (q - 0.1).powi(3)) } else { 0.0 };
     let pulled = |q: f64, w: f64| cable(q) - 0.0006 * w.signum() * w.abs().powf(1.8);
     let swung = |from: f64| swing_under(&pulled, from, 500, FRICTION);
     let dir = swings(&[("fit", swung(1.2)), ("fit", swung(-0.9)), ("validate", swung(0.7))], RIGHT);
