@@ -137,7 +137,7 @@ impl Growth<'_> {
             let apart = if t.model.has_two_bodies() { IMITATES } else { 1.0 };
             math::ln((apart * loss(t) / before).max(1e-12)) / added.sqrt()
         };
-        let near = |all: &[&Trial]| {
+        let settled_of = |all: &[&Trial]| {
             let mut all = all.to_vec();
             all.sort_by(|a, b| worth(a).total_cmp(&worth(b)));
             let alike = |t: &Trial| {
@@ -147,12 +147,12 @@ impl Growth<'_> {
             let near = near.filter(|t| alike(t) && self.lowers(from, t)).take(CONTENDERS);
             self.settled(&near.copied().collect::<Vec<_>>())
         };
-        let found = near(&singles.iter().chain(&rival).chain(&together).collect::<Vec<_>>());
+        let found = settled_of(&singles.iter().chain(&rival).chain(&together).collect::<Vec<_>>());
         let best = found.or_else(|| {
             // Where none helps in its default formula, the right ones may in another.
             let few = singles.iter().take(CONTENDERS).chain(together.iter().take(CONTENDERS));
             let in_form = self.in_best_forms(few, from.effects().len());
-            near(&in_form.iter().collect::<Vec<_>>())
+            settled_of(&in_form.iter().collect::<Vec<_>>())
         });
         (best, Looked { singles, sights })
     }

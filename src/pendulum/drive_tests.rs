@@ -95,7 +95,7 @@ fn behind_play_the_armature_is_on_the_motor_side() {
     assert!(largest_difference(&path(0.004, 0.002), &path(0.0, 0.002)) > 1e-4);
 }
 
-/// Folded, an arm carries less than its rotor is of what it carries in the mean: both sides shrink, and neither runs out.
+/// Folded, a joint carries less than its rotor has of what it carries in the mean: the link is left with some of that.
 #[test]
 fn play_of_no_width_is_no_play_while_other_joints_fold() {
     let t = times(400, 0.01);

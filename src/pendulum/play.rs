@@ -18,7 +18,7 @@ use crate::log::EncoderSide;
 const HALVINGS: i32 = 16;
 /// A margin (rad, rad/s or N m) that falls by less in a step passes zero at no instant that derivatives would know.
 const BARELY: f64 = 1e-13;
-/// Share that a rotor has at the most of what a joint carries while others fold.
+/// Share that a rotor has at the most of what a joint carries, or is left with, as other joints move.
 pub(crate) const ROTOR_AT_MOST: f64 = 0.8;
 /// Share of the friction that acts on the link side, in its bearing; the gears have the rest.
 pub(crate) const LINK_SHARE: f64 = 0.03;
