@@ -16,7 +16,7 @@ const FLAT: f64 = 1e-9;
 
 /// Every law that the logs may show, with beliefs of size one.
 pub(super) fn candidates(evidence: &Evidence) -> Vec<LawShape> {
-    use LawActs::{Friction, Reading, Torque};
+    use LawActs::{Friction, Gain, Reading, Torque};
     use LawVariable::{Angle, Load, MotorTorque, SetpointRate, Speed, Time};
     let kinds = [
         (Torque, Angle),
@@ -30,13 +30,17 @@ pub(super) fn candidates(evidence: &Evidence) -> Vec<LawShape> {
         (Friction, MotorTorque),
         (Friction, Time),
         (Reading, Angle),
+        (Gain, Angle),
+        (Gain, Speed),
+        (Gain, Time),
     ];
     kinds.into_iter().filter_map(|(acts, variable)| candidate(evidence, acts, variable)).collect()
 }
 
 fn candidate(evidence: &Evidence, acts: LawActs, variable: LawVariable) -> Option<LawShape> {
     let signed = acts != LawActs::Friction || variable == LawVariable::Angle;
-    let mut seen: Vec<f64> = evidence.fit.iter().flat_map(|e| values_of(evidence, e, variable)).collect();
+    let shows = |e: &&Experiment| acts != LawActs::Gain || e.is_driven();
+    let mut seen: Vec<f64> = evidence.fit.iter().filter(shows).flat_map(|e| values_of(evidence, e, variable)).collect();
     if !signed {
         seen.iter_mut().for_each(|x| *x = x.abs());
     }
@@ -51,10 +55,10 @@ fn candidate(evidence: &Evidence, acts: LawActs, variable: LawVariable) -> Optio
     (to - from > FLAT * (from.abs() + to.abs())).then(|| LawShape::between(acts, variable, [from, to], count))
 }
 
-/// A typical size, in the law's unit: all the torque that there is, or a radian.
+/// A typical size, in the law's unit: all the torque that there is, a radian, or the whole share.
 pub(super) fn typical(evidence: &Evidence, acts: LawActs) -> f64 {
     match acts {
-        LawActs::Reading => 1.0,
+        LawActs::Reading | LawActs::Gain => 1.0,
         _ => evidence.reach.torque_nm.max(evidence.reach.driven.map_or(0.0, |driven| driven.command_nm)),
     }
 }

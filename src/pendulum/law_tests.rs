@@ -131,6 +131,26 @@ fn a_line_of_motor_torque_is_a_gain_of_the_motor_and_of_its_size_gear_friction()
 }
 
 #[test]
+fn a_share_of_the_motors_torque_is_its_gain_where_and_when_it_holds() {
+    let spec = MotorSpec::pd(2.0, 0.05);
+    let mut stronger = driven(spec);
+    stronger.motor.as_mut().unwrap().gain = 1.2;
+    let bare = follow(&driven(spec), Hold::Step);
+    for variable in [LawVariable::Angle, LawVariable::Speed, LawVariable::Time] {
+        let more = law(variable, LawActs::Gain, &[-9.0, 9.0], |_| 0.2);
+        same(&follow(&with(driven(spec), more), Hold::Step), &follow(&stronger, Hold::Step), &bare);
+    }
+    // A supply that sags: what is commanded in a late second does what a weaker motor does then.
+    let sags = with(driven(spec), law(LawVariable::Time, LawActs::Gain, &[0.0, 10.0], |t| -0.03 * t));
+    let sagged = follow(&sags, Hold::Step);
+    let early = sagged.iter().zip(&bare).take(10).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(early < 0.05 * apart(&sagged, &bare), "{early}");
+    // Nothing is commanded of a joint that swings freely.
+    let free = swing(&with(joint(), law(LawVariable::Angle, LawActs::Gain, &WIDE_RAD, |q| q)));
+    assert_eq!(free, swing(&joint()));
+}
+
+#[test]
 fn a_line_of_setpoint_rate_is_a_derivative_on_the_error() {
     for sample_period_s in [None, Some(0.016)] {
         let spec = MotorSpec { hold: Hold::Linear, sample_period_s, ..MotorSpec::pd(2.0, 0.15) };
@@ -219,10 +239,11 @@ fn many<T: Real>(values: &[T]) -> Chain<T> {
     add(LawVariable::Angle, LawActs::Reading, &[-1.0, -0.5, 0.0, 0.5, 1.0], &|q| values[3] * (3.0 * q).cos());
     add(LawVariable::SetpointRate, LawActs::Torque, &[-2.0, 0.0, 2.0], &|rate| values[4] * rate);
     add(LawVariable::Time, LawActs::Torque, &[0.0, 1.0, 2.0], &|t| values[5] * t);
+    add(LawVariable::Angle, LawActs::Gain, &knots, &|q| values[6] * (9.0 * q).cos());
     chain
 }
 
-const SIZES: [f64; 6] = [0.03, 0.01, -0.04, 0.02, 0.05, 0.01];
+const SIZES: [f64; 7] = [0.03, 0.01, -0.04, 0.02, 0.05, 0.01, 0.15];
 
 #[test]
 fn derivatives_by_the_values_agree_with_differences_through_events() {
@@ -235,12 +256,12 @@ fn derivatives_by_the_values_agree_with_differences_through_events() {
         readings(&many(values), input, t_s, start, 1.0, |_, s| q.push(s.angle_rad)).expect("does not diverge");
         q
     }
-    let duals: [Dual<6>; 6] = std::array::from_fn(|i| Dual::variable(SIZES[i], i));
+    let duals: [Dual<7>; 7] = std::array::from_fn(|i| Dual::variable(SIZES[i], i));
     let exact = read(&duals, input, &t_s);
     for (i, size) in SIZES.iter().enumerate() {
         let h = 1e-5 * size.abs();
         let moved =
-            |h: f64| read(&std::array::from_fn::<_, 6, _>(|k| SIZES[k] + if k == i { h } else { 0.0 }), input, &t_s);
+            |h: f64| read(&std::array::from_fn::<_, 7, _>(|k| SIZES[k] + if k == i { h } else { 0.0 }), input, &t_s);
         let (up, down) = (moved(h), moved(-h));
         let scale = exact.iter().map(|x| x.eps[i].abs()).fold(0.0, f64::max);
         assert!(scale > 0.05, "value {i} acts: {scale}");

@@ -78,7 +78,7 @@ impl<T: Real> Command<T> {
             },
         };
         match chain.has_laws() {
-            true => chain.with_laws_of_drive(delivered_nm, || self.setpoint_rad_s(t_s)),
+            true => chain.with_laws_of_drive(delivered_nm, t_s, [seen[0], motor_rad_s], || self.setpoint_rad_s(t_s)),
             false => delivered_nm,
         }
     }

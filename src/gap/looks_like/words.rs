@@ -87,7 +87,7 @@ impl Words {
 
     /// Where a curve without a shape lies.
     pub fn extremes(&self, [low, high]: [f64; 2]) -> String {
-        format!("between {} and {}", significant(low, 2), self.value(high))
+        format!("between {} and {}", self.number(low), self.value(high))
     }
 
     fn line(&self, offset: f64, slope: f64) -> String {
@@ -130,7 +130,7 @@ impl Words {
 
     fn step(&self, at: f64, [before, behind]: [f64; 2], width: f64) -> String {
         let [from, to] = self.range;
-        let ends = format!("from {} to {}", significant(before, 2), self.value(behind));
+        let ends = format!("from {} to {}", self.number(before), self.value(behind));
         if width > SUDDEN * (to - from) {
             let middle = self.place(at);
             return format!("saturates on both sides: {ends} about {middle}, within about {}", self.place(4.0 * width));
@@ -159,7 +159,15 @@ impl Words {
     }
 
     fn value(&self, value: f64) -> String {
-        format!("{} {}", signed(value), self.acts.unit())
+        match self.acts {
+            LawActs::Gain => format!("{} %", self.percent(value)),
+            _ => format!("{} {}", signed(value), self.acts.unit()),
+        }
+    }
+
+    /// A value to which another one gives the unit.
+    fn number(&self, value: f64) -> String {
+        if self.acts == LawActs::Gain { self.percent(value) } else { significant(value, 2) }
     }
 
     fn place(&self, at: f64) -> String {
@@ -171,6 +179,9 @@ impl Words {
     }
 
     fn slope(&self, slope: f64) -> String {
+        if self.acts == LawActs::Gain {
+            return format!("{} %/({})", self.percent(slope), self.variable.unit());
+        }
         let unit = match (self.acts.unit(), self.variable.unit()) {
             (value, at) if value == at => "",
             ("N m", "rad") => " N m/rad",

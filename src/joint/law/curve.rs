@@ -88,6 +88,12 @@ impl<T: Real> Curve<T> {
         there.map(|(_, [least, greatest])| least.abs().max(greatest.abs())).fold(0.0, f64::max)
     }
 
+    /// The largest size of its values at the knots.
+    pub fn largest(&self) -> f64 {
+        let first = self.pieces.iter().map(|piece| piece[0].re().abs());
+        first.fold(self.last.re().abs(), f64::max)
+    }
+
     /// Its least slope, between its ends.
     pub fn least_slope(&self) -> f64 {
         self.slopes.iter().map(|[least, _]| *least).fold(f64::INFINITY, f64::min)

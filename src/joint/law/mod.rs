@@ -101,11 +101,13 @@ pub enum LawActs {
     Friction,
     /// What the encoder reads, and the controller sees \[rad\]; a function of the angle.
     Reading,
+    /// What arrives of the motor's torque, as a share of it: 0.1 is a tenth more; a function of angle, speed or time.
+    Gain,
 }
 
 impl LawActs {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Torque, Self::Friction, Self::Reading];
+    pub const ALL: [Self; 4] = [Self::Torque, Self::Friction, Self::Reading, Self::Gain];
 
     /// The word in files and reports.
     pub fn name(self) -> &'static str {
@@ -113,14 +115,16 @@ impl LawActs {
             Self::Torque => "torque",
             Self::Friction => "friction",
             Self::Reading => "reading",
+            Self::Gain => "gain",
         }
     }
 
-    /// The unit of the law's values.
+    /// The unit of the law's values; empty for a share.
     pub fn unit(self) -> &'static str {
         match self {
             Self::Torque | Self::Friction => "N m",
             Self::Reading => "rad",
+            Self::Gain => "",
         }
     }
 }
@@ -205,7 +209,7 @@ pub enum BadLaw {
         found: String,
     },
     /// Something that a law cannot act on.
-    #[error("acts = {found:?}; one of torque, friction, reading was expected")]
+    #[error("acts = {found:?}; one of torque, friction, reading, gain was expected")]
     Acts {
         /// What was found.
         found: String,
@@ -275,6 +279,8 @@ impl<T: Real> Law<T> {
             (LawActs::Reading, _) => Some("an encoder sees the angle alone"),
             (LawActs::Friction, LawVariable::SetpointRate) => Some("nothing that rubs knows the setpoint"),
             (LawActs::Friction, _) => None,
+            (LawActs::Gain, LawVariable::Angle | LawVariable::Speed | LawVariable::Time) => None,
+            (LawActs::Gain, _) => Some("a share of the motor's torque depends on angle, speed or time alone"),
         };
         if let Some(why) = why {
             return Err(BadLaw::Pair { acts, variable, why });
@@ -320,7 +326,9 @@ impl LawActs {
         match (self, variable) {
             (LawActs::Reading, _) => Stage::Sensor,
             (LawActs::Friction, LawVariable::MotorTorque) => Stage::Gearing,
-            (LawActs::Torque, LawVariable::MotorTorque | LawVariable::SetpointRate) => Stage::Motor,
+            (LawActs::Torque, LawVariable::MotorTorque | LawVariable::SetpointRate) | (LawActs::Gain, _) => {
+                Stage::Motor
+            }
             _ => Stage::Link,
         }
     }

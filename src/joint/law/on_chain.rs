@@ -40,14 +40,24 @@ impl<T: Real> Chain<T> {
         }
     }
 
-    /// What arrives of a torque of the motor \[N m\], with the laws of it and of the setpoint's rate.
+    /// What arrives of a torque of the motor \[N m\], with the laws of it, of its share and of the setpoint's rate; at an
+    /// angle and rate of the joint.
     #[inline(never)]
-    pub(crate) fn with_laws_of_drive(&self, delivered_nm: T, setpoint_rad_s: impl Fn() -> T) -> T {
+    pub(crate) fn with_laws_of_drive(
+        &self,
+        delivered_nm: T,
+        t_s: T,
+        [angle_rad, rate_rad_s]: [T; 2],
+        setpoint_rad_s: impl Fn() -> T,
+    ) -> T {
         let mut torque_nm = delivered_nm;
-        for law in self.torques() {
-            torque_nm += match law.variable {
-                LawVariable::MotorTorque => law.at(delivered_nm),
-                LawVariable::SetpointRate => law.at(setpoint_rad_s()),
+        for law in &self.laws {
+            torque_nm += match (law.acts, law.variable) {
+                (LawActs::Torque, LawVariable::MotorTorque) => law.at(delivered_nm),
+                (LawActs::Torque, LawVariable::SetpointRate) => law.at(setpoint_rad_s()),
+                (LawActs::Gain, LawVariable::Angle) => law.at(angle_rad) * delivered_nm,
+                (LawActs::Gain, LawVariable::Speed) => law.at(rate_rad_s) * delivered_nm,
+                (LawActs::Gain, LawVariable::Time) => law.at(t_s) * delivered_nm,
                 _ => continue,
             };
         }
@@ -81,7 +91,7 @@ impl<T: Real> Chain<T> {
     pub(crate) fn changes_with_time(&self) -> bool {
         self.carriage.is_some()
             || self.friction.changes_with_time()
-            || self.torques().any(|law| law.variable == LawVariable::Time)
+            || self.laws.iter().any(|law| law.acts != LawActs::Friction && law.variable == LawVariable::Time)
     }
 
     /// Whether there are any. What they do is kept out of line: most joints have none.
@@ -113,6 +123,11 @@ impl<T: Real> Chain<T> {
                     let [slow, fast] = [NEAR * speed_rad_s, speed_rad_s / NEAR];
                     [0.0, law.curve.steepest(slow, fast).max(law.curve.steepest(-fast, -slow))]
                 }
+                // The share itself, and what the angle changes of the torque for an error of a radian.
+                (LawActs::Gain, LawVariable::Angle) => {
+                    [kp * (law.curve.largest() + steepest), kd * law.curve.largest()]
+                }
+                (LawActs::Gain, _) => [kp, kd].map(|of| of * law.curve.largest()),
                 (LawActs::Torque, LawVariable::Time | LawVariable::SetpointRate) | (LawActs::Friction, _) => [0.0; 2],
             };
             sum = [sum[0] + stiffness, sum[1] + damping];

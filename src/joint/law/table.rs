@@ -119,12 +119,14 @@ mod tests {
         assert_eq!((law.variable(), law.acts(), law.at(0.5)), (LawVariable::Angle, LawActs::Torque, -0.25));
         for (variable, acts) in LawVariable::ALL.iter().flat_map(|v| LawActs::ALL.map(|acts| (*v, acts))) {
             let table = LawTable::new(variable, acts, vec![0.0, 1.0], vec![0.0, 0.0]);
-            let is_there = acts == LawActs::Torque
-                || if acts == LawActs::Reading {
-                    variable == LawVariable::Angle
-                } else {
-                    variable != LawVariable::SetpointRate
-                };
+            let is_there = match acts {
+                LawActs::Torque => true,
+                LawActs::Friction => variable != LawVariable::SetpointRate,
+                LawActs::Reading => variable == LawVariable::Angle,
+                LawActs::Gain => {
+                    matches!(variable, LawVariable::Angle | LawVariable::Speed | LawVariable::Time)
+                }
+            };
             assert_eq!(table.law().is_ok(), is_there, "{variable} {acts}");
         }
     }

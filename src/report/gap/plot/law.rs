@@ -66,7 +66,7 @@ fn drawing(title: &str, law: &LawTable, sd: Option<&[f64]>, seen: &[f64]) -> Res
     let value = Axis::over(points.iter().map(|(_, y)| *y).chain(ends).chain([0.0]), 0.08);
     let rug: Vec<f64> = thinned(seen, [at.low(), at.high()]);
 
-    let band_words = band_name(&limits, &value, HEIGHT - 120.0, &typeset_unit(law.acts.unit()));
+    let band_words = band_name(&limits, &value, HEIGHT - 120.0, &typeset_unit(unit(law.acts)));
     sketch(title, HEIGHT, |root| {
         let mut names =
             vec![(Sign::Line, AFTER.to_rgba(), "law".to_owned()), (Sign::Dot, AFTER.to_rgba(), "its knots".to_owned())];
@@ -78,7 +78,7 @@ fn drawing(title: &str, law: &LawTable, sd: Option<&[f64]>, seen: &[f64]) -> Res
         }
         let top = legend(root, &names)?;
         let x_label = format!("{} [{}]", axis_words(law.acts, variable), typeset_unit(variable.unit()));
-        let y_label = format!("{} [{}]", what(law.acts), typeset_unit(law.acts.unit()));
+        let y_label = format!("{} [{}]", what(law.acts), typeset_unit(unit(law.acts)));
         let mut chart = chart(root, (top, HEIGHT - 4.0), (&at, &value), (&x_label, &y_label))?;
         let foot = |share: f64| value.low() + share * (value.high() - value.low());
         for place in &rug {
@@ -106,7 +106,12 @@ fn what(acts: LawActs) -> &'static str {
         LawActs::Torque => "added torque",
         LawActs::Friction => "added friction",
         LawActs::Reading => "shift of the reading",
+        LawActs::Gain => "added share of the motor's torque",
     }
+}
+
+fn unit(acts: LawActs) -> &'static str {
+    if acts.unit().is_empty() { "-" } else { acts.unit() }
 }
 
 fn variable_words(variable: LawVariable) -> &'static str {
