@@ -33,6 +33,8 @@ impl StatedNumber {
 pub struct StatedEffect {
     /// Which.
     pub effect: EffectId,
+    /// Effects that would do as well in its place, itself included; empty where that was not asked.
+    pub equivalent: Vec<EffectId>,
     /// Its parameters.
     pub parameters: Vec<StatedNumber>,
 }
@@ -131,6 +133,10 @@ impl Answered {
             behind_sd: c.behind_sd,
             after: c.after,
         };
+        let equivalent = |effect: EffectId| {
+            let cause = diagnosis.causes.iter().find(|cause| cause.effect == effect);
+            cause.map_or_else(Vec::new, |cause| cause.equivalent.clone())
+        };
         Self {
             verdict: answer.verdict,
             effect: answer.effect.clone(),
@@ -151,6 +157,7 @@ impl Answered {
                 .iter()
                 .map(|(effect, numbers)| StatedEffect {
                     effect: *effect,
+                    equivalent: equivalent(*effect),
                     parameters: numbers.iter().map(StatedNumber::of).collect(),
                 })
                 .collect(),

@@ -203,6 +203,11 @@ impl Truth {
         self.causes.iter().map(|effect| effect.id()).collect()
     }
 
+    /// Whether the study states a `kp` that is off further than it believes.
+    pub(super) fn has_wrong_gain(&self) -> bool {
+        self.numbers.contains(&Gains::NAMES[0])
+    }
+
     /// True value of a joint's number, or of a share of a drive's stated gain, under the names of an answer.
     pub(super) fn number(&self, name: &str) -> Option<f64> {
         let delivered = self.mechanisms.iter().filter(|m| m.id == EffectId::MotorGain.id()).flat_map(|m| &m.parameters);

@@ -4,12 +4,14 @@ use super::Trial;
 use crate::blind::answer::Answered;
 use crate::blind::truth::TrueWhere;
 use crate::gap::Verdict;
+use crate::joint::EffectId;
 use serde::Serialize;
 
 /// What is right about an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Judgement {
-    /// The kind of answer is right; where numbers are off within what the study states, also to have refitted them.
+    /// The kind of answer is right; where numbers are off within what the study states, also to have refitted them, and
+    /// where `kp` is off further, also to name the motor's gain.
     pub verdict: bool,
     /// The whole answer is right: the kind, and of effects exactly those that are there, in any order.
     pub top: bool,
@@ -56,11 +58,16 @@ impl Judgement {
                 missed: (!nothing).then_some(true),
             };
         };
-        let verdict = answer.verdict == truth.verdict || (truth.within && answer.verdict == Verdict::Calibration);
         let named = answer.named();
+        let gain = EffectId::MotorGain.id();
+        // A kp that is off further than the study states is a motor that delivers more or less than commanded.
+        let is_gain = truth.verdict == Verdict::Calibration && truth.has_wrong_gain() && named == [gain];
+        let verdict =
+            answer.verdict == truth.verdict || is_gain || (truth.within && answer.verdict == Verdict::Calibration);
         let right = there.iter().filter(|effect| named.contains(effect)).count();
         let small = |id: &str| truth.mechanisms.iter().any(|m| !m.counts && m.id == id);
-        let needless = named.iter().filter(|id| !there.contains(id) && !small(id)).count() as u32;
+        let is_number = |id: &str| id == gain && truth.has_wrong_gain();
+        let needless = named.iter().filter(|id| !there.contains(id) && !small(id) && !is_number(id)).count() as u32;
         let top = verdict && right == there.len() && needless == 0;
         let calls_something = matches!(answer.verdict, Verdict::Effect | Verdict::Unexplained);
         Self {
@@ -73,7 +80,7 @@ impl Judgement {
             needless,
             stage: truth.stage.map(|_| truth.mechanisms.iter().any(|m| m.counts && Some(m.stage) == answer.stage)),
             located: truth.location.as_ref().map(|place| is_located(answer, place)),
-            false_alarm: nothing.then_some(calls_something),
+            false_alarm: nothing.then_some(calls_something && !is_gain),
             missed: (!nothing).then_some(!calls_something),
         }
     }
@@ -82,7 +89,8 @@ impl Judgement {
 /// Every effect that is there is named or could not be told apart, and no more are named than are there.
 fn in_set(answer: &Answered, there: &[&str]) -> bool {
     let named = answer.named();
-    let known = |effect: &&str| named.contains(effect) || answer.equivalent.iter().any(|e| e.id() == *effect);
+    let all = || answer.equivalent.iter().chain(answer.effects.iter().flat_map(|e| &e.equivalent));
+    let known = |effect: &&str| named.contains(effect) || all().any(|e| e.id() == *effect);
     !there.is_empty() && named.len() <= there.len() && there.iter().all(known)
 }
 

@@ -3,8 +3,9 @@
 use super::Trial;
 use super::judge::Judgement;
 use super::rate::Rate;
-use crate::blind::truth::Truth;
+use crate::blind::truth::{Gains, Truth};
 use crate::gap::Verdict;
+use crate::joint::EffectId;
 use serde::Serialize;
 
 /// The score of studies with so many effects at once.
@@ -96,6 +97,8 @@ pub(super) fn numbers(judged: &[(&Trial, Judgement)]) -> [Rate; 2] {
         let wrong = judged.iter().filter(|(trial, j)| trial.truth.verdict == Verdict::Calibration && j.verdict);
         wrong.map(|(trial, _)| {
             let name = trial.answer.as_ref().ok().and_then(|answer| answer.effect.as_deref());
+            let is_gain = name == Some(EffectId::MotorGain.id());
+            let name = if is_gain { Some(Gains::NAMES[0]) } else { name };
             trial.truth.numbers.iter().position(|number| Some(*number) == name)
         })
     };

@@ -57,6 +57,7 @@ fn answered(verdict: Verdict, effects: &[EffectId], equivalent: &[EffectId], pro
         interval_naive: Some([value, value]),
     };
     let stated = |effect: &EffectId| StatedEffect {
+        equivalent: vec![],
         effect: *effect,
         parameters: vec![number(effect.named_parameters()[0].name, 2.1, [1.9, 2.3])],
     };
@@ -123,6 +124,34 @@ fn an_answer_is_judged_by_what_it_names() {
     assert!(alarm.false_alarm == Some(true) && alarm.any.is_none() && alarm.stage.is_none());
     let needless = judge(&nothing, answered(Calibration, &[], &[], 0.9));
     assert!(!needless.verdict && needless.false_alarm == Some(false));
+}
+
+#[test]
+fn a_gain_that_is_stated_wrong_is_a_motor_that_delivers_something_else() {
+    let judge = |truth: &Truth, effects: &[EffectId]| {
+        Judgement::of(&trial(truth.clone(), answered(Effect, effects, &effects[..1], 0.9), 1.0))
+    };
+    let stated = |numbers: &[&'static str], truth: Truth| Truth { numbers: numbers.to_vec(), ..truth };
+    let wrong = stated(&["inertia", "kp"], truth(Calibration, &[]));
+    let named = judge(&wrong, &[MotorGain]);
+    assert!(named.verdict && named.top && named.false_alarm == Some(false));
+    assert_eq!(judge(&wrong, &[Delay]).false_alarm, Some(true));
+    assert_eq!(judge(&wrong, &[MotorGain, Delay]).false_alarm, Some(true));
+    assert_eq!(judge(&stated(&["kd"], truth(Calibration, &[])), &[MotorGain]).false_alarm, Some(true));
+    // Beside an effect it is neither asked for nor needless.
+    let beside = stated(&["kp"], truth(Effect, &[Delay]));
+    assert!(judge(&beside, &[Delay]).top && judge(&beside, &[Delay, MotorGain]).top);
+    assert!(!judge(&truth(Effect, &[Delay]), &[Delay, MotorGain]).top);
+}
+
+#[test]
+fn every_cause_has_its_own_set() {
+    let two = truth(Effect, &[Delay, Stribeck]);
+    let mut answer = answered(Effect, &[Delay, MotorGain], &[Delay], 0.9);
+    assert!(!Judgement::of(&trial(two.clone(), answer.clone(), 1.0)).set);
+    answer.effects[1].equivalent = vec![MotorGain, Stribeck];
+    let judged = Judgement::of(&trial(two, answer, 1.0));
+    assert!(judged.set && !judged.top);
 }
 
 #[test]
