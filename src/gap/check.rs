@@ -9,7 +9,6 @@ use super::evidence::{Evidence, counts};
 use super::floor::noise_rad;
 use super::numbers::numbers;
 use super::trial::Trial;
-use super::waterfall::beliefs;
 use crate::fit::Budget;
 use crate::identify::{BeliefFound, Case, Estimate};
 use crate::joint::EffectId;
@@ -62,7 +61,7 @@ pub fn check(case: &Case) -> Result<Checkup, GapError> {
     let floor_rad = noise_rad(&evidence, &[&given, &calibrated]);
     let [given_rad, calibrated_rad] = [&given, &calibrated].map(|trial| rms_rad(&evidence, trial));
     let (parameters, _) = numbers(&evidence, &calibrated);
-    let (beliefs, undetermined) = (beliefs(&calibrated), calibrated.undetermined(&evidence));
+    let (beliefs, undetermined) = (calibrated.beliefs(), calibrated.undetermined(&evidence));
     let noise = (floor_rad, correlation_length(&evidence, &calibrated));
     let detectable = detectable(&evidence, noise, &calibrated, EffectId::ALL);
     Ok(Checkup { given_rad, calibrated_rad, floor_rad, parameters, beliefs, undetermined, detectable })

@@ -52,7 +52,7 @@ pub(super) struct Decision<'a> {
     pub first: Option<&'a Trial>,
     /// What the answer rests on: as given, recalibrated, or with causes.
     pub answer: &'a Trial,
-    /// Causes in the order of what they close.
+    /// Causes in the order of what they close; last a gain of the drive beyond belief, which the answer has as a number.
     pub effects: Vec<EffectId>,
     /// Effects that would do as well in the place of the first, which is included.
     pub equivalent: Vec<EffectId>,
@@ -86,9 +86,15 @@ impl Decision<'_> {
     }
 }
 
-/// Judges the hypotheses.
-pub(super) fn decide<'a>(evidence: &Evidence, held: &HeldOut, a: &'a Attribution) -> Decision<'a> {
-    let judge = Judge { evidence, held, a };
+/// Judges the hypotheses; `considered` are the effects that may be named.
+pub(super) fn decide<'a>(
+    evidence: &Evidence,
+    held: &HeldOut,
+    a: &'a Attribution,
+    considered: &[EffectId],
+) -> Decision<'a> {
+    let names_gain = considered.contains(&EffectId::MotorGain);
+    let judge = Judge { evidence, held, a, names_gain };
     if a.best.effects().is_empty() || judge.has_hardly_a_cause() {
         return judge.without_effects();
     }
@@ -104,6 +110,8 @@ struct Judge<'a, 'e> {
     evidence: &'e Evidence,
     held: &'e HeldOut,
     a: &'a Attribution,
+    /// Whether a gain of the drive that is another than stated may be called an effect.
+    names_gain: bool,
 }
 
 impl<'a> Judge<'a, '_> {
@@ -120,7 +128,8 @@ impl<'a> Judge<'a, '_> {
         };
         let finding = if pays { moved_most(simple) } else { None };
         // The gain of the drive as a number is the effect of a motor that delivers more or less than commanded.
-        let is_gain = verdict == Verdict::Calibration
+        let is_gain = self.names_gain
+            && verdict == Verdict::Calibration
             && (finding == Some(GAIN) || self.needs_another_gain())
             && self.is_other_than_stated(GAIN);
         let finding = if is_gain { Some(GAIN) } else { finding };
@@ -239,15 +248,20 @@ impl<'a> Judge<'a, '_> {
             (effects, chosen) = (vec![simplest], trial);
         }
         let simpler = a.without.last().unwrap_or(&a.calibrated);
+        let first = if effects.len() == 1 { Some(chosen) } else { a.ladder.first() };
+        // A law takes what it explains out of the numbers.
+        let answer = a.law.as_ref().filter(|law| law.effects() == chosen.effects()).unwrap_or(chosen);
+        if explained && self.names_gain && is_beyond_belief(answer, GAIN) {
+            effects.push(EffectId::MotorGain);
+        }
         Decision {
             verdict: if explained { Verdict::Effect } else { Verdict::Unexplained },
-            first: if effects.len() == 1 { Some(chosen) } else { a.ladder.first() },
-            // A law takes what it explains out of the numbers.
-            answer: a.law.as_ref().filter(|law| law.effects() == chosen.effects()).unwrap_or(chosen),
+            first,
+            answer,
             effects,
             equivalent,
             excess,
-            gain: self.deviance(simpler) - self.deviance(answer),
+            gain: self.deviance(simpler) - self.deviance(&a.best),
             margin,
             finding: moved_most(chosen),
         }
@@ -315,6 +329,12 @@ pub(super) fn equivalent_of(evidence: &Evidence, a: &Attribution, k: usize) -> (
         }
     }
     (set, margin)
+}
+
+/// Whether a number was moved further than belief allows.
+fn is_beyond_belief(trial: &Trial, number: usize) -> bool {
+    let name = &trial.model.parameters()[number].name;
+    trial.beliefs().iter().any(|belief| belief.name == *name && belief.is_finding())
 }
 
 /// The number that was moved by most of its standard deviations. The drive's gain is one only from a clear move on: that

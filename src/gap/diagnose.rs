@@ -23,7 +23,7 @@ use super::sentence::{far, followed, sentence};
 use super::told::{AtBest, tell};
 use super::trial::{Trial, loss};
 use super::twins::measure;
-use super::waterfall::{beliefs, causes};
+use super::waterfall::causes;
 use crate::deadline::NO_PROBABILITY;
 use crate::identify::{BeliefFound, Case, DirectiveError, Estimate, Experiment, JointModel, Signal};
 use crate::joint::EffectId;
@@ -110,7 +110,7 @@ pub(super) fn diagnose_from(
     }
     stage(if options.deadline.leaves_aside(DETECTABLE) { "weighing what was found in time" } else { "weighing" })?;
     let held = HeldOut::of(&evidence);
-    let decision = decide(&evidence, &held, &attribution);
+    let decision = decide(&evidence, &held, &attribution, &effects);
     let mut gap = gap(&evidence, &held, &attribution, &decision);
     if let Some(described) = described {
         described.begin(&mut gap);
@@ -134,7 +134,7 @@ pub(super) fn diagnose_from(
     let beside: &[EffectId] = if options.deadline.leaves_aside(UNNAMED) { &[] } else { &effects };
     let (parameters, mut effect_parameters) = numbers_beside(&evidence, around, beside);
     tell(at_best, around, &mut effect_parameters);
-    if around.effects().is_empty() && decision.effect() == Some(EffectId::MotorGain) {
+    if decision.effects.contains(&EffectId::MotorGain) && !around.effects().contains(&EffectId::MotorGain) {
         effect_parameters.push((EffectId::MotorGain, vec![gain_as_effect(&parameters)]));
     }
     let law = law_found(&case.joint.name, &evidence, &held, &attribution, &decision);
@@ -150,10 +150,18 @@ pub(super) fn diagnose_from(
         false => Vec::new(),
     };
     let (parameter_moved, has_bodies) = (moved.as_deref(), described.is_some());
-    let mut sentence =
-        sentence(&case.joint.name, &decision, &gap, parameter_moved, &effect_parameters, law.as_ref(), has_bodies);
+    let causes = causes(&evidence, &held, &attribution, &decision, &effect_parameters);
+    let mut sentence = sentence(
+        &case.joint.name,
+        &decision,
+        &gap,
+        parameter_moved,
+        (&effect_parameters, &causes),
+        law.as_ref(),
+        has_bodies,
+    );
     sentence.extend(followed(decision.verdict, &gap, evidence.whole));
-    let beliefs = beliefs(around);
+    let beliefs = around.beliefs();
     let broken = broken(&beliefs, &decision);
     sentence.extend(far(&broken));
     let inertia = &decision.answer.model.parameters()[INERTIA].name;
@@ -220,7 +228,7 @@ pub(super) fn diagnose_from(
         ranking,
         detectable,
         parameters,
-        causes: causes(&evidence, &held, &attribution, &decision, &effect_parameters),
+        causes,
         beliefs,
         law,
         undetermined: around.undetermined(&evidence),
@@ -242,7 +250,7 @@ fn broken<'a>(beliefs: &'a [BeliefFound], decision: &Decision<'_>) -> Vec<&'a Be
         return Vec::new();
     }
     let gain = decision.answer.model.parameters()[GAIN].name.clone();
-    let is_named = |name: &str| decision.effect() == Some(EffectId::MotorGain) && name == gain;
+    let is_named = |name: &str| decision.effects.contains(&EffectId::MotorGain) && name == gain;
     beliefs.iter().filter(|belief| belief.is_finding() && !is_named(&belief.name)).collect()
 }
 

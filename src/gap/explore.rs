@@ -5,9 +5,12 @@
 
 use super::evidence::Evidence;
 use super::hold_fit::{held_setpoint, settled};
+use super::kin::{Around, Written, is_kin, written_as};
+use super::model::VISCOUS;
 use super::sight::Sight;
 use super::trial::Trial;
 use crate::fit::Budget;
+use crate::identify::JointModel;
 use crate::joint::{EffectForm, EffectId};
 use rayon::prelude::*;
 
@@ -32,30 +35,20 @@ const LIKELY: &str = "fits of some likely causes";
 /// What is compared with a hypothesis is carried on where a brief fit is below its criterion times this.
 const COMPARABLE: f64 = 5.0;
 
-/// Effects that are easily taken for one another, whatever a look from afar says.
-const KIN: [&[EffectId]; 2] = [
-    &[EffectId::Delay, EffectId::SensorDelay, EffectId::SetpointHold, EffectId::SetpointProfile],
-    &[EffectId::TorqueLimit, EffectId::SpeedLimit],
-];
-
-/// Whether one effect is easily taken for another.
-pub(super) fn is_kin(a: EffectId, b: EffectId) -> bool {
-    KIN.iter().any(|kin| kin.contains(&a) && kin.contains(&b))
-}
-
 /// The best fits of `base` with one of the effects added, one for each effect that promises something; best first.
 pub(super) fn explore(evidence: &Evidence, base: &Trial, sights: &[Sight]) -> Vec<Trial> {
     explored(evidence, base, sights, |_| false, f64::INFINITY)
 }
 
-/// The best fits of `base` with another effect in the place of `member`, which is one of those of `best`: what is easily
-/// taken for it is among them, whatever it promises.
+/// The best fits of `base` with one of `others` in the place of effect number `k` of `best`: what is easily taken for it is among
+/// them, whatever it promises.
 pub(super) fn explore_rivals(
     evidence: &Evidence,
     base: &Trial,
-    sights: &[Sight],
-    (member, best): (EffectId, &Trial),
+    (sights, others): (&[Sight], &[EffectId]),
+    (k, best): (usize, &Trial),
 ) -> Vec<Trial> {
+    let member = best.effects()[k];
     let kin = |effect| is_kin(member, effect);
     let found = explored(evidence, base, sights, kin, COMPARABLE * best.criterion());
     // Kin are compared, so none of them may stop half way.
@@ -63,7 +56,33 @@ pub(super) fn explore_rivals(
         Some(effect) if kin(*effect) => t.continued(evidence, FULL),
         _ => t,
     };
-    one_of_each(found.into_par_iter().map(to_the_end).collect())
+    let found = found.into_par_iter().map(to_the_end);
+    let written = others.par_iter().flat_map(|other| fitted_as(evidence, base, (k, best), *other));
+    one_of_each(found.chain(written).collect())
+}
+
+/// `best` with its effect number `k` written as another in each way there is, and fitted on from there: where one does all
+/// that another does, no search may end behind it. `base` is without the effect.
+fn fitted_as(evidence: &Evidence, base: &Trial, (k, best): (usize, &Trial), other: EffectId) -> Vec<Trial> {
+    let mut numbers = best.found.values.clone();
+    let own: Vec<f64> = numbers.drain(best.model.place(k)).collect();
+    let motor = evidence.fit.iter().find_map(|e| e.motor);
+    let around = Around {
+        reach: &evidence.reach,
+        gravity_m_s2: evidence.fit.first().map_or(f64::NAN, |e| e.gravity_m_s2),
+        more_viscous_nm_s_rad: numbers[VISCOUS] - evidence.nominal.viscous_nm_s_rad,
+        kd_nm_s_rad: motor.map_or(0.0, |motor| motor.nm_per_answer() * motor.kd_nm_s_rad),
+    };
+    let fitted = |way: Written| {
+        let mut values = numbers.clone();
+        // What is held stays.
+        let open = way.numbers.iter().filter(|(place, _)| !base.model.parameters()[*place].fixed);
+        open.for_each(|(place, more)| values[*place] += more);
+        values.extend(way.values);
+        let model = base.model.with(way.form, &evidence.reach).in_unit(best.model.unit_rad2_s());
+        Trial::solved(evidence, model, &values, best.found.starts.clone(), FULL)
+    };
+    written_as(best.effects()[k], &own, other, &around).into_par_iter().map(fitted).collect()
 }
 
 /// The best fits of `base` with one effect more, of those that promise most and those that are `wanted` anyway; what stays

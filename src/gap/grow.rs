@@ -5,9 +5,10 @@
 //! numbers.
 
 use super::evidence::{Evidence, counts};
-use super::explore::{explore, explore_rivals, is_kin, refitted};
+use super::explore::{explore, explore_rivals, refitted};
 use super::folds::Folds;
 use super::held_out::Elsewhere;
+use super::kin::is_kin;
 use super::model::COULOMB;
 use super::pairs::pairs;
 use super::score::Measure;
@@ -243,7 +244,7 @@ impl Growth<'_> {
                 }
             }
             let sights = self.sights(without, &others);
-            let mut found = explore_rivals(self.evidence, without, &sights, (member, best));
+            let mut found = explore_rivals(self.evidence, without, (&sights, &others), (k, best));
             found.retain(|t| !t.effects().contains(&member));
             // In its default formula what is easily taken for the member may be behind without being wrong, and where
             // something is left so may anything.
@@ -269,17 +270,21 @@ impl Growth<'_> {
     pub fn exchanged(&self, pruned: Pruned) -> (Pruned, Vec<Vec<Trial>>) {
         let Pruned { mut best, mut without } = pruned;
         let mut rivals = self.rivals(&best, &without);
-        for only_simpler in [true, false] {
+        for round in 0..=EXCHANGES {
             let measure = Measure::by(self.evidence, &best);
             let score = |t: &Trial| measure.score(self.evidence, t);
             let allowed = |t: &&Trial| {
                 let behind = score(t) - score(&best);
-                if only_simpler { is_simpler(t, &best) && behind < AS_WELL } else { behind < -EXCHANGE }
+                if round == 0 { is_simpler(t, &best) && behind < AS_WELL } else { behind < -EXCHANGE }
             };
             let others = rivals.iter().flatten().filter(allowed);
-            if let Some(other) = others.min_by(|a, b| score(a).total_cmp(&score(b))) {
-                Pruned { best, without } = self.pruned(other.clone().settled(self.evidence, SETTLE));
-                rivals = self.rivals(&best, &without);
+            match others.min_by(|a, b| score(a).total_cmp(&score(b))) {
+                Some(other) => {
+                    Pruned { best, without } = self.pruned(other.clone().settled(self.evidence, SETTLE));
+                    rivals = self.rivals(&best, &without);
+                }
+                None if round > 0 => break,
+                None => {}
             }
         }
         (Pruned { best, without }, rivals)
@@ -365,8 +370,9 @@ const NEARLY: f64 = 1.05;
 const FORMING: Budget = Budget { evaluations: 30 };
 /// Score by which another form has to be better to be stated.
 const FORM: f64 = 6.0;
-/// Score by which an exchange has to be better to be worth another round.
+/// Score by which an exchange has to be better to be worth another round, and how many of them there are.
 const EXCHANGE: f64 = 2.0;
+const EXCHANGES: usize = 3;
 /// Score by which something simpler may be behind.
 const AS_WELL: f64 = 3.0;
 

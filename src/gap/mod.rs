@@ -35,6 +35,7 @@ mod hold_scan;
 #[cfg(feature = "robots")]
 pub mod inverse;
 mod judged;
+mod kin;
 mod law_candidates;
 mod law_found;
 mod law_shape;

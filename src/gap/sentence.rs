@@ -1,10 +1,9 @@
 //! The answer as a sentence that a colleague would say.
 
 use super::decide::{Decision, leaves_something};
-use super::diagnosis::{Gap, LawFound, Number, Verdict};
+use super::diagnosis::{CauseShare, Gap, LawFound, Number, Verdict};
 use super::evidence::WholeLeft;
 use super::numbers::includes_none;
-use super::waterfall::beliefs;
 use crate::identify::BeliefFound;
 use crate::joint::{EffectId, LawActs};
 use crate::number::{mrad, quantity, share};
@@ -122,6 +121,7 @@ fn unnamed(law: &LawFound) -> String {
         LawActs::Torque => "a torque",
         LawActs::Friction => "a friction",
         LawActs::Reading => "a shift of the reading",
+        LawActs::Gain => "a share of the motor's torque",
     };
     let of: Vec<&str> = table.variables.iter().map(|variable| variable.words()).collect();
     let closed = |closed: f64| match closed < NEXT_TO_NOTHING {
@@ -177,6 +177,21 @@ pub(super) fn followed(verdict: Verdict, gap: &Gap, whole: Option<WholeLeft>) ->
     })
 }
 
+/// What the logs cannot tell the first cause from, and each of the others.
+fn apart_from(first: EffectId, equivalent: &[EffectId], causes: &[CauseShare]) -> String {
+    let others = |own: EffectId, all: &[EffectId]| -> Option<String> {
+        let others: Vec<&str> = all.iter().filter(|e| **e != own).map(|e| words(*e)).collect();
+        (!others.is_empty()).then(|| others.join(", nor from "))
+    };
+    let of_first = others(first, equivalent).map(|others| format!("the first apart from {others}"));
+    let further = causes.iter().filter(|cause| cause.effect != first);
+    let further = further.filter_map(|cause| {
+        Some(format!("{} apart from {}", words(cause.effect), others(cause.effect, &cause.equivalent)?))
+    });
+    let all: Vec<String> = of_first.into_iter().chain(further).collect();
+    if all.is_empty() { String::new() } else { format!(" These logs cannot tell {}.", all.join(", nor ")) }
+}
+
 /// The sentence of a decision; `parameter` is the number that moved most, `has_bodies` whether the joint carries bodies that are
 /// other than described: as given it is told without them.
 pub(super) fn sentence(
@@ -184,7 +199,7 @@ pub(super) fn sentence(
     decision: &Decision<'_>,
     gap: &Gap,
     parameter: Option<&str>,
-    effects: &[(EffectId, Vec<Number>)],
+    (effects, causes): (&[(EffectId, Vec<Number>)], &[CauseShare]),
     law: Option<&LawFound>,
     has_bodies: bool,
 ) -> String {
@@ -202,7 +217,7 @@ pub(super) fn sentence(
     let all = || together(&decision.effects);
     let them = them(decision.effects.len(), law.is_some());
     let may_be_none = |effect: &EffectId| effects.iter().any(|(e, numbers)| e == effect && includes_none(*e, numbers));
-    let is_far = beliefs(decision.answer).iter().any(BeliefFound::is_finding);
+    let is_far = decision.answer.beliefs().iter().any(BeliefFound::is_finding);
     match (decision.verdict, decision.effect()) {
         (Verdict::None, _) if has_bodies => format!(
             "{joint}: nothing is missing beside the bodies that it carries. With them as found the held-out logs are explained \
@@ -230,10 +245,7 @@ pub(super) fn sentence(
             if !open.is_empty() {
                 text += &format!(" The interval of {open} includes none: these logs do not agree on its size.");
             }
-            let others: Vec<&str> = decision.equivalent.iter().filter(|e| **e != effect).map(|e| words(*e)).collect();
-            if !others.is_empty() {
-                text += &format!(" These logs cannot tell the first apart from {}.", others.join(", nor from "));
-            }
+            text += &apart_from(effect, &decision.equivalent, causes);
             text.extend(law.map(|law| format!(" Beside it {}", unnamed(law))));
             text
         }

@@ -3,7 +3,7 @@
 use super::evidence::{Evidence, counts};
 use super::model::{BASELINE, GapModel};
 use crate::fit::{Budget, Solution, approach};
-use crate::identify::{self, Experiment, Found, JointModel, Parameter, Problem};
+use crate::identify::{self, BeliefFound, Experiment, Found, JointModel, Parameter, Problem};
 use crate::joint::{EffectForm, EffectId};
 use rayon::prelude::*;
 
@@ -130,6 +130,11 @@ impl Trial {
     /// together, and never below the encoder's rounding.
     pub fn unit_rad2_s(&self, evidence: &Evidence) -> f64 {
         identify::unit_rad2_s(&evidence.fit, &self.fit)
+    }
+
+    /// What was believed of each number that is not exact, and where it is now.
+    pub fn beliefs(&self) -> Vec<BeliefFound> {
+        BeliefFound::of(&self.model.parameters()[..BASELINE], &self.found.values)
     }
 
     /// What the fitted logs leave to what is believed of the joint's numbers, in sentences.

@@ -77,7 +77,7 @@ pub(super) fn measure(
         let catalogue: Vec<EffectId> = effects.iter().copied().filter(|e| Some(*e) != out).collect();
         let attribution = Attribution::of(&twin, &catalogue, &Quiet(progress))?;
         let held = HeldOut::of(&twin);
-        let found = decide(&twin, &held, &attribution);
+        let found = decide(&twin, &held, &attribution, &catalogue);
         let truth = match cause {
             Cause::Nothing => "none",
             Cause::Numbers => "calibration",

@@ -5,9 +5,7 @@ use super::decide::{Decision, equivalent_of};
 use super::diagnosis::{CauseShare, Number};
 use super::evidence::Evidence;
 use super::held_out::HeldOut;
-use super::model::BASELINE;
 use super::trial::Trial;
-use crate::identify::{BeliefFound, JointModel};
 use crate::joint::EffectId;
 
 /// The causes of an answer with their shares, from the RMS with the numbers recalibrated down to the floor \[rad\].
@@ -47,9 +45,4 @@ pub(super) fn causes(
             }
         })
         .collect()
-}
-
-/// What was believed of each number that is not exact, and where the answer has it.
-pub(super) fn beliefs(answer: &Trial) -> Vec<BeliefFound> {
-    BeliefFound::of(&answer.model.parameters()[..BASELINE], &answer.found.values)
 }

@@ -23,6 +23,14 @@ pub struct SpeedLine<T> {
     pub braking: Braking,
 }
 
+impl<T: Real> SpeedLine<T> {
+    /// Torque that the back voltage takes \[N m\].
+    #[inline]
+    fn back_nm(&self, rate_rad_s: T) -> T {
+        self.stall_nm * rate_rad_s / self.no_load_rad_s
+    }
+}
+
 /// The largest torque of a motor that brakes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Braking {
@@ -31,6 +39,9 @@ pub enum Braking {
     Capped,
     /// The line goes on: the back voltage adds to the supply's. It then acts beyond a dead band too.
     Line,
+    /// As `Line`, of a motor whose law gives a duty: what is asked for is the torque at standstill, less the back voltage's at
+    /// any speed.
+    Voltage,
 }
 
 /// What moves the joint at an instant, as far as the choice of the step is concerned.
@@ -205,7 +216,7 @@ impl<T: Real> Motor<T> {
             torque_nm = match (&self.speed_line, voltage) {
                 // The supply's share of the torque is dead where it is small, not the torque.
                 (Some(line), None) if line.braking == Braking::Line => {
-                    let back_nm = line.stall_nm * rate_rad_s / line.no_load_rad_s;
+                    let back_nm = line.back_nm(rate_rad_s);
                     band.of(torque_nm + back_nm) - back_nm
                 }
                 _ => band.of(torque_nm),
@@ -214,7 +225,11 @@ impl<T: Real> Motor<T> {
         if let Some(motor) = voltage {
             torque_nm -= rate_rad_s * motor.braking_nm_s_rad();
         }
-        torque_nm * self.gain
+        torque_nm *= self.gain;
+        match self.speed_line {
+            Some(line) if line.braking == Braking::Voltage => torque_nm - line.back_nm(rate_rad_s),
+            _ => torque_nm,
+        }
     }
 
     /// What arrives of an answer of the law \[N m\], at the true rate of the motor: dead band, gain, limits.
@@ -253,14 +268,16 @@ impl<T: Real> Motor<T> {
     pub(crate) fn stiffness_and_damping(&self, driven: Driven) -> (f64, f64) {
         let Some(law) = &self.law else { return (0.0, 0.0) };
         let gain = self.gain.re().abs();
-        let braking = self.voltage().map_or(0.0, VoltageMotor::braking_nm_s_rad);
+        let by_line = self.speed_line.as_ref().filter(|line| line.braking == Braking::Voltage);
+        let by_line = by_line.map_or(0.0, |line| line.back_nm(T::constant(1.0)).re());
+        let braking = gain * self.voltage().map_or(0.0, VoltageMotor::braking_nm_s_rad) + by_line;
         match driven {
             Driven::Off => (0.0, 0.0),
-            Driven::Held => (0.0, gain * braking),
+            Driven::Held => (0.0, braking),
             Driven::ByLaw => {
                 let per_answer = gain * law.nm_per_answer();
                 let kd = law.kd_nm_s_rad * self.derivative_share.re();
-                (per_answer * law.kp_nm_rad, per_answer * kd + gain * braking)
+                (per_answer * law.kp_nm_rad, per_answer * kd + braking)
             }
         }
     }
@@ -283,6 +300,15 @@ fn saturated<T: Real>(torque_nm: T, limit_nm: T) -> T {
 /// A torque under a torque-speed line.
 #[inline]
 fn on_line<T: Real>(torque_nm: T, rate_rad_s: T, line: SpeedLine<T>) -> T {
+    if line.braking == Braking::Voltage {
+        let back_nm = line.back_nm(rate_rad_s);
+        let [most, least] = [line.stall_nm - back_nm, -line.stall_nm - back_nm];
+        return match torque_nm.re() {
+            above if above > most.re() => most,
+            below if below < least.re() => least,
+            _ => torque_nm,
+        };
+    }
     let sign = if torque_nm.re() < 0.0 { -1.0 } else { 1.0 };
     let driving_speed = rate_rad_s * sign;
     let mut limit = line.stall_nm;
@@ -378,6 +404,10 @@ mod tests {
             assert_relative_eq!(fed(braking, 0.0)(-9.0, 5.0), -most_nm, epsilon = 1e-15);
             assert_relative_eq!(fed(braking, 0.0)(9.0, -5.0), most_nm, epsilon = 1e-15);
         }
+        // A duty of a half, and of all, less the back voltage's at any speed.
+        let by_duty = fed(Braking::Voltage, 0.0);
+        assert_eq!([1.0, 9.0, -1.0, -9.0].map(|asked_nm| by_duty(asked_nm, 5.0)), [0.0, 1.0, -2.0, -3.0]);
+        assert_eq!(fed(Braking::Voltage, 0.3)(0.2, 5.0), -1.0);
         // At 5 rad/s the back voltage takes 1 N m: asked for -1.1 the supply adds 0.1, which is dead.
         assert_relative_eq!(fed(Braking::Line, 0.3)(-1.1, 5.0), -1.0, epsilon = 1e-15);
         assert_relative_eq!(fed(Braking::Line, 0.3)(-1.5, 5.0), -1.2, epsilon = 1e-15);
@@ -394,6 +424,11 @@ mod tests {
             assert_relative_eq!((at(0.0, 0.2) - at(0.0, 0.3)) / 0.1, damping, max_relative = 1e-10);
             let (_, held) = motor.stiffness_and_damping(Driven::Held);
             let slope = motor.delivered_nm(0.1, 0.2) - motor.delivered_nm(0.1, 1.2);
+            assert_relative_eq!(slope, held, epsilon = 1e-12);
+            let line = SpeedLine { stall_nm: 9.0, no_load_rad_s: 20.0, braking: Braking::Voltage };
+            let by_duty = Motor { speed_line: Some(line), ..motor };
+            let (_, held) = by_duty.stiffness_and_damping(Driven::Held);
+            let slope = by_duty.delivered_nm(0.1, 0.2) - by_duty.delivered_nm(0.1, 1.2);
             assert_relative_eq!(slope, held, epsilon = 1e-12);
         }
     }

@@ -1,7 +1,19 @@
 //! Probabilities in whole percent: of an answer, of what does as well as it, of something else. As printed they make 100 %,
 //! wherever they stand.
 
-use super::number::whole_percents;
+use super::number::{UNKNOWN, share, whole_percents};
+
+/// Computed probabilities above this are called so: noise that is not as it is taken to be leaves no certainty.
+const NEARLY_CERTAIN: f64 = 0.99;
+
+/// The probability with which an experiment would decide.
+pub(in crate::report) fn power(power: f64) -> String {
+    match power {
+        p if !p.is_finite() => UNKNOWN.to_owned(),
+        p if p > NEARLY_CERTAIN => "over 99 %".to_owned(),
+        p => share(p),
+    }
+}
 
 /// Of what may be the answer, or a part of it.
 pub(in crate::report) struct Candidate {
@@ -111,6 +123,12 @@ mod tests {
             is_named: *is_named,
         };
         of.iter().map(candidate).collect()
+    }
+
+    #[test]
+    fn no_experiment_is_certain_to_decide() {
+        let said = [0.734, 0.9895, 0.9912, 1.0, f64::NAN].map(power);
+        assert_eq!(said, ["73 %", "99 %", "over 99 %", "over 99 %", UNKNOWN]);
     }
 
     #[test]

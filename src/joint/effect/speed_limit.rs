@@ -2,7 +2,8 @@
 //!
 //! Forms: when it brakes at most `tau_stall`, as a limited current would have it (capped), or `tau_stall (1 + |q'|/w_max)`,
 //! for the back voltage then adds to the supply's (line). This voltage brakes within a dead band too, which is of the
-//! supply's share.
+//! supply's share. Or what is asked for is a duty, of `tau_stall` at the most, from which the back voltage takes
+//! `tau_stall q'/w_max` at any torque (voltage): beside a `kd` that does not have this braking in it.
 //!
 //! The back voltage of a motor on a fixed supply: a linear torque-speed curve. Driven logs only; the fast parts fall
 //! behind. With `w_max` far above any speed seen it would be a torque limit, so `w_max` is kept near those speeds.
@@ -14,7 +15,8 @@ use crate::joint::{Braking, Chain, Real, SpeedLine};
 pub(super) struct Term(Braking);
 
 impl Effect for Term {
-    const FORMS: &'static [(Self, &'static str)] = &[(Term(Braking::Capped), "capped"), (Term(Braking::Line), "line")];
+    const FORMS: &'static [(Self, &'static str)] =
+        &[(Term(Braking::Capped), "capped"), (Term(Braking::Line), "line"), (Term(Braking::Voltage), "voltage")];
     const NAMED: &'static [Named] = &[
         Named { name: "w_max", unit: "rad/s", zero: f64::INFINITY, bounds: Bounds::POSITIVE },
         Named { name: "tau_stall", unit: "N m", zero: f64::INFINITY, bounds: Bounds::POSITIVE },

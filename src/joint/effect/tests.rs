@@ -67,6 +67,7 @@ fn absent(effect: EffectForm) -> Vec<f64> {
         (EffectId::JointSpring, "one_sided") => vec![0.0, 0.3, 1.0],
         (EffectId::JointSpring, _) => vec![0.0, 0.3],
         (EffectId::EndStop, _) => vec![5.0, 1.0, 30.0, 0.1],
+        (EffectId::SpeedLimit, "voltage") => vec![1e10, 1e4],
         (EffectId::SpeedLimit, _) => vec![1e4, 1e4],
         (EffectId::TorqueLimit, _) => vec![1e4],
         (EffectId::QuadraticDrag, "power") => vec![0.0, 1.7],

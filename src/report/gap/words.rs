@@ -4,8 +4,9 @@ use super::rows::{is_side, number_row};
 use super::{GapReport, NEXT_FILE};
 use crate::gap::{Answer, Candidate, Detectable, Diagnosis, MapCell, Next, Number, Phase, Variable, Verdict, Where};
 use crate::joint::{EffectId, Stage};
+pub(super) use crate::report::chances::power;
 use crate::report::chances::{self, Chances};
-use crate::report::number::{UNKNOWN, between, quantity, share, shares, significant, spoken, stands_out};
+use crate::report::number::{between, quantity, share, shares, significant, spoken, stands_out};
 use crate::report::rows::ParameterCells;
 
 /// What stands beside intervals that cannot be believed.
@@ -27,7 +28,7 @@ const MOST_NAMED: usize = 4;
 
 /// The next experiment, whose motion is in that file.
 pub(in crate::report) fn next(next: &Next, file: &str) -> String {
-    let power = if next.power.is_finite() { share(next.power) } else { UNKNOWN.to_owned() };
+    let power = power(next.power);
     let is_untold = next.motion.is_some() && !next.what.contains(NEXT_FILE);
     let where_from = if is_untold { format!(" The motion is in {file}.") } else { String::new() };
     let what = next.what.replace(NEXT_FILE, file);

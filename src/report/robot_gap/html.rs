@@ -6,6 +6,7 @@ use super::RobotGapReport;
 use super::plot::RobotGapFigures;
 use super::{waterfall, words};
 use crate::gap::robot::{Displacement, JointGap, RobotCandidate, RobotDetectable, RobotDiagnosis};
+use crate::report::chances::power;
 use crate::report::gap::{gap_view, with_code, words as joint_words};
 use crate::report::html::{both, figure_views, open_and_folded, render};
 use crate::report::measure::ANGLE;
@@ -62,7 +63,7 @@ pub fn robot_gap_html(report: &RobotGapReport) -> Result<String, ReportError> {
         detectable => diagnosis.detectable.iter().map(detectable_view).collect::<Vec<_>>(),
         detectable_words => words::DETECTABLE,
         next => diagnosis.next.as_ref().map(|next| {
-            context! { what => with_code(&next.what), power => share(next.power) }
+            context! { what => with_code(&next.what), power => power(next.power) }
         }),
         notes => words::notes(report).iter().map(|note| with_code(note)).collect::<Vec<_>>(),
         logs => report.logs.iter().map(log_view).collect::<Vec<_>>(),

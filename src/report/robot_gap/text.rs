@@ -5,10 +5,11 @@ use comfy_table::{Cell, Table};
 use super::RobotGapReport;
 use super::{waterfall, words};
 use crate::gap::robot::{GaitCell, GaitPhase, RobotCandidate, RobotDiagnosis, RobotGap};
+use crate::report::chances::power;
 use crate::report::gap::text::{WIDTH, file, mrad, opening, paragraph, rms_row, rms_table};
 use crate::report::gap::words as joint_words;
 use crate::report::measure::ANGLE;
-use crate::report::number::{UNKNOWN, share, significant};
+use crate::report::number::{share, significant};
 use crate::report::text::{finish, number, one_line, table, wrap};
 
 /// Writes a robot's diagnosis as plain text, as a rule at most 100 columns wide, ending in a newline.
@@ -136,7 +137,7 @@ fn detectable(diagnosis: &RobotDiagnosis) -> Option<String> {
 
 fn next(diagnosis: &RobotDiagnosis) -> Option<String> {
     let next = diagnosis.next.as_ref()?;
-    let power = if next.power.is_finite() { share(next.power) } else { UNKNOWN.to_owned() };
+    let power = power(next.power);
     Some(wrap(WIDTH, &format!("{}; it would decide with probability {power}.", next.what), "Next: ", "  "))
 }
 
