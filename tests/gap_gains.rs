@@ -88,6 +88,13 @@ fn a_logged_torque_says_what_the_drive_gives() {
     assert!((gain - 0.75).abs() < 0.04, "{gain}");
     assert!(!says(&with, "log the current"), "{}", with["undetermined"]);
     assert!(with["notes"].to_string().contains("0.75"), "{}", with["notes"]);
+    // What was found is what is simulated, with the gain once.
+    let dir = with_torque("tau_is = \"applied\"\n");
+    expect_code(dir.path(), &["gap", "study.toml", "--out", "out"], 0);
+    let text = expect_code(dir.path(), &["simulate", "study.toml", "--fit", "out/fit.json", "--out", "run"], 0);
+    let rows = text.lines().filter(|row| row.contains(".csv"));
+    let rms_mrad: Vec<f64> = rows.map(|row| row.split_whitespace().last().unwrap().parse().unwrap()).collect();
+    assert!(rms_mrad.len() == 3 && rms_mrad.iter().all(|rms| *rms < 1.0), "{text}");
     // A current is the same once it is a torque; and a column of which nothing is said is no evidence.
     let current = diagnosed("tau_is = \"current\"\nkt = 0.5\ngear = 2.0\n");
     assert_eq!(with["beliefs"], current["beliefs"]);

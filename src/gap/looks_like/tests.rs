@@ -60,6 +60,10 @@ fn levels_and_lines_are_the_terms_that_they_are() {
     let weak = torque(LawVariable::MotorTorque, [-2.0, 2.0], |m| -0.2 * m);
     all(&weak, "proportional to the motor's torque, like a gain", " % off", &[-20.0]);
     all(&torque(LawVariable::Time, [0.0, 30.0], |t| 1e-3 * t), "drifts by ", " N m/s", &[1e-3]);
+    let sags = said(LawVariable::Time, LawActs::Gain, [0.0, 30.0], |t| -0.01 * t);
+    all(&sags, "drifts by ", " %/s", &[-1.0]);
+    let faster = said(LawVariable::Speed, LawActs::Gain, [-3.0, 3.0], |w| 0.02 * w);
+    all(&faster, "proportional to the speed, ", " % s/rad", &[2.0]);
     let stretched = said(LawVariable::Angle, LawActs::Reading, BOTH, |q| 0.02 * q);
     all(&stretched, "like a sensor gain that is ", " % off", &[2.0]);
     let ahead = torque(LawVariable::SetpointRate, [-3.0, 3.0], |rate| 0.1 * rate);

@@ -180,7 +180,12 @@ impl Words {
 
     fn slope(&self, slope: f64) -> String {
         if self.acts == LawActs::Gain {
-            return format!("{} %/({})", self.percent(slope), self.variable.unit());
+            let per = if self.variable == LawVariable::Speed {
+                " % s/rad".to_owned()
+            } else {
+                format!(" %/{}", self.variable.unit())
+            };
+            return format!("{}{per}", self.percent(slope));
         }
         let unit = match (self.acts.unit(), self.variable.unit()) {
             (value, at) if value == at => "",

@@ -28,10 +28,15 @@ pub(in crate::report) fn quantities(numbers: &[Number]) -> BTreeMap<String, Quan
 impl FitFile {
     /// The file of a diagnosis: the joint's parameters and those of the effects of the answer, fitted together.
     pub fn of_diagnosis(diagnosis: &Diagnosis, provenance: &Provenance) -> Self {
+        let mut joint = JointFit::of(&joint_rows(diagnosis));
+        // A gain that is named as an effect stands there alone: what simulates the file would have it twice.
+        if diagnosis.effect_parameters.iter().any(|(effect, _)| *effect == EffectId::MotorGain) {
+            joint.gain = None;
+        }
         Self {
             schema: SCHEMA,
             name: diagnosis.joint.clone(),
-            joint: JointFit::of(&joint_rows(diagnosis)),
+            joint,
             effects: effect_fits(diagnosis),
             law: diagnosis.law.as_ref().map(|law| law.table.clone()),
             masses: BTreeMap::new(),

@@ -75,7 +75,7 @@ pub fn render_gap_html(report: &GapReport) -> Result<String, ReportError> {
         detectable => diagnosis.detectable.iter().map(detectable_view).collect::<Vec<_>>(),
         detectable_words => words::DETECTABLE,
         next => diagnosis.next.as_ref().map(|proposal| {
-            context! { what => with_code(&proposal.what), power => words::power(proposal.power), figures => views(|all| &all.next) }
+            context! { what => with_code(&proposal.what), power => with_code(&words::power(proposal.power)), figures => views(|all| &all.next) }
         }),
         no_next => words::no_next(diagnosis),
         notes => words::notes(report).iter().map(|note| with_code(note)).collect::<Vec<_>>(),

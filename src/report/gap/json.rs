@@ -473,6 +473,10 @@ mod tests {
         assert_eq!(file.effects[0].form.as_deref(), Some("hard"));
         assert_eq!(file.joint.coulomb.value, Some(7.1e-3));
         assert_eq!(file.joint.gain.and_then(|gain| gain.value), Some(0.93));
+        let mut named = sample::two_effects().diagnosis;
+        named.effect_parameters.push((crate::joint::EffectId::MotorGain, Vec::new()));
+        let named = FitFile::of_diagnosis(&named, &report.provenance);
+        assert_eq!((named.joint.gain, named.effects.len()), (None, 3), "a gain with a name is an effect alone");
         let free = sample::set_of_two();
         assert_eq!(FitFile::of_diagnosis(&free.diagnosis, &free.provenance).joint.gain, None);
         assert!(file.logs.iter().all(|log| log.rms_held_out.is_some() == (log.role == "validate")));

@@ -63,7 +63,7 @@ pub fn robot_gap_html(report: &RobotGapReport) -> Result<String, ReportError> {
         detectable => diagnosis.detectable.iter().map(detectable_view).collect::<Vec<_>>(),
         detectable_words => words::DETECTABLE,
         next => diagnosis.next.as_ref().map(|next| {
-            context! { what => with_code(&next.what), power => power(next.power) }
+            context! { what => with_code(&next.what), power => with_code(&power(next.power)) }
         }),
         notes => words::notes(report).iter().map(|note| with_code(note)).collect::<Vec<_>>(),
         logs => report.logs.iter().map(log_view).collect::<Vec<_>>(),
