@@ -43,8 +43,8 @@ pub(super) fn best_apart(holds_s: impl Iterator<Item = f64>) -> impl Iterator<It
     best.into_iter()
 }
 
-/// Linear response of a driven joint to what a hold takes from its setpoint.
-pub(super) struct HeldResponse<'a> {
+/// A driven joint as its controller holds it, to first order, with the setpoints of a log.
+pub(super) struct HeldJoint<'a> {
     /// Times of the setpoints \[s\], from the beginning of the log.
     pub t_s: &'a [f64],
     /// \[rad\]
@@ -62,11 +62,7 @@ pub(super) struct HeldResponse<'a> {
     pub damping_nm_s_rad: f64,
 }
 
-impl HeldResponse<'_> {
-    pub fn end_s(&self) -> f64 {
-        self.t_s[self.t_s.len() - 1]
-    }
-
+impl HeldJoint<'_> {
     /// Setpoint at a time in the sampling interval that begins with sample `k` \[rad\].
     fn setpoint_rad(&self, k: usize, t_s: f64) -> f64 {
         let here = self.setpoint_rad[k];
@@ -75,43 +71,158 @@ impl HeldResponse<'_> {
             _ => here,
         }
     }
+}
 
-    /// What a hold changes of the joint's angle, sample by sample \[rad\].
-    pub fn to_hold(&self, hold_s: f64) -> Vec<f64> {
-        let t_s = self.t_s;
-        let mut moved_rad = Vec::with_capacity(t_s.len());
-        let (mut angle_rad, mut rate_rad_s) = (0.0, 0.0);
-        let (mut held_rad, mut reading) = (self.setpoint_rad[0], 0);
-        let mut taken = (t_s[0] / hold_s).floor();
-        for k in 0..t_s.len() {
-            moved_rad.push(angle_rad);
-            let Some(next_s) = t_s.get(k + 1) else { break };
-            let (from_s, to_s) = (t_s[k], *next_s);
+/// Holds that are answered together, for the processor to have something to do while each waits for itself.
+pub(super) const LANES: usize = 8;
+
+/// What no hold changes of a sampling interval.
+struct Interval {
+    from_s: f64,
+    to_s: f64,
+    /// Torque that the setpoint asks for where nothing is held \[N m\].
+    asked_nm: f64,
+    /// What a torque adds to the rate, implicit in stiffness and damping \[rad/s per N m\].
+    rate_per_nm: f64,
+}
+
+/// Linear response of a driven joint to what a hold takes from its setpoint.
+pub(super) struct HeldResponse<'a> {
+    joint: HeldJoint<'a>,
+    intervals: Vec<Interval>,
+}
+
+impl<'a> HeldResponse<'a> {
+    pub fn of(joint: HeldJoint<'a>) -> Self {
+        let interval = |(k, ends): (usize, &[f64])| {
+            let (from_s, to_s) = (ends[0], ends[1]);
             let step_s = to_s - from_s;
-            let mut mean_rad = 0.0;
-            let mut since_s = from_s;
-            // The next reading; a hair before a sample it takes that sample.
-            while (taken + 1.0) * hold_s < to_s - 1e-9 {
-                taken += 1.0;
-                let read_s = (taken * hold_s).max(from_s);
-                mean_rad += held_rad * (read_s - since_s);
-                while reading < k && t_s[reading + 1] <= read_s + 1e-9 {
-                    reading += 1;
-                }
-                held_rad = self.setpoint_rad(reading, read_s);
-                since_s = read_s;
+            let change_rad = joint.setpoint_rad(k, to_s) - joint.setpoint_rad(k, from_s);
+            let asked_nm = joint.kp_nm_rad * joint.setpoint_rad(k, 0.5 * (from_s + to_s))
+                + joint.of_rate_nm_s_rad * change_rad / step_s;
+            let inertia = joint.inertia_kg_m2
+                + step_s * joint.damping_nm_s_rad
+                + step_s * step_s * joint.stiffness_nm_rad.max(0.0);
+            Interval { from_s, to_s, asked_nm, rate_per_nm: step_s / inertia }
+        };
+        let intervals = joint.t_s.windows(2).enumerate().map(interval).collect();
+        Self { joint, intervals }
+    }
+
+    pub fn end_s(&self) -> f64 {
+        self.joint.t_s[self.joint.t_s.len() - 1]
+    }
+
+    /// What each of some holds changes of the joint's angle, sample by sample \[rad\].
+    pub fn to_holds(&self, holds_s: [f64; LANES]) -> Vec<[f64; LANES]> {
+        let joint = &self.joint;
+        let mut readings = holds_s.map(|hold_s| Readings::of(joint, hold_s));
+        let (mut angle_rad, mut rate_rad_s) = ([0.0; LANES], [0.0; LANES]);
+        let mut moved_rad = Vec::with_capacity(joint.t_s.len());
+        moved_rad.push(angle_rad);
+        for (k, interval) in self.intervals.iter().enumerate() {
+            let step_s = interval.to_s - interval.from_s;
+            let mut held_rad = [0.0; LANES];
+            for (held_rad, readings) in held_rad.iter_mut().zip(&mut readings) {
+                *held_rad = readings.mean_rad(joint, k, interval);
             }
-            mean_rad = (mean_rad + held_rad * (to_s - since_s)) / step_s;
-            let mut torque_nm = self.kp_nm_rad * (mean_rad - self.setpoint_rad(k, 0.5 * (from_s + to_s)));
-            let change_rad = self.setpoint_rad(k, to_s) - self.setpoint_rad(k, from_s);
-            torque_nm -= self.of_rate_nm_s_rad * change_rad / step_s;
-            // Implicit in stiffness and damping.
-            let inertia =
-                self.inertia_kg_m2 + step_s * self.damping_nm_s_rad + step_s * step_s * self.stiffness_nm_rad.max(0.0);
-            let resists_nm = self.damping_nm_s_rad * rate_rad_s + self.stiffness_nm_rad * angle_rad;
-            rate_rad_s += step_s * (torque_nm - resists_nm) / inertia;
-            angle_rad += step_s * rate_rad_s;
+            for lane in 0..LANES {
+                let torque_nm = joint.kp_nm_rad * held_rad[lane] - interval.asked_nm;
+                let resists_nm = joint.damping_nm_s_rad * rate_rad_s[lane] + joint.stiffness_nm_rad * angle_rad[lane];
+                rate_rad_s[lane] += interval.rate_per_nm * (torque_nm - resists_nm);
+                angle_rad[lane] += step_s * rate_rad_s[lane];
+            }
+            moved_rad.push(angle_rad);
         }
         moved_rad
+    }
+}
+
+/// Setpoints as a hold lets them through, from one sampling interval to the next.
+struct Readings {
+    hold_s: f64,
+    /// Holds that are over, and when the next one is.
+    over: f64,
+    next_s: f64,
+    held_rad: f64,
+    /// The sample from which on the last one was read.
+    sample: usize,
+}
+
+impl Readings {
+    fn of(joint: &HeldJoint<'_>, hold_s: f64) -> Self {
+        let over = (joint.t_s[0] / hold_s).floor();
+        Self { hold_s, over, next_s: (over + 1.0) * hold_s, held_rad: joint.setpoint_rad[0], sample: 0 }
+    }
+
+    /// Mean of what is held in the sampling interval `k` \[rad\].
+    fn mean_rad(&mut self, joint: &HeldJoint<'_>, k: usize, &Interval { from_s, to_s, .. }: &Interval) -> f64 {
+        // A hair before a sample it takes that sample.
+        const HAIR_S: f64 = 1e-9;
+        let (mut sum_rad_s, mut since_s) = (0.0, from_s);
+        while self.next_s < to_s - HAIR_S {
+            let read_s = self.next_s.max(from_s);
+            sum_rad_s += self.held_rad * (read_s - since_s);
+            while self.sample < k && joint.t_s[self.sample + 1] <= read_s + HAIR_S {
+                self.sample += 1;
+            }
+            self.held_rad = joint.setpoint_rad(self.sample, read_s);
+            since_s = read_s;
+            self.over += 1.0;
+            self.next_s = (self.over + 1.0) * self.hold_s;
+        }
+        if since_s == from_s {
+            return self.held_rad;
+        }
+        (sum_rad_s + self.held_rad * (to_s - since_s)) / (to_s - from_s)
+    }
+}
+
+/// At most [`LANES`] holds as they are answered together; the last of them fills what is free.
+pub(super) fn lanes(holds_s: &[f64]) -> [f64; LANES] {
+    std::array::from_fn(|lane| holds_s[lane.min(holds_s.len() - 1)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn joint<'a>(t_s: &'a [f64], setpoint_rad: &'a [f64], hold: Hold) -> HeldJoint<'a> {
+        HeldJoint {
+            t_s,
+            setpoint_rad,
+            hold,
+            kp_nm_rad: 5.0,
+            of_rate_nm_s_rad: 0.0,
+            inertia_kg_m2: 0.02,
+            stiffness_nm_rad: 6.0,
+            damping_nm_s_rad: 0.3,
+        }
+    }
+
+    #[test]
+    fn every_lane_is_the_response_to_its_own_hold() {
+        let t_s: Vec<f64> = (0..400).map(|k| 0.7 + 0.01 * f64::from(k)).collect();
+        let setpoint_rad: Vec<f64> = t_s.iter().map(|t| (9.0 * t).sin()).collect();
+        let response = HeldResponse::of(joint(&t_s, &setpoint_rad, Hold::Linear));
+        let holds_s = lanes(&[0.013, 0.02, 0.037, 0.1, 0.25]);
+        let all = response.to_holds(holds_s);
+        for (lane, hold_s) in holds_s.into_iter().enumerate() {
+            let own = response.to_holds([hold_s; LANES]);
+            assert!(own.iter().zip(&all).all(|(own, all)| own[0] == all[lane]), "{hold_s}");
+        }
+        let last = |lane: usize| all.iter().map(|moved| moved[lane] * moved[lane]).sum::<f64>();
+        assert!((1..5).all(|lane| last(lane) > last(lane - 1)), "a longer hold changes more");
+    }
+
+    #[test]
+    fn a_hold_of_what_is_held_already_changes_nothing() {
+        // Powers of two: no time is rounded.
+        let t_s: Vec<f64> = (0..200).map(|k| f64::from(k) / 128.0).collect();
+        let setpoint_rad: Vec<f64> = (0..200).map(|k| f64::from(k / 4 % 7)).collect();
+        let response = HeldResponse::of(joint(&t_s, &setpoint_rad, Hold::Zero));
+        let moved = response.to_holds(lanes(&[1.0 / 128.0, 1.0 / 32.0, 1.0 / 16.0]));
+        assert!(moved.iter().all(|moved| moved[0] == 0.0 && moved[1] == 0.0));
+        assert!(moved.iter().any(|moved| moved[2].abs() > 0.01));
     }
 }

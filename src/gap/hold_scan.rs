@@ -5,9 +5,9 @@
 //! joint and controller to what the hold takes from the setpoint; only the best are simulated.
 
 use super::evidence::Evidence;
-use super::held_response::{HeldResponse, WORTH, best_apart, finer_holds_s, tried_holds_s};
+use super::held_response::{HeldJoint, HeldResponse, LANES, WORTH, best_apart, finer_holds_s, lanes, tried_holds_s};
 use super::model::GapModel;
-use super::projector::Projector;
+use super::projector::{Projector, Seen};
 use crate::identify::{Experiment, JointModel, Signal};
 use crate::joint::{Driven, Motor};
 use crate::log::{Derivative, Hold};
@@ -28,27 +28,59 @@ pub(super) fn hold_scan(
     projector: &Projector,
 ) -> Vec<Vec<f64>> {
     let Some(driven) = evidence.reach.driven.filter(|driven| driven.by_setpoint) else { return Vec::new() };
-    let responses: Vec<(usize, HeldResponse<'_>)> =
-        evidence.fit.iter().enumerate().filter_map(|(k, e)| Some((k, response(e, model, values)?))).collect();
-    let stays = |k: &usize| responses.iter().all(|(moved, _)| moved != k);
+    let responses: Vec<Scanned<'_>> =
+        evidence.fit.iter().enumerate().filter_map(|(k, e)| Scanned::of(k, e, model, values)).collect();
+    let stays = |k: &usize| responses.iter().all(|moved| moved.log != *k);
     let Some(staying) = projector.seen(absent, (0..absent.len()).filter(stays)) else { return Vec::new() };
     let scanned = |times: Vec<f64>| -> Vec<(f64, f64)> {
-        let left = |hold_s: f64| {
-            let mut seen = staying.clone();
-            for (k, response) in &responses {
-                seen.add(*k, &(&absent[*k] + weighted(&evidence.fit[*k], response, hold_s)));
+        let left = |own: &[f64]| {
+            let mut seen = vec![staying.clone(); own.len()];
+            for of in &responses {
+                of.add_to(&mut seen, &absent[of.log], own);
             }
-            seen.left()
+            let left = seen.iter().map(|seen| seen.left()).zip(own.iter().copied());
+            left.filter(|(left, _)| left.is_finite()).collect::<Vec<_>>()
         };
-        times.into_par_iter().map(|hold_s| (left(hold_s), hold_s)).filter(|(left, _)| left.is_finite()).collect()
+        times.par_chunks(LANES).flat_map_iter(left).collect()
     };
-    let end_s = responses.iter().map(|(_, response)| response.end_s()).fold(0.0, f64::max);
+    let end_s = responses.iter().map(|of| of.response.end_s()).fold(0.0, f64::max);
     let mut tried = scanned(tried_holds_s(end_s, driven.period_s, FROM).collect());
     tried.sort_by(|a, b| a.0.total_cmp(&b.0));
     let best = tried.iter().take(WORTH).map(|(_, hold_s)| *hold_s);
     tried.extend(scanned(finer_holds_s(end_s, best).collect()));
     tried.sort_by(|a, b| a.0.total_cmp(&b.0));
     best_apart(tried.into_iter().map(|(_, hold_s)| hold_s)).map(|hold_s| vec![hold_s]).collect()
+}
+
+/// A log with the response of its joint.
+struct Scanned<'a> {
+    log: usize,
+    experiment: &'a Experiment,
+    response: HeldResponse<'a>,
+    /// Of the weights of the compared samples.
+    roots: Vec<f64>,
+}
+
+impl<'a> Scanned<'a> {
+    /// `None` where no setpoint drives it.
+    fn of(log: usize, experiment: &'a Experiment, model: &GapModel, values: &[f64]) -> Option<Self> {
+        let response = response(experiment, model, values)?;
+        let roots = experiment.weights_s.iter().map(|weight_s| weight_s.sqrt()).collect();
+        Some(Self { log, experiment, response, roots })
+    }
+
+    /// Adds to what is seen of each hold what the log leaves with it, `absent` being what it leaves without.
+    fn add_to(&self, seen: &mut [Seen<'_>], absent: &DVector<f64>, holds_s: &[f64]) {
+        let moved = self.response.to_holds(lanes(holds_s));
+        let compared = &moved[self.experiment.uncompared..];
+        let mut left = absent.clone();
+        for (lane, seen) in seen.iter_mut().enumerate() {
+            for (((left, absent), moved), root) in left.iter_mut().zip(absent).zip(compared).zip(&self.roots) {
+                *left = absent + root * moved[lane];
+            }
+            seen.add(self.log, &left);
+        }
+    }
 }
 
 /// Response of the joint of a log; `None` where no setpoint drives it.
@@ -62,7 +94,7 @@ fn response<'a>(e: &'a Experiment, model: &GapModel, values: &[f64]) -> Option<H
     let passive = |q: f64| chain.passive_nm(q, 0.0);
     let gravity_nm_rad = (passive(mean_rad - aside_rad) - passive(mean_rad + aside_rad)) / (2.0 * aside_rad);
     let asks_for_rate = law.derivative == Derivative::Error && *hold == Hold::Linear;
-    Some(HeldResponse {
+    Some(HeldResponse::of(HeldJoint {
         t_s: &e.t_s,
         setpoint_rad,
         hold: *hold,
@@ -71,14 +103,7 @@ fn response<'a>(e: &'a Experiment, model: &GapModel, values: &[f64]) -> Option<H
         inertia_kg_m2: chain.inertia_kg_m2(),
         stiffness_nm_rad: kp_nm_rad + gravity_nm_rad,
         damping_nm_s_rad: kd_nm_s_rad + chain.friction.viscous_nm_s_rad,
-    })
-}
-
-/// What a hold changes of the compared samples, each times the root of its weight.
-fn weighted(e: &Experiment, response: &HeldResponse<'_>, hold_s: f64) -> DVector<f64> {
-    let moved = response.to_hold(hold_s);
-    let compared = moved[e.uncompared..].iter().zip(&e.weights_s);
-    DVector::from_iterator(e.compared(), compared.map(|(moved_rad, weight_s)| weight_s.sqrt() * moved_rad))
+    }))
 }
 
 #[cfg(test)]

@@ -329,4 +329,34 @@ mod tests {
         assert!(of(1, false).contains("1.60 mrad with it, which closes"), "{}", of(1, false));
         assert_eq!([them(0, true), them(3, true), them(3, false)], ["a law", "all of them and a law", "all of them"]);
     }
+    #[test]
+    fn each_cause_says_what_it_cannot_be_told_from() {
+        use EffectId::{AsymmetricFriction, Backlash, Compliance, Delay, JointSpring, SpeedLimit, TorqueLimit};
+        let cause = |effect, others: &[EffectId]| CauseShare {
+            effect,
+            form: "",
+            only: None,
+            equivalent: others.to_vec(),
+            parameters: Vec::new(),
+            alone: None,
+            last: None,
+            after: 0.0,
+        };
+        let causes = [
+            cause(TorqueLimit, &[TorqueLimit, SpeedLimit]),
+            cause(Delay, &[Delay]),
+            cause(Backlash, &[Backlash, Compliance, JointSpring]),
+        ];
+        assert_eq!(
+            apart_from(TorqueLimit, &causes[0].equivalent, &causes),
+            " These logs cannot tell the first apart from a motor torque that falls with speed, nor free play between motor and link \
+             apart from a spring between motor and link, nor from a spring in parallel to the joint."
+        );
+        let second = [cause(Delay, &[Delay]), cause(AsymmetricFriction, &[AsymmetricFriction, JointSpring])];
+        assert_eq!(
+            apart_from(Delay, &[Delay], &second),
+            " These logs cannot tell Coulomb friction that differs with the direction apart from a spring in parallel to the joint."
+        );
+        assert_eq!(apart_from(Delay, &[Delay], &second[..1]), "");
+    }
 }

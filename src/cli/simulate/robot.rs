@@ -10,7 +10,7 @@ use crate::gap::whole::{PlacedCause, WholeRobot, found_robot, predicted_csv};
 use crate::joint::{EffectForm, EffectId};
 use crate::log::{DriveMode, LogError, Outputs, Role};
 use crate::report::{Quantity, SCHEMA};
-use crate::robot::description::FoundNumber;
+use crate::robot::description::{FoundKey, FoundNumber};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -83,7 +83,8 @@ fn found_in(file: &Path) -> Result<Found, CliError> {
     let numbers = document.get("found").cloned().ok_or_else(|| {
         wrong("key `found` is missing; expected what `aibo-fit gap --json` writes of a robot's study".to_owned())
     })?;
-    let numbers = serde_json::from_value(numbers).map_err(|error| wrong(format!("`found`: {error}")))?;
+    let numbers: Vec<FoundNumber> =
+        serde_json::from_value(numbers).map_err(|error| wrong(format!("`found`: {error}")))?;
     let of_whole = document["gap"]["whole"]["left_out"].as_array();
     let dropped: Vec<&str> = of_whole.into_iter().flatten().filter_map(|left| left["joint"].as_str()).collect();
     let (mut causes, mut left_out) = (Vec::new(), Vec::new());
@@ -96,8 +97,14 @@ fn found_in(file: &Path) -> Result<Found, CliError> {
             let id: EffectId =
                 effect["id"].as_str().unwrap_or_default().parse().map_err(|unknown| bad(format!("{unknown}")))?;
             let form = EffectForm::named_so(id, effect["form"].as_str()).map_err(|unknown| bad(unknown.to_string()))?;
-            // Springs and limits of the default form stand among the numbers.
-            if matches!(id, EffectId::JointSpring | EffectId::TorqueLimit) && form.is_default() {
+            // Springs and limits of the default form stand among the numbers, and a gain that kp has in it.
+            let has_kp = || numbers.iter().any(|number| number.key == FoundKey::Kp && number.name == *joint);
+            let is_number = match id {
+                EffectId::JointSpring | EffectId::TorqueLimit => form.is_default(),
+                EffectId::MotorGain => has_kp(),
+                _ => false,
+            };
+            if is_number {
                 continue;
             }
             let in_some = effect["logs"].as_array().is_some_and(|logs| !logs.is_empty());

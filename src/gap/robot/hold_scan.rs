@@ -6,7 +6,9 @@
 use super::bench::Bench;
 use super::layout::{Channel, Row};
 use super::noise::{Noise, Weighed};
-use crate::gap::held_response::{HeldResponse, WORTH, best_apart, finer_holds_s, tried_holds_s};
+use crate::gap::held_response::{
+    HeldJoint, HeldResponse, LANES, WORTH, best_apart, finer_holds_s, lanes, tried_holds_s,
+};
 use crate::joint::Driven;
 use crate::log::{Derivative, Hold};
 use rayon::prelude::*;
@@ -39,7 +41,7 @@ pub(super) fn hold_scan(bench: &Bench<'_>, residual: &[f64]) -> Vec<f64> {
         return Vec::new();
     }
     let scanned = |holds_s: Vec<f64>| -> Vec<Tried> {
-        holds_s.into_par_iter().flat_map_iter(|hold_s| gains(&noise, &residual, &joints, hold_s)).collect()
+        holds_s.par_chunks(LANES).flat_map_iter(|own| gains(&noise, &residual, &joints, own)).collect()
     };
     let mut tried = scanned(tried_holds_s(end_s, period_s, FROM).collect());
     sort(&mut tried);
@@ -76,7 +78,7 @@ fn responses<'a>(bench: &'a Bench<'_>, joint: usize) -> Vec<(&'a Row, HeldRespon
         let asks_for_rate = bench.case.study.control.derivative == Derivative::Error && setpoints.hold == Hold::Linear;
         Some((
             row,
-            HeldResponse {
+            HeldResponse::of(HeldJoint {
                 t_s: &setpoints.t_s,
                 setpoint_rad: &column.angle_rad,
                 hold: setpoints.hold,
@@ -85,30 +87,37 @@ fn responses<'a>(bench: &'a Bench<'_>, joint: usize) -> Vec<(&'a Row, HeldRespon
                 inertia_kg_m2: chain.inertia_kg_m2(),
                 stiffness_nm_rad: kp_nm_rad,
                 damping_nm_s_rad: kd_nm_s_rad + chain.friction.viscous_nm_s_rad,
-            },
+            }),
         ))
     };
     bench.layout.rows.iter().filter(|row| row.channel == Channel::Joint(joint)).filter_map(of).collect()
 }
 
-/// What a hold gains on each joint, and on all of them.
+/// What holds gain on each joint, and on all of them.
 fn gains(
     noise: &Noise,
     residual: &Weighed,
     joints: &[(usize, Vec<(&Row, HeldResponse<'_>)>)],
-    hold_s: f64,
+    holds_s: &[f64],
 ) -> Vec<Tried> {
-    let mut all = noise.nothing();
-    let mut gains = Vec::with_capacity(joints.len() + 1);
+    let mut all = vec![noise.nothing(); holds_s.len()];
+    let mut gains = Vec::with_capacity((joints.len() + 1) * holds_s.len());
     for (joint, responses) in joints {
-        let mut own = noise.nothing();
+        let mut own = vec![noise.nothing(); holds_s.len()];
         for (row, response) in responses {
-            noise.add(&mut own, residual, row.range.start, &response.to_hold(hold_s));
+            let moved = response.to_holds(lanes(holds_s));
+            let mut piece = vec![0.0; moved.len()];
+            for (lane, own) in own.iter_mut().enumerate() {
+                piece.iter_mut().zip(&moved).for_each(|(piece, moved)| *piece = moved[lane]);
+                noise.add(own, residual, row.range.start, &piece);
+            }
         }
-        gains.push((noise.gain(&own, residual), hold_s, Some(*joint)));
-        all += own;
+        for ((own, all), hold_s) in own.into_iter().zip(&mut all).zip(holds_s) {
+            gains.push((noise.gain(&own, residual), *hold_s, Some(*joint)));
+            *all += own;
+        }
     }
-    gains.push((noise.gain(&all, residual), hold_s, None));
+    gains.extend(all.iter().zip(holds_s).map(|(all, hold_s)| (noise.gain(all, residual), *hold_s, None)));
     gains.retain(|(gain, ..)| gain.is_finite());
     gains
 }

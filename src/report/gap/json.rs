@@ -39,7 +39,7 @@ pub fn gap_json(report: &GapReport) -> impl Serialize + '_ {
         standing: &answer.standing,
         partial: answer.partial,
         intervals_trusted: answer.intervals_trusted,
-        effects: diagnosis.causes.iter().map(|cause| Found::of(&diagnosis.joint, cause)).collect(),
+        effects: effects(diagnosis),
         law: diagnosis.law.as_ref().map(Law::of),
         undetermined: &diagnosis.undetermined,
         beliefs: by_number(&diagnosis.beliefs),
@@ -205,6 +205,12 @@ impl<'a> Closing<'a> {
     }
 }
 
+/// All causes: those of the waterfall, and the drive's gain where it is named.
+fn effects(diagnosis: &Diagnosis) -> Vec<Found<'_>> {
+    let causes = diagnosis.causes.iter().map(|cause| Found::of(&diagnosis.joint, cause));
+    causes.chain(Found::gain(diagnosis)).collect()
+}
+
 /// One cause, in the order of the waterfall.
 #[derive(Serialize)]
 struct Found<'a> {
@@ -223,6 +229,27 @@ struct Found<'a> {
 }
 
 impl<'a> Found<'a> {
+    /// A gain that is named: what it closes is among what refitted numbers close, so that it has no share of its own.
+    fn gain(diagnosis: &'a Diagnosis) -> Option<Self> {
+        const GAIN: EffectId = EffectId::MotorGain;
+        let (_, numbers) = diagnosis.effect_parameters.iter().find(|(effect, _)| *effect == GAIN)?;
+        if diagnosis.causes.iter().any(|cause| cause.effect == GAIN) {
+            return None;
+        }
+        let answer = &diagnosis.answer;
+        Some(Self {
+            id: GAIN,
+            form: None,
+            joints: [&diagnosis.joint],
+            parameters: quantities(numbers),
+            alone: None,
+            last: None,
+            after: diagnosis.gap.after,
+            equivalent: if diagnosis.causes.is_empty() { &answer.equivalent } else { &[GAIN] },
+            logs: None,
+        })
+    }
+
     fn of(joint: &'a str, cause: &'a CauseShare) -> Self {
         Self {
             id: cause.effect,
@@ -475,6 +502,12 @@ mod tests {
         assert_eq!(file.joint.gain.and_then(|gain| gain.value), Some(0.93));
         let mut named = sample::two_effects().diagnosis;
         named.effect_parameters.push((crate::joint::EffectId::MotorGain, Vec::new()));
+        let gain = &super::effects(&named)[2];
+        assert_eq!(
+            (gain.id.id(), gain.alone, gain.equivalent.len()),
+            ("motor_gain", None, 1),
+            "it has no share of its own"
+        );
         let named = FitFile::of_diagnosis(&named, &report.provenance);
         assert_eq!((named.joint.gain, named.effects.len()), (None, 3), "a gain with a name is an effect alone");
         let free = sample::set_of_two();
