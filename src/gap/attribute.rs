@@ -10,7 +10,7 @@ use super::grow::{Growth, Looked, Pruned};
 use super::judged::{Judged, judged};
 use super::laws::lawful;
 use super::refuted::{refuted_by, refutes};
-use super::score::Measure;
+use super::score::{Measure, better};
 use super::trial::Trial;
 use crate::fit::Budget;
 use crate::identify::Experiment;
@@ -123,6 +123,12 @@ impl Attribution {
             let (other, here) = growth.from(&calibrated);
             looked = here;
             best = better(&coarse, best, other);
+        }
+        let noise = noise_rad(&coarse, &[&given, &calibrated, &best]);
+        if beyond(&best, FAR, noise) {
+            stage("beginning with other causes")?;
+            let growth = Growth { enough: enough(noise), ..growth };
+            best = growth.begun_elsewhere(&calibrated, &looked, best, |t| !beyond(t, FAR, noise));
         }
         let noise = noise_rad(&coarse, &[&given, &calibrated, &best]);
         let growth = Growth { enough: enough(noise), ..growth };
@@ -418,12 +424,6 @@ impl Attribution {
 /// Where residuals stay below this no law is looked for \[rad\].
 fn noise_of_law(noise_rad: f64) -> f64 {
     noise_rad * (1.0 + WORTH_A_LAW).sqrt()
-}
-
-/// The hypothesis with the better score.
-fn better(evidence: &Evidence, a: Trial, b: Trial) -> Trial {
-    let measure = Measure::by(evidence, if a.fit_loss(evidence) < b.fit_loss(evidence) { &a } else { &b });
-    if measure.score(evidence, &b) < measure.score(evidence, &a) { b } else { a }
 }
 
 /// Sets of effects found on short parts of the logs, on which no hypothesis runs far from its log, carried over.

@@ -40,6 +40,13 @@ pub(super) fn explore(evidence: &Evidence, base: &Trial, sights: &[Sight]) -> Ve
     explored(evidence, base, sights, |_| false, f64::INFINITY)
 }
 
+/// The best fits of `base` with each of the effects added that part motor side and link, whatever they promise.
+pub(super) fn explore_parting(evidence: &Evidence, base: &Trial, sights: &[Sight]) -> Vec<Trial> {
+    let points = sights.iter().flat_map(|sight| sight.best_of_each(1).map(|p| (p.effect, sight.with(&[p]))));
+    let parting = points.filter(|(effect, _)| effect.parts_two_bodies());
+    refitted(evidence, base, parting.map(|(effect, values)| (vec![effect.into()], values)).collect(), f64::INFINITY)
+}
+
 /// The best fits of `base` with one of `others` in the place of effect number `k` of `best`: what is easily taken for it is among
 /// them, whatever it promises.
 pub(super) fn explore_rivals(

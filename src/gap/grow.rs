@@ -183,11 +183,11 @@ impl Growth<'_> {
         (best.effects() != singles[0].effects()).then_some(best)
     }
 
-    fn late(&self, for_what: &'static str) -> bool {
+    pub(super) fn late(&self, for_what: &'static str) -> bool {
         self.evidence.deadline.leaves_out(for_what)
     }
 
-    fn others(&self, from: &Trial) -> Vec<EffectId> {
+    pub(super) fn others(&self, from: &Trial) -> Vec<EffectId> {
         self.effects.iter().copied().filter(|e| !from.effects().contains(e)).collect()
     }
 
@@ -313,7 +313,7 @@ impl Growth<'_> {
 
     /// The causes from number `from` on in the forms that explain the logs best, where much is left: what the wrong
     /// formula leaves would be taken for further causes.
-    fn reshaped(&self, mut best: Trial, from: usize) -> Trial {
+    pub(super) fn reshaped(&self, mut best: Trial, from: usize) -> Trial {
         for k in from..best.effects().len() {
             if best.fit_loss(self.evidence) > SHAKE * self.enough && !self.late(FORMS) {
                 best = self.in_best_form(best, k);

@@ -113,10 +113,13 @@ impl<'a> HeldResponse<'a> {
         self.joint.t_s[self.joint.t_s.len() - 1]
     }
 
-    /// What each of some holds changes of the joint's angle, sample by sample \[rad\].
-    pub fn to_holds(&self, holds_s: [f64; LANES]) -> Vec<[f64; LANES]> {
+    /// What each of [`LANES`] holds at the most changes of the joint's angle, sample by sample \[rad\]; the last of them fills the
+    /// lanes that are free.
+    pub fn to_holds(&self, holds_s: &[f64]) -> Vec<[f64; LANES]> {
         let joint = &self.joint;
-        let mut readings = holds_s.map(|hold_s| Readings::of(joint, hold_s));
+        let Some(last_s) = holds_s.last() else { return Vec::new() };
+        let mut readings: [Readings; LANES] =
+            std::array::from_fn(|lane| Readings::of(joint, *holds_s.get(lane).unwrap_or(last_s)));
         let (mut angle_rad, mut rate_rad_s) = ([0.0; LANES], [0.0; LANES]);
         let mut moved_rad = Vec::with_capacity(joint.t_s.len());
         moved_rad.push(angle_rad);
@@ -178,11 +181,6 @@ impl Readings {
     }
 }
 
-/// At most [`LANES`] holds as they are answered together; the last of them fills what is free.
-pub(super) fn lanes(holds_s: &[f64]) -> [f64; LANES] {
-    std::array::from_fn(|lane| holds_s[lane.min(holds_s.len() - 1)])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -205,10 +203,10 @@ mod tests {
         let t_s: Vec<f64> = (0..400).map(|k| 0.7 + 0.01 * f64::from(k)).collect();
         let setpoint_rad: Vec<f64> = t_s.iter().map(|t| (9.0 * t).sin()).collect();
         let response = HeldResponse::of(joint(&t_s, &setpoint_rad, Hold::Linear));
-        let holds_s = lanes(&[0.013, 0.02, 0.037, 0.1, 0.25]);
-        let all = response.to_holds(holds_s);
+        let holds_s = [0.013, 0.02, 0.037, 0.1, 0.25];
+        let all = response.to_holds(&holds_s);
         for (lane, hold_s) in holds_s.into_iter().enumerate() {
-            let own = response.to_holds([hold_s; LANES]);
+            let own = response.to_holds(&[hold_s]);
             assert!(own.iter().zip(&all).all(|(own, all)| own[0] == all[lane]), "{hold_s}");
         }
         let last = |lane: usize| all.iter().map(|moved| moved[lane] * moved[lane]).sum::<f64>();
@@ -220,8 +218,8 @@ mod tests {
         // Powers of two: no time is rounded.
         let t_s: Vec<f64> = (0..200).map(|k| f64::from(k) / 128.0).collect();
         let setpoint_rad: Vec<f64> = (0..200).map(|k| f64::from(k / 4 % 7)).collect();
-        let response = HeldResponse::of(joint(&t_s, &setpoint_rad, Hold::Zero));
-        let moved = response.to_holds(lanes(&[1.0 / 128.0, 1.0 / 32.0, 1.0 / 16.0]));
+        let response = HeldResponse::of(joint(&t_s, &setpoint_rad, Hold::Step));
+        let moved = response.to_holds(&[1.0 / 128.0, 1.0 / 32.0, 1.0 / 16.0]);
         assert!(moved.iter().all(|moved| moved[0] == 0.0 && moved[1] == 0.0));
         assert!(moved.iter().any(|moved| moved[2].abs() > 0.01));
     }

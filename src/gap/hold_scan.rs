@@ -5,7 +5,7 @@
 //! joint and controller to what the hold takes from the setpoint; only the best are simulated.
 
 use super::evidence::Evidence;
-use super::held_response::{HeldJoint, HeldResponse, LANES, WORTH, best_apart, finer_holds_s, lanes, tried_holds_s};
+use super::held_response::{HeldJoint, HeldResponse, LANES, WORTH, best_apart, finer_holds_s, tried_holds_s};
 use super::model::GapModel;
 use super::projector::{Projector, Seen};
 use crate::identify::{Experiment, JointModel, Signal};
@@ -30,6 +30,9 @@ pub(super) fn hold_scan(
     let Some(driven) = evidence.reach.driven.filter(|driven| driven.by_setpoint) else { return Vec::new() };
     let responses: Vec<Scanned<'_>> =
         evidence.fit.iter().enumerate().filter_map(|(k, e)| Scanned::of(k, e, model, values)).collect();
+    if responses.is_empty() {
+        return Vec::new();
+    }
     let stays = |k: &usize| responses.iter().all(|moved| moved.log != *k);
     let Some(staying) = projector.seen(absent, (0..absent.len()).filter(stays)) else { return Vec::new() };
     let scanned = |times: Vec<f64>| -> Vec<(f64, f64)> {
@@ -71,7 +74,7 @@ impl<'a> Scanned<'a> {
 
     /// Adds to what is seen of each hold what the log leaves with it, `absent` being what it leaves without.
     fn add_to(&self, seen: &mut [Seen<'_>], absent: &DVector<f64>, holds_s: &[f64]) {
-        let moved = self.response.to_holds(lanes(holds_s));
+        let moved = self.response.to_holds(holds_s);
         let compared = &moved[self.experiment.uncompared..];
         let mut left = absent.clone();
         for (lane, seen) in seen.iter_mut().enumerate() {

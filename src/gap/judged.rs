@@ -16,8 +16,9 @@ use rayon::prelude::*;
 const PREDICTS: f64 = 0.5;
 /// Standard deviations from which on it clearly does.
 const CLEARLY: f64 = 2.0;
-/// Share of the squares without a cause that are far less.
+/// Shares of the squares without a cause that are far less, and little.
 const FAR_LESS: f64 = 0.5;
+const LITTLE: f64 = 0.25;
 /// Evaluations of a fit that begins near its end.
 const AGAIN: Budget = Budget { evaluations: 24 };
 
@@ -44,7 +45,8 @@ pub(super) fn judged(growth: &Growth<'_>, whole: &Evidence, grown: Pruned, chanc
     Judged { best, members, rivals, refuted }
 }
 
-/// The set without members that chance may have brought, or that do not predict logs which were not fitted.
+/// The set without members that chance may have brought, or that neither predict logs which were not fitted nor leave little
+/// of what there is without them.
 fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance: f64) -> Trial {
     while !best.effects().is_empty() && !evidence.deadline.cuts("whether each cause predicts what was not fitted") {
         let measure = Measure::by(evidence, &best);
@@ -72,11 +74,11 @@ fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance:
             // What predicts clearly need not exceed chance by itself, but its charge.
             let clearly = lost.z() > CLEARLY || elsewhere.z > CLEARLY;
             let needed = if clearly { measure.charge(&best) - measure.charge(t) } else { chance };
-            if lost.sum > PREDICTS * lost.sd && elsewhere.no_worse(lost.z()) {
-                gained - needed
-            } else {
-                f64::NEG_INFINITY
-            }
+            // What leaves next to nothing of the squares need not do so by chance, and one part that a step of the fit does
+            // not reach, where joints stick, outweighs all others.
+            let leaves_little = best.fit_loss(evidence) < LITTLE * t.fit_loss(evidence) && lost.z() > -CLEARLY;
+            let predicts = lost.sum > PREDICTS * lost.sd || leaves_little;
+            if predicts && elsewhere.no_worse(lost.z()) { gained - needed } else { f64::NEG_INFINITY }
         };
         let worths: Vec<f64> = without.par_iter().enumerate().map(worth).collect();
         let worst = (0..worths.len()).min_by(|a, b| worths[*a].total_cmp(&worths[*b]));

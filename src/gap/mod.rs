@@ -8,6 +8,7 @@
 mod along;
 mod as_given;
 mod attribute;
+mod beginnings;
 mod binned;
 mod blocks;
 mod body_kind;

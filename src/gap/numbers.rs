@@ -2,7 +2,7 @@
 
 use super::diagnosis::Number;
 use super::evidence::Evidence;
-use super::model::{BASELINE, COULOMB};
+use super::model::{BASELINE, COULOMB, GAIN};
 use super::trial::Trial;
 use super::unnamed::{between_logs, by_the_unnamed};
 use crate::fit::{Residuals, Uncertainty, uncertainty};
@@ -39,6 +39,8 @@ pub(super) fn numbers_beside(
         widened(evidence, trial, effects, sure);
     }
     let spread = Spread { trial, free: free(trial), x, sure };
+    // A gain that is an effect has what the number had before, and that stands at one.
+    let in_effect = |i: usize| i == GAIN && trial.effects().contains(&EffectId::MotorGain);
     let parameters = trial.model.parameters()[..BASELINE].iter().enumerate();
     let joint = parameters
         .map(|(i, p)| {
@@ -52,7 +54,7 @@ pub(super) fn numbers_beside(
                     (false, Some(_)) => Status::Determined,
                     (false, None) => Status::NotDetermined,
                 },
-                value: trial.found.values[i],
+                value: if in_effect(i) { 1.0 } else { trial.found.values[i] },
                 interval,
                 interval_naive,
                 nominal: p.nominal,
@@ -61,7 +63,11 @@ pub(super) fn numbers_beside(
         .collect();
     let effects = trial.model.forms().iter().enumerate().map(|(k, &effect)| {
         let place = trial.model.place(k);
-        let named = |values: &[f64]| effect.named(&values[place.clone()], values[COULOMB]);
+        let named = |values: &[f64]| {
+            let mut own = effect.named(&values[place.clone()], values[COULOMB]);
+            own.iter_mut().filter(|_| effect.id == EffectId::MotorGain).for_each(|c| *c *= values[GAIN]);
+            own
+        };
         let values = named(&trial.found.values);
         let of = |i: usize| {
             let p = effect.named_parameters()[i];
@@ -157,6 +163,8 @@ impl Spread<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fit::Budget;
+    use crate::identify::Case;
 
     #[test]
     fn an_effect_of_no_size_or_with_none_in_its_interval_is_not_certain() {
@@ -167,5 +175,19 @@ mod tests {
         assert!(includes_none(EffectId::Delay, &late(0.002, Some([-0.001, 0.005]))));
         assert!(!includes_none(EffectId::Delay, &late(0.002, Some([0.001, 0.003]))));
         assert!(!includes_none(EffectId::Delay, &late(0.002, None)));
+    }
+    #[test]
+    fn a_gain_that_is_an_effect_is_said_in_full() {
+        let case = Case::of_study("data/examples/delay/study.toml".as_ref()).unwrap();
+        let evidence = Evidence::of(&case, case.joint.nominal.unwrap()).unwrap();
+        let bare = Trial::as_given(&evidence, &evidence.baseline());
+        let mut values = bare.found.values.clone();
+        values[GAIN] = 0.8;
+        values.push(0.9);
+        let model = evidence.baseline().with(EffectId::MotorGain, &evidence.reach);
+        let trial = Trial::solved(&evidence, model, &values, bare.found.starts, Budget { evaluations: 12 });
+        let (joint, effects) = numbers(&evidence, &trial);
+        let (c, found) = (&effects[0].1[0], trial.found.values.last().unwrap());
+        assert_eq!((joint[GAIN].value, c.value), (1.0, 0.8 * found));
     }
 }

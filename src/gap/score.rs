@@ -56,3 +56,9 @@ impl Measure {
         self.deviance(evidence, trial) + self.charge(trial)
     }
 }
+
+/// The hypothesis with the better score.
+pub(super) fn better(evidence: &Evidence, a: Trial, b: Trial) -> Trial {
+    let measure = Measure::by(evidence, if a.fit_loss(evidence) < b.fit_loss(evidence) { &a } else { &b });
+    if measure.score(evidence, &b) < measure.score(evidence, &a) { b } else { a }
+}

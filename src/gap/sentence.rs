@@ -329,6 +329,7 @@ mod tests {
         assert!(of(1, false).contains("1.60 mrad with it, which closes"), "{}", of(1, false));
         assert_eq!([them(0, true), them(3, true), them(3, false)], ["a law", "all of them and a law", "all of them"]);
     }
+
     #[test]
     fn each_cause_says_what_it_cannot_be_told_from() {
         use EffectId::{AsymmetricFriction, Backlash, Compliance, Delay, JointSpring, SpeedLimit, TorqueLimit};

@@ -97,11 +97,14 @@ fn found_in(file: &Path) -> Result<Found, CliError> {
             let id: EffectId =
                 effect["id"].as_str().unwrap_or_default().parse().map_err(|unknown| bad(format!("{unknown}")))?;
             let form = EffectForm::named_so(id, effect["form"].as_str()).map_err(|unknown| bad(unknown.to_string()))?;
-            // Springs and limits of the default form stand among the numbers, and a gain that kp has in it.
-            let has_kp = || numbers.iter().any(|number| number.key == FoundKey::Kp && number.name == *joint);
+            // Springs and limits of the default form stand among the numbers, and a gain that was found as one is in kp.
+            let is_in_kp = || {
+                let has_kp = |number: &FoundNumber| number.key == FoundKey::Kp && number.name == *joint;
+                own["joint"]["gain"].is_object() && numbers.iter().any(has_kp)
+            };
             let is_number = match id {
                 EffectId::JointSpring | EffectId::TorqueLimit => form.is_default(),
-                EffectId::MotorGain => has_kp(),
+                EffectId::MotorGain => is_in_kp(),
                 _ => false,
             };
             if is_number {

@@ -6,9 +6,7 @@
 use super::bench::Bench;
 use super::layout::{Channel, Row};
 use super::noise::{Noise, Weighed};
-use crate::gap::held_response::{
-    HeldJoint, HeldResponse, LANES, WORTH, best_apart, finer_holds_s, lanes, tried_holds_s,
-};
+use crate::gap::held_response::{HeldJoint, HeldResponse, LANES, WORTH, best_apart, finer_holds_s, tried_holds_s};
 use crate::joint::Driven;
 use crate::log::{Derivative, Hold};
 use rayon::prelude::*;
@@ -105,7 +103,7 @@ fn gains(
     for (joint, responses) in joints {
         let mut own = vec![noise.nothing(); holds_s.len()];
         for (row, response) in responses {
-            let moved = response.to_holds(lanes(holds_s));
+            let moved = response.to_holds(holds_s);
             let mut piece = vec![0.0; moved.len()];
             for (lane, own) in own.iter_mut().enumerate() {
                 piece.iter_mut().zip(&moved).for_each(|(piece, moved)| *piece = moved[lane]);
