@@ -91,7 +91,8 @@ fn unknown_causes_are_refused_with_those_that_are_known() {
 }
 
 #[test]
-fn robot_studies_are_the_same_on_one_thread_or_two_and_say_nothing_of_their_cause() {
+#[ignore = "slow"]
+fn slow_robot_studies_are_the_same_on_one_thread_or_two_and_say_nothing_of_their_cause() {
     let dir = tempfile::tempdir().unwrap();
     for (scenario, of_robot, trials) in [("drop", "robot.toml", 3), ("arm", "arm.urdf", 2)] {
         for threads in ["1", "2"] {

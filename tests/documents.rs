@@ -1,7 +1,7 @@
 //! Every command that README and docs show runs as shown and prints what is shown.
 //!
 //! `AIBO_FIT_REWRITE=1 cargo test --release --test documents` writes what the commands print now into the documents; with
-//! `-- --include-ignored` also for those that take minutes. A diff reviews it. How blocks are marked: `support/console.rs`.
+//! `-- --include-ignored` also for those that take longer. A diff reviews it. How blocks are marked: `support/console.rs`.
 
 mod support;
 

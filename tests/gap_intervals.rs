@@ -52,7 +52,8 @@ fn held(number: usize) -> Vec<[bool; 2]> {
 /// What bends these numbers is many times as large as what noise makes of them. `tests/foreign` measures how often intervals hold
 /// the truth where an effect that was named is in formulas of others; here nothing can be named, which is harder.
 #[test]
-fn intervals_allow_for_what_is_too_small_to_be_named() {
+#[ignore = "slow"]
+fn slow_intervals_allow_for_what_is_too_small_to_be_named() {
     let all: Vec<[bool; 2]> = (0..24).into_par_iter().flat_map_iter(held).collect();
     let [robust, naive] = [0, 1].map(|k| all.iter().filter(|number| number[k]).count());
     println!("95 % intervals hold the truth: {robust} of {} (naive: {naive})", all.len());

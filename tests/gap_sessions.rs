@@ -49,7 +49,8 @@ fn ids(found: &Value) -> Vec<&str> {
 }
 
 #[test]
-fn a_stop_in_one_session_is_found_there_and_nowhere_else() {
+#[ignore = "slow"]
+fn slow_a_stop_in_one_session_is_found_there_and_nowhere_else() {
     let dir = one_against_a_stop(["bench", "lift"]);
     let (found, text) = diagnosed(dir.path());
     assert_eq!((&found["verdict"], ids(&found)), (&json!("effect"), vec!["end_stop"]), "{text}");
@@ -77,7 +78,8 @@ fn without_sessions_a_log_of_its_own_is_found() {
 }
 
 #[test]
-fn a_stop_that_is_hit_often_is_found_with_its_stiffness() {
+#[ignore = "slow"]
+fn slow_a_stop_that_is_hit_often_is_found_with_its_stiffness() {
     let free = |from: f64| swing(from, 400, FRICTION);
     let stopped = swing_against(0.3, -0.8, 400, FRICTION);
     let dir = in_sessions(&[("", free(0.9)), ("", free(-0.6)), ("", stopped), ("", free(0.75))]);

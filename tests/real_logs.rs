@@ -144,7 +144,8 @@ fn every_sample_study_is_fitted() {
 
 /// With the motor off a limit of its torque shows nothing: two hypotheses would be told apart by their masses only.
 #[test]
-fn limits_of_a_motor_are_told_apart_by_a_motion_of_the_motor() {
+#[ignore = "slow"]
+fn slow_limits_of_a_motor_are_told_apart_by_a_motion_of_the_motor() {
     let Some(shared) = shared() else { return };
     let study = shared.join("real/sts3250-bam/driven/study.toml");
     let dir = tempfile::tempdir().unwrap();

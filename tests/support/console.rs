@@ -7,7 +7,7 @@
 //!
 //! - `<!-- not run: your files -->`: the commands need files that only the reader has;
 //! - `<!-- not run: installs -->`: they change the machine;
-//! - `<!-- slow -->`: they take a minute or more and are run by the ignored test.
+//! - `<!-- slow -->`: they take ten seconds or more, or need what such a one leaves, and are run by the ignored test.
 //!
 //! Blocks with `$AIBO_FIT_SHARED` are skipped where that is not set.
 
