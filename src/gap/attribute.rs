@@ -10,7 +10,7 @@ use super::grow::{Growth, Looked, Pruned};
 use super::judged::{Judged, judged};
 use super::laws::lawful;
 use super::refuted::{refuted_by, refutes};
-use super::score::{Measure, better};
+use super::score::{Measure, is_better};
 use super::trial::Trial;
 use crate::fit::Budget;
 use crate::identify::Experiment;
@@ -42,6 +42,8 @@ pub(super) struct Attribution {
     pub refuted: Vec<EffectId>,
     /// Whether they refute a law that the fitted logs ask for.
     pub law_refuted: bool,
+    /// Whether they refute another set of causes that the fitted logs ask for.
+    pub set_refuted: bool,
     /// Standard deviation of the sensor's own noise \[rad\].
     pub noise_rad: f64,
     /// How many successive residuals of the best hypothesis count as one.
@@ -78,6 +80,7 @@ struct Known {
     calibrated: Trial,
     firsts: Vec<Trial>,
     noise_rad: f64,
+    set_refuted: bool,
 }
 
 /// How many samples count.
@@ -105,6 +108,10 @@ impl Attribution {
         let growth = Growth { evidence: &coarse, effects, as_given: &as_given, enough: enough(rough), progress };
         let beyond =
             |t: &Trial, share: f64, noise_rad: f64| t.fit_loss(&coarse) > samples * noise_rad.powi(2) * (1.0 + share);
+        // What is less than a step of the encoder may be noise of any colour.
+        let step_rad = coarse.reach.resolution_rad;
+        let exceeds_a_step = |t: &Trial| t.fit_loss(&coarse) > samples * step_rad.powi(2);
+        let leaves_much = |t: &Trial, noise_rad: f64| beyond(t, FAR, noise_rad) && exceeds_a_step(t);
         let (mut best, mut looked) = (calibrated.clone(), Looked::default());
         if beyond(&calibrated, VERY_FAR, rough) {
             stage("looking at short parts of the logs")?;
@@ -122,13 +129,17 @@ impl Attribution {
             stage("looking at whole logs")?;
             let (other, here) = growth.from(&calibrated);
             looked = here;
-            best = better(&coarse, best, other);
+            if is_better(&coarse, &other, &best) {
+                best = other;
+            }
         }
         let noise = noise_rad(&coarse, &[&given, &calibrated, &best]);
-        if beyond(&best, FAR, noise) {
+        let mut set_refuted = false;
+        if leaves_much(&best, noise) {
             stage("beginning with other causes")?;
             let growth = Growth { enough: enough(noise), ..growth };
-            best = growth.begun_elsewhere(&calibrated, &looked, best, |t| !beyond(t, FAR, noise));
+            let suffices = |t: &Trial| !leaves_much(t, noise);
+            (best, set_refuted) = growth.begun_elsewhere(evidence, (&calibrated, &looked), best, &suffices);
         }
         let noise = noise_rad(&coarse, &[&given, &calibrated, &best]);
         let growth = Growth { enough: enough(noise), ..growth };
@@ -155,20 +166,24 @@ impl Attribution {
         let mut judged = judge(pruned);
         // What others had stood in for shows once they are gone.
         let went = grown.iter().any(|e| !judged.best.effects().contains(e));
-        let leaves_much = went && !judged.best.effects().is_empty() && beyond(&judged.best, FAR, noise);
-        if leaves_much && !evidence.deadline.leaves_out("further causes") {
+        let looks_again = went && !judged.best.effects().is_empty() && leaves_much(&judged.best, noise);
+        if looks_again && !evidence.deadline.leaves_out("further causes") {
             stage("looking again")?;
             let (again, _) = growth.from(&judged.best);
             if again.effects().len() > judged.best.effects().len() {
                 let mut again = judge(growth.pruned(again));
                 let score = |t: &Trial| Measure::by(&coarse, &again.best).score(&coarse, t);
-                if score(&again.best) < score(&judged.best) && !refutes(&coarse, evidence, &again.best, &judged.best) {
-                    again.refuted.extend(judged.refuted);
-                    judged = again;
+                if score(&again.best) < score(&judged.best) {
+                    if refutes(&coarse, evidence, &again.best, &judged.best) {
+                        set_refuted = true;
+                    } else {
+                        again.refuted.extend(judged.refuted);
+                        judged = again;
+                    }
                 }
             }
         }
-        let known = Known { given, calibrated, firsts, noise_rad: noise };
+        let known = Known { given, calibrated, firsts, noise_rad: noise, set_refuted };
         let this = Self::carried(evidence, &growth, judged, known.clone(), None)?;
         stage("whether fewer causes predict better")?;
         let Some(less) = this.fewer_predict(evidence) else { return Ok(this) };
@@ -193,7 +208,7 @@ impl Attribution {
     ) -> Result<Self, Cancelled> {
         let stage = |stage| growth.progress.go_on(Step::stage(stage));
         let coarse = growth.evidence;
-        let Known { given, calibrated, mut firsts, noise_rad: noise } = known;
+        let Known { given, calibrated, mut firsts, noise_rad: noise, set_refuted } = known;
         let Judged { best, members, rivals, mut refuted } = judged;
         let samples = counted(coarse);
         refuted.retain(|e| !best.effects().contains(e));
@@ -234,6 +249,7 @@ impl Attribution {
             law,
             refuted,
             law_refuted,
+            set_refuted,
             noise_rad: noise,
             correlation: 1.0,
             best,
@@ -412,7 +428,7 @@ impl Attribution {
 
     /// Whether the held-out logs had a say: in the beliefs, in the causes, in the law.
     pub fn held_out_chose(&self, evidence: &Evidence) -> bool {
-        evidence.normal_beliefs || !self.refuted.is_empty() || self.law_refuted
+        evidence.normal_beliefs || !self.refuted.is_empty() || self.law_refuted || self.set_refuted
     }
 
     /// How many standard deviations `a` explains all logs worse than `b`.

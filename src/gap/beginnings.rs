@@ -2,11 +2,15 @@
 //!
 //! A set grows by what helps most at each step. What imitates several causes at once then stays in their way, and causes of
 //! which none helps before the others are there are not found at all. So sets begin elsewhere too: with all that servos
-//! have, with motor side and link apart, with other first causes. The first that suffices ends it.
+//! have, with motor side and link apart, with other first causes. The first that suffices ends it. One that leaves much
+//! and has more causes than the first set is taken only where it leaves far less, and none where held-out logs are predicted
+//! clearly worse.
 
+use super::evidence::Evidence;
 use super::explore::{explore_parting, one_of_each};
 use super::grow::{Growth, Looked, MOST};
-use super::score::better;
+use super::refuted::refutes_in_turn;
+use super::score::is_better;
 use super::trial::Trial;
 use crate::fit::Budget;
 use crate::joint::{EffectForm, EffectId};
@@ -21,40 +25,64 @@ const SEVERAL: usize = 3;
 const MOSTLY: (EffectId, &str) = (EffectId::SpeedLimit, "voltage");
 /// Evaluations with which all are fitted at once.
 const TOGETHER: Budget = Budget { evaluations: 40 };
-/// Other first causes, where a set has no more than so many: larger ones have passed by them.
+/// Other first causes that are tried.
 const FIRSTS: usize = 3;
+/// Most causes of a set beside which they are: larger ones have passed by them.
 const SMALL: usize = 2;
+
+/// Share of the first set's squares that another has to be below which has more causes and does not suffice: of many that are
+/// tried one fits better by chance.
+const FAR_LESS: f64 = 0.5;
+
+/// All that servos have, and motor side and link apart by themselves, are grown where they leave so many times what a set leaves
+/// at the most: from farther away none came near.
+const WITHIN: f64 = 10.0;
+/// Motor side and link apart are grown where beside a set they leave no more than this share of what it leaves: where they do
+/// not help beside it, nothing else has helped beside them.
+const LOWERS: f64 = 0.98;
 
 /// Where sets begin.
 type Way<'a> = &'a dyn Fn(&Trial) -> Vec<Trial>;
 
 impl Growth<'_> {
-    /// The best of a set and of those that begin elsewhere, until one suffices; `bare` has no causes, and `looked` is what was
-    /// seen from it.
+    /// The best of a set and of those that begin elsewhere, until one suffices, and whether held-out logs refuted one; `bare`
+    /// has no causes, `looked` is what was seen from it, and `whole` has all samples.
     pub fn begun_elsewhere(
         &self,
-        bare: &Trial,
-        looked: &Looked,
-        mut best: Trial,
-        suffices: impl Fn(&Trial) -> bool,
-    ) -> Trial {
+        whole: &Evidence,
+        (bare, looked): (&Trial, &Looked),
+        first: Trial,
+        suffices: &dyn Fn(&Trial) -> bool,
+    ) -> (Trial, bool) {
         let ways: [Way<'_>; 3] = [
-            &|_| self.as_a_servo(bare, looked).into_iter().collect(),
+            &|best| self.as_a_servo(bare, looked, best).into_iter().collect(),
             &|best| self.parted(bare, looked, best),
             &|best| self.other_firsts(looked, best),
         ];
+        let leaves_far_less = leaves_at_most(self.evidence, FAR_LESS, &first);
+        let most = first.effects().len();
+        let (mut best, mut one_was_refuted) = (first, false);
         for begin in ways {
             if suffices(&best) || self.late("sets that begin with other causes") || self.progress.cancelled() {
                 break;
             }
             let grown: Vec<Trial> = begin(&best).into_par_iter().map(|t| self.from(&t).0).collect();
-            best = grown.into_iter().fold(best, |best, other| better(self.evidence, best, other));
+            for other in grown {
+                let contends = other.effects().len() <= most || leaves_far_less(&other) || suffices(&other);
+                if contends && is_better(self.evidence, &other, &best) {
+                    if refutes_in_turn(self.evidence, whole, &other, &best) {
+                        one_was_refuted = true;
+                    } else {
+                        best = other;
+                    }
+                }
+            }
         }
-        best
+        (best, one_was_refuted)
     }
 
-    /// All that servos have, fitted at once.
-    fn as_a_servo(&self, bare: &Trial, looked: &Looked) -> Option<Trial> {
+    /// All that servos have, fitted at once, where that comes near a set.
+    fn as_a_servo(&self, bare: &Trial, looked: &Looked, best: &Trial) -> Option<Trial> {
         self.evidence.reach.driven.filter(|driven| driven.by_setpoint)?;
         let sight = looked.sights.first()?;
         let points: Vec<_> = sight.best_of_each(1).filter(|point| SERVO.contains(&point.effect)).collect();
@@ -67,16 +95,30 @@ impl Growth<'_> {
         let forms = points.iter().map(|point| form(point.effect));
         let model = forms.fold(bare.model.clone(), |model, form| model.with(form, &self.evidence.reach));
         let fitted = Trial::solved(self.evidence, model, &sight.with(&points), bare.found.starts.clone(), TOGETHER);
-        Some(self.reshaped(fitted, 0))
+        let fitted = self.reshaped(fitted, 0);
+        leaves_at_most(self.evidence, WITHIN, best)(&fitted).then_some(fitted)
     }
 
-    /// Motor side and link apart, by themselves and beside a set: that is passed over for what is cheaper to try.
+    /// Motor side and link apart, which are passed over for what is cheaper to try: beside a set, and by themselves; where they can
+    /// stand beside it, only if they lower what it leaves.
     fn parted(&self, bare: &Trial, looked: &Looked, best: &Trial) -> Vec<Trial> {
-        let mut apart = explore_parting(self.evidence, bare, &looked.sights);
-        if (1..MOST).contains(&best.effects().len()) && !best.model.has_two_bodies() {
-            let mut others = self.others(best);
-            others.retain(|effect| effect.parts_two_bodies());
-            apart.extend(explore_parting(self.evidence, best, &self.sights(best, &others)));
+        let near = |times: f64| leaves_at_most(self.evidence, times, best);
+        let alone = |times: f64| {
+            let all = explore_parting(self.evidence, bare, &looked.sights);
+            all.into_iter().filter(near(times)).collect::<Vec<Trial>>()
+        };
+        if best.effects().is_empty() {
+            return alone(LOWERS);
+        }
+        if best.effects().len() >= MOST || best.model.has_two_bodies() {
+            return alone(WITHIN);
+        }
+        let mut others = self.others(best);
+        others.retain(|effect| effect.parts_two_bodies());
+        let mut apart = explore_parting(self.evidence, best, &self.sights(best, &others));
+        apart.retain(near(LOWERS));
+        if !apart.is_empty() {
+            apart.extend(alone(WITHIN));
         }
         one_of_each(apart)
     }
@@ -90,4 +132,10 @@ impl Growth<'_> {
         let few: Vec<&Trial> = others.filter(|t| !t.model.has_two_bodies()).take(FIRSTS).collect();
         few.into_par_iter().map(|t| self.reshaped(t.clone(), 0)).collect()
     }
+}
+
+/// Whether a hypothesis leaves so many times the squares at the most that another leaves.
+fn leaves_at_most<'a>(evidence: &'a Evidence, times: f64, other: &Trial) -> impl Fn(&Trial) -> bool + use<'a> {
+    let most = times * other.fit_loss(evidence);
+    move |t| t.fit_loss(evidence) <= most
 }

@@ -10,7 +10,7 @@ use super::evidence::{Evidence, WholeLeft};
 use super::floor::rough_rad;
 use super::held_out::{HeldOut, closed};
 use super::model::{BASELINE, DERIVATIVE, GAIN, INTEGRAL};
-use super::numbers::{includes_none, numbers};
+use super::numbers::{UNNAMED, includes_none, numbers, numbers_beside};
 use super::score::Measure;
 use super::trial::Trial;
 use crate::fit::Budget;
@@ -93,8 +93,7 @@ pub(super) fn decide<'a>(
     a: &'a Attribution,
     considered: &[EffectId],
 ) -> Decision<'a> {
-    let names_gain = considered.contains(&EffectId::MotorGain);
-    let judge = Judge { evidence, held, a, names_gain };
+    let judge = Judge { evidence, held, a, considered };
     if a.best.effects().is_empty() || judge.has_hardly_a_cause() {
         return judge.without_effects();
     }
@@ -110,8 +109,7 @@ struct Judge<'a, 'e> {
     evidence: &'e Evidence,
     held: &'e HeldOut,
     a: &'a Attribution,
-    /// Whether a gain of the drive that is another than stated may be called an effect.
-    names_gain: bool,
+    considered: &'e [EffectId],
 }
 
 impl<'a> Judge<'a, '_> {
@@ -128,10 +126,9 @@ impl<'a> Judge<'a, '_> {
         };
         let finding = if pays { moved_most(simple) } else { None };
         // The gain of the drive as a number is the effect of a motor that delivers more or less than commanded.
-        let is_gain = self.names_gain
-            && verdict == Verdict::Calibration
+        let is_gain = verdict == Verdict::Calibration
             && (finding == Some(GAIN) || self.needs_another_gain())
-            && self.is_other_than_stated(GAIN);
+            && self.names_gain_of(simple);
         let finding = if is_gain { Some(GAIN) } else { finding };
         let effects = if is_gain { vec![EffectId::MotorGain] } else { Vec::new() };
         let predicts = |law: &&Trial| law.effects().is_empty() && self.held_rad(law) < self.held_rad(simple);
@@ -181,10 +178,15 @@ impl<'a> Judge<'a, '_> {
             && (gain.moved(value).abs() > GAIN_SD || !self.is_alarming(&self.as_stated(&[DERIVATIVE, INTEGRAL])))
     }
 
-    /// Whether the interval of this share of the drive's law leaves out what is stated.
-    fn is_other_than_stated(&self, share: usize) -> bool {
-        let (parameters, _) = numbers(self.evidence, &self.a.calibrated);
-        parameters[share].interval.is_none_or(|[low, high]| !(low..=high).contains(&1.0))
+    /// Whether the gain of the drive in a hypothesis may be called an effect: it has an interval which, with what is not named
+    /// allowed for, leaves out the stated gain.
+    fn names_gain_of(&self, trial: &Trial) -> bool {
+        let leaves_out = |beside: &[EffectId]| {
+            let (parameters, _) = numbers_beside(self.evidence, trial, beside);
+            parameters[GAIN].interval.is_some_and(|[low, high]| !(low..=high).contains(&1.0))
+        };
+        let may_be_named = self.considered.contains(&EffectId::MotorGain) && leaves_out(&[]);
+        may_be_named && (self.evidence.deadline.leaves_out(UNNAMED) || leaves_out(self.considered))
     }
 
     /// The recalibrated joint, fitted again with these shares of its drive's law as stated.
@@ -251,7 +253,7 @@ impl<'a> Judge<'a, '_> {
         let first = if effects.len() == 1 { Some(chosen) } else { a.ladder.first() };
         // A law takes what it explains out of the numbers.
         let answer = a.law.as_ref().filter(|law| law.effects() == chosen.effects()).unwrap_or(chosen);
-        if explained && self.names_gain && is_beyond_belief(answer, GAIN) {
+        if explained && is_beyond_belief(answer, GAIN) && self.names_gain_of(answer) {
             effects.push(EffectId::MotorGain);
         }
         Decision {

@@ -14,7 +14,7 @@ use super::held_out::{HeldOut, closed};
 use super::law_found::law_found;
 use super::model::{GAIN, INERTIA};
 use super::next::next;
-use super::numbers::{numbers, numbers_beside};
+use super::numbers::{UNNAMED, numbers, numbers_beside};
 use super::place::place;
 use super::rates::{Rates, probability, share_out, standing};
 use super::refuted::soundly_believed;
@@ -57,8 +57,6 @@ pub enum GapError {
 
 /// What is left out where the smallest sizes that would have shown are.
 const DETECTABLE: &str = "what these logs could have shown";
-/// The same where intervals are.
-const UNNAMED: &str = "what effects that are not named would move the numbers by";
 
 /// Diagnoses the gap of a joint study. `progress` is told what is being tried, and asked whether that is still wanted.
 ///
@@ -436,6 +434,13 @@ fn notes(
              left out, so the held-out figures are no longer of logs on which no choice was made.",
             refuted.join(", ")
         ));
+    }
+    if a.set_refuted && !evidence.held.is_empty() {
+        notes.push(
+            "The fitted logs ask for another set of causes, but with that the held-out logs are predicted clearly worse: it \
+             was not taken, so the held-out figures are no longer of logs on which no choice was made."
+                .to_owned(),
+        );
     }
     if let Some(seen) = evidence.gain_seen {
         let (ratio, sd) = (math::exp(seen.at), math::exp(seen.at) * seen.sd);

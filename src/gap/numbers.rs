@@ -26,6 +26,9 @@ pub(super) fn numbers(evidence: &Evidence, trial: &Trial) -> (Vec<Estimate>, Vec
     numbers_beside(evidence, trial, &[])
 }
 
+/// What is left out where intervals do not allow for it.
+pub(super) const UNNAMED: &str = "what effects that are not named would move the numbers by";
+
 /// The same with intervals that allow for what effects which are not named, of those that are considered, would move.
 pub(super) fn numbers_beside(
     evidence: &Evidence,
@@ -176,6 +179,7 @@ mod tests {
         assert!(!includes_none(EffectId::Delay, &late(0.002, Some([0.001, 0.003]))));
         assert!(!includes_none(EffectId::Delay, &late(0.002, None)));
     }
+
     #[test]
     fn a_gain_that_is_an_effect_is_said_in_full() {
         let case = Case::of_study("data/examples/delay/study.toml".as_ref()).unwrap();

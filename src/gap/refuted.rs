@@ -57,16 +57,11 @@ pub(super) fn unrefuted(
     if evidence.deadline.cuts(WHETHER_REFUTED) {
         return (best, Vec::new());
     }
-    let on_all = |t: &Trial| {
-        let mut whole = t.clone();
-        whole.begin_as(coarse, evidence);
-        whole.on(evidence, AGAIN)
-    };
-    let whole = on_all(&best);
+    let whole = on_all(coarse, evidence, &best);
     let fewer = |t: &&Trial| {
         (1..best.effects().len()).contains(&t.effects().len()) && t.effects().iter().all(|e| best.effects().contains(e))
     };
-    let known: Vec<Trial> = known.iter().filter(fewer).map(on_all).collect();
+    let known: Vec<Trial> = known.iter().filter(fewer).map(|t| on_all(coarse, evidence, t)).collect();
     let (mut left, refuted) = if in_turn {
         let held = HeldOut::in_turn(evidence);
         let judged = evidence.with_logs(evidence.fit.clone(), evidence.fit.clone());
@@ -167,39 +162,87 @@ fn held_rms_rad(evidence: &Evidence, trial: &Trial) -> f64 {
     (trial.held_loss(evidence) / samples).sqrt()
 }
 
-/// Whether the held-out logs refute what a hypothesis has more than another, both found on a choice of the samples.
-pub(super) fn refutes(coarse: &Evidence, evidence: &Evidence, more: &Trial, less: &Trial) -> bool {
+/// Whether held-out logs are predicted clearly worse by a hypothesis than by another, both found on a choice of the samples.
+pub(super) fn refutes(coarse: &Evidence, evidence: &Evidence, this: &Trial, other: &Trial) -> bool {
     if evidence.held.is_empty() {
         return false;
     }
-    let [more, less] = [more, less].map(|t| {
-        let mut whole = t.clone();
-        whole.begin_as(coarse, evidence);
-        let mut whole = whole.on(evidence, AGAIN);
+    let [this, other] = both_on_all(coarse, evidence, this, other).map(|mut whole| {
         whole.predict(evidence, None);
         whole
     });
-    predicts_clearly_worse(evidence, &more, &less)
+    predicts_clearly_worse(evidence, &this, &other)
 }
 
-/// Of hypotheses with fewer causes, all on all samples, the one that predicts held-out logs best, where that is clearly better.
-pub(super) fn refuted_by<'a>(evidence: &Evidence, more: &Trial, fewer: &[&'a Trial]) -> Option<&'a Trial> {
-    let in_turn = evidence.held.is_empty();
-    let many = in_turn && evidence.fit.len() > FEW_LOGS;
-    if fewer.is_empty() || many || evidence.pooled_from.is_some() || evidence.deadline.leaves_out(WHETHER_REFUTED) {
+/// The same; where the study holds none out and has few logs, these, or the parts of the only one, are held out in turn.
+pub(super) fn refutes_in_turn(coarse: &Evidence, evidence: &Evidence, this: &Trial, other: &Trial) -> bool {
+    if !evidence.held.is_empty() {
+        return refutes(coarse, evidence, this, other);
+    }
+    if can_refute(evidence) {
+        let [this, other] = both_on_all(coarse, evidence, this, other);
+        return refuted_by(evidence, &this, &[&other]).is_some();
+    }
+    false
+}
+
+/// Whether there are logs or parts of which it can be asked how they are predicted, and time to do so.
+fn can_refute(evidence: &Evidence) -> bool {
+    let many = evidence.held.is_empty() && evidence.fit.len() > FEW_LOGS;
+    !many && evidence.pooled_from.is_none() && !evidence.deadline.leaves_out(WHETHER_REFUTED)
+}
+
+fn both_on_all(coarse: &Evidence, evidence: &Evidence, this: &Trial, other: &Trial) -> [Trial; 2] {
+    rayon::join(|| on_all(coarse, evidence, this), || on_all(coarse, evidence, other)).into()
+}
+
+/// What was found on a choice of the samples, on all of them.
+fn on_all(coarse: &Evidence, evidence: &Evidence, t: &Trial) -> Trial {
+    let mut whole = t.clone();
+    whole.begin_as(coarse, evidence);
+    whole.on(evidence, AGAIN)
+}
+
+/// Of other hypotheses, all on all samples, the one that predicts held-out logs best, where that is clearly better.
+pub(super) fn refuted_by<'a>(evidence: &Evidence, this: &Trial, others: &[&'a Trial]) -> Option<&'a Trial> {
+    if others.is_empty() || !can_refute(evidence) {
         return None;
     }
     let held = HeldOut::of(evidence);
     let judged = evidence.with_logs(evidence.fit.clone(), held.experiments.clone());
     let predicted = |t: &Trial| Trial { held: held.residuals(evidence, t), ..t.clone() };
-    let all: Vec<Trial> = fewer.par_iter().map(|t| predicted(t)).collect();
+    let all: Vec<Trial> = others.par_iter().map(|t| predicted(t)).collect();
     let loss = |k: &usize| all[*k].held_loss(&judged);
     let least = (0..all.len()).min_by(|a, b| loss(a).total_cmp(&loss(b)))?;
-    predicts_clearly_worse(&judged, &predicted(more), &all[least]).then(|| fewer[least])
+    predicts_clearly_worse(&judged, &predicted(this), &all[least]).then(|| others[least])
 }
 
-/// Whether the held-out logs are predicted clearly better by a hypothesis that has less.
-fn predicts_clearly_worse(evidence: &Evidence, more: &Trial, less: &Trial) -> bool {
-    let gained = Difference::of_a_whole(&blocks(&evidence.held, &more.held, &less.held).collect::<Vec<f64>>());
-    less.held_loss(evidence) < BETTER * more.held_loss(evidence) && gained.z() > CLEARLY
+/// Whether a hypothesis predicts held-out logs clearly worse than another; one along which the joint runs away does.
+fn predicts_clearly_worse(evidence: &Evidence, this: &Trial, other: &Trial) -> bool {
+    let [of_this, of_other] = [this, other].map(|t| t.held_loss(evidence));
+    if !of_this.is_finite() {
+        return of_other.is_finite();
+    }
+    let gained = Difference::of_a_whole(&blocks(&evidence.held, &this.held, &other.held).collect::<Vec<f64>>());
+    of_other < BETTER * of_this && gained.z() > CLEARLY
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identify::Case;
+
+    #[test]
+    fn a_joint_that_runs_away_predicts_worse_than_one_that_does_not() {
+        let case = Case::of_study("data/examples/delay/study.toml".as_ref()).unwrap();
+        let evidence = Evidence::of(&case, case.joint.nominal.unwrap()).unwrap();
+        let evidence = evidence.with_logs(evidence.fit.clone(), evidence.fit.clone());
+        let mut stays = Trial::as_given(&evidence, &evidence.baseline());
+        stays.predict(&evidence, None);
+        let mut runs_away = stays.clone();
+        runs_away.held[0].fill(f64::INFINITY);
+        assert!(predicts_clearly_worse(&evidence, &runs_away, &stays));
+        assert!(!predicts_clearly_worse(&evidence, &stays, &runs_away));
+        assert!(!predicts_clearly_worse(&evidence, &runs_away, &runs_away));
+    }
 }

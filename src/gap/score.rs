@@ -57,8 +57,8 @@ impl Measure {
     }
 }
 
-/// The hypothesis with the better score.
-pub(super) fn better(evidence: &Evidence, a: Trial, b: Trial) -> Trial {
-    let measure = Measure::by(evidence, if a.fit_loss(evidence) < b.fit_loss(evidence) { &a } else { &b });
-    if measure.score(evidence, &b) < measure.score(evidence, &a) { b } else { a }
+/// Whether a hypothesis has a better score than another, by the residuals of the one that explains more.
+pub(super) fn is_better(evidence: &Evidence, this: &Trial, than: &Trial) -> bool {
+    let measure = Measure::by(evidence, if than.fit_loss(evidence) < this.fit_loss(evidence) { than } else { this });
+    measure.score(evidence, this) < measure.score(evidence, than)
 }
