@@ -9,6 +9,7 @@ use super::floor::noise_rad;
 use super::grow::{Growth, Looked, Pruned};
 use super::judged::{Judged, judged};
 use super::laws::lawful;
+use super::model::BASELINE;
 use super::refuted::{refuted_by, refutes};
 use super::score::{Measure, is_better};
 use super::trial::Trial;
@@ -316,8 +317,18 @@ impl Attribution {
             *t = t.on(evidence, AGAIN).at_rest(evidence, AGAIN);
             t.predict(evidence, Some(near));
         };
-        let causes = self.best.effects().len();
-        self.alone = (0..causes).into_par_iter().map(|k| self.best.keeping(evidence, &[k], AGAIN)).collect();
+        let best = &self.best;
+        let by_itself = |k: usize| {
+            let alone = best.keeping(evidence, &[k], AGAIN);
+            if alone.fit_loss(evidence) < near.fit_loss(evidence) {
+                return alone;
+            }
+            // The numbers that it has beside others may be none from which it finds those that it has without them.
+            let values = [&near.found.values[..BASELINE], &best.found.values[best.model.place(k)]].concat();
+            let again = Trial::solved(evidence, alone.model.clone(), &values, near.found.starts.clone(), AGAIN);
+            if again.fit_loss(evidence) < alone.fit_loss(evidence) { again } else { alone }
+        };
+        self.alone = (0..best.effects().len()).into_par_iter().map(by_itself).collect();
         there(&mut self.best);
         self.law.iter_mut().for_each(there);
         self.without.par_iter_mut().for_each(there);
