@@ -191,3 +191,21 @@ fn a_change_that_is_put_into_a_real_study_is_found_in_four_of_five() {
     println!("found {found_in_all} of {count}");
     assert!(found_in_all * MISSED >= count * (MISSED - 1), "found {found_in_all} of {count}");
 }
+
+/// A servo whose kp is believed a third too high: a law fits its logs and predicts the log that was held out far worse than
+/// friction by motor torque does alone.
+#[test]
+#[ignore = "half a minute; needs a real log"]
+fn slow_no_law_is_told_that_predicts_worse_than_the_causes_without_it() {
+    let Some(real) = support::shared("real") else { return };
+    let mut study = study_of(&real.join("xl330-bam/kp100"));
+    assert!(logs(&mut study).count() > 0);
+    let dir = tempfile::tempdir().unwrap();
+    let (study, _) = Gain(1.33).put_into(&study, dir.path());
+    let answer = diagnosed(&study, dir.path());
+    let steps = answer["gap"]["waterfall"].as_array().unwrap();
+    let rms_rad = |step: &str| steps.iter().find(|s| s["step"] == step).and_then(|s| s["rms"].as_f64());
+    let causes_rad = rms_rad("gear_friction").expect("friction by motor torque is found");
+    assert!(rms_rad("law").is_none_or(|law_rad| law_rad < 1.1 * causes_rad), "{steps:?}");
+    assert!(answer["gap"]["after"].as_f64().unwrap() < 1.1 * causes_rad, "{steps:?}");
+}

@@ -344,7 +344,7 @@ fn laws_that_cannot_be_are_refused_by_name() {
         (of("\"variables\": [\"angle\"]", "0, 1", "0, null"), &["null", "line"]),
         (of("\"variables\": [\"angle\"]", "0, 1", "0, NaN"), &["line", "expected a fit.json"]),
         (of("\"variables\": [\"angle\"]", "0, 1", "0, 1e999"), &["out of range"]),
-        (of("\"variables\": [\"speed\"], \"acts\": \"reading\"", "0, 1", "0, 1"), &["law: ", "an encoder sees"]),
+        (of("\"variables\": [\"speed\"], \"acts\": \"reading\"", "0, 1", "0, 1"), &["law: ", "an encoder errs"]),
         ("{\"variables\": [\"angle\"]}".into(), &["table"]),
     ];
     for (law, parts) in cases {

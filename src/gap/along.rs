@@ -123,7 +123,7 @@ impl<'a> Along<'a> {
         let at = |ticks: u64| self.t_s[0] + ticks as f64 * period_s;
         if at(memory.ticks) <= t_s + SAME_INSTANT_S {
             let late_rad = self.chain.sensor_delay_s.map_or(0.0, |delay_s| delay_s * y[1]);
-            let [angle_rad, rate_rad_s] = self.chain.reading(y[0] - late_rad, y[1]);
+            let [angle_rad, rate_rad_s] = self.chain.reading(t_s, y[0] - late_rad, y[1]);
             let motor = self.chain.motor.as_ref()?;
             let answer = motor.command(setpoint, angle_rad, rate_rad_s, memory.integral_rad_s);
             memory.held = Some(command.held(answer, t_s));

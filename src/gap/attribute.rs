@@ -10,7 +10,7 @@ use super::grow::{Growth, Looked, Pruned};
 use super::judged::{Judged, judged};
 use super::laws::lawful;
 use super::model::BASELINE;
-use super::refuted::{refuted_by, refutes};
+use super::refuted::{on_all, predicts_clearly_worse, refuted_by, refutes};
 use super::score::{Measure, is_better};
 use super::trial::Trial;
 use crate::fit::Budget;
@@ -82,6 +82,8 @@ struct Known {
     firsts: Vec<Trial>,
     noise_rad: f64,
     set_refuted: bool,
+    /// Whether held-out logs have refuted a law, so that none is looked for.
+    law_refuted: bool,
 }
 
 /// How many samples count.
@@ -184,8 +186,8 @@ impl Attribution {
                 }
             }
         }
-        let known = Known { given, calibrated, firsts, noise_rad: noise, set_refuted };
-        let this = Self::carried(evidence, &growth, judged, known.clone(), None)?;
+        let known = Known { given, calibrated, firsts, noise_rad: noise, set_refuted, law_refuted: false };
+        let this = Self::carried(evidence, &growth, &judged, &known, None)?;
         stage("whether fewer causes predict better")?;
         let Some(less) = this.fewer_predict(evidence) else { return Ok(this) };
         let mut best = less.clone();
@@ -195,7 +197,9 @@ impl Attribution {
         let best = best.on(&coarse, AGAIN);
         // Without members, what stands in the place of each is looked for again.
         let judged = Judged { best, members: Vec::new(), rivals: Vec::new(), refuted };
-        Self::carried(evidence, &growth, judged, known, Some(less))
+        let mut last = Self::carried(evidence, &growth, &judged, &known, Some(&less))?;
+        last.law_refuted |= this.law_refuted && last.law.is_none();
+        Ok(last)
     }
 
     /// A set of causes that was judged, with a law beside it where one predicts, carried over to all samples; it may have been
@@ -203,26 +207,26 @@ impl Attribution {
     fn carried(
         evidence: &Evidence,
         growth: &Growth<'_>,
-        judged: Judged,
-        known: Known,
-        on_all: Option<Trial>,
+        judged: &Judged,
+        known: &Known,
+        on_all: Option<&Trial>,
     ) -> Result<Self, Cancelled> {
         let stage = |stage| growth.progress.go_on(Step::stage(stage));
         let coarse = growth.evidence;
-        let Known { given, calibrated, mut firsts, noise_rad: noise, set_refuted } = known;
-        let Judged { best, members, rivals, mut refuted } = judged;
+        let Known { given, calibrated, mut firsts, noise_rad: noise, set_refuted, law_refuted } = known.clone();
+        let Judged { best, members, rivals, mut refuted } = judged.clone();
         let samples = counted(coarse);
         refuted.retain(|e| !best.effects().contains(e));
         stage("looking for a law in what is left")?;
         let step_rad = coarse.reach.resolution_rad;
         let worth_a_law = best.fit_loss(coarse) > samples * step_rad.max(noise_of_law(noise)).powi(2);
-        let law = if worth_a_law && !evidence.deadline.leaves_out("a law in what is left") {
+        let law = if worth_a_law && !law_refuted && !evidence.deadline.leaves_out("a law in what is left") {
             lawful(coarse, &best, &calibrated)
         } else {
             None
         };
         let refutes_it = |law: &Trial| refutes(coarse, evidence, law, &best);
-        let law_refuted = law.as_ref().is_some_and(refutes_it);
+        let law_refuted = law_refuted || law.as_ref().is_some_and(refutes_it);
         let law = law.filter(|_| !law_refuted);
         let best = match &law {
             Some(law) if law.effects().len() < best.effects().len() => {
@@ -257,7 +261,11 @@ impl Attribution {
         };
         stage("the serious ones on all samples")?;
         // A law may have taken the place of some of the causes.
-        this.on_all_samples(evidence, on_all.filter(|t| t.effects() == this.best.effects()));
+        this.on_all_samples(evidence, on_all.filter(|t| t.effects() == this.best.effects()).cloned());
+        // Where it has come to rest on all samples a law may predict worse than on the way there.
+        if this.law.as_ref().is_some_and(|law| fails(evidence, coarse, law, &this.best, &judged.best)) {
+            return Self::carried(evidence, growth, judged, &Known { law_refuted: true, ..known.clone() }, on_all);
+        }
         Ok(this)
     }
 
@@ -446,6 +454,17 @@ impl Attribution {
     pub fn behind(&self, evidence: &Evidence, a: &Trial, b: &Trial) -> f64 {
         difference(evidence, a, b).z()
     }
+}
+
+/// Whether a law at rest on all samples predicts held-out logs clearly worse than the causes beside it, or than all that there
+/// were before it took the place of some.
+fn fails(evidence: &Evidence, coarse: &Evidence, law: &Trial, beside: &Trial, before: &Trial) -> bool {
+    if beside.effects().len() == before.effects().len() {
+        return predicts_clearly_worse(evidence, law, beside);
+    }
+    let mut before = on_all(coarse, evidence, before);
+    before.predict(evidence, Some(beside));
+    predicts_clearly_worse(evidence, law, beside) || predicts_clearly_worse(evidence, law, &before)
 }
 
 /// Where residuals stay below this no law is looked for \[rad\].

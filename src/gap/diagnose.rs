@@ -190,7 +190,7 @@ pub(super) fn diagnose_from(
         (probability, probability_source) = (rate, source);
     }
     stage("where the gap lies")?;
-    let (location, torques) = place(&evidence, &attribution, &decision);
+    let (location, torques) = place(&evidence, &attribution, &decision, law.as_ref());
     let mut traces = traces(&evidence, &attribution, &decision, torques);
     if let Some(described) = described {
         described.show(&mut traces);

@@ -23,6 +23,7 @@ const LITTLE: f64 = 0.25;
 const AGAIN: Budget = Budget { evaluations: 24 };
 
 /// A set of causes that was judged.
+#[derive(Clone)]
 pub(super) struct Judged {
     /// With the causes that stay.
     pub best: Trial,

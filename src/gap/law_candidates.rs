@@ -30,6 +30,7 @@ pub(super) fn candidates(evidence: &Evidence) -> Vec<LawShape> {
         (Friction, MotorTorque),
         (Friction, Time),
         (Reading, Angle),
+        (Reading, Time),
         (Gain, Angle),
         (Gain, Speed),
         (Gain, Time),
@@ -81,7 +82,7 @@ fn values_of(evidence: &Evidence, e: &Experiment, variable: LawVariable) -> Vec<
             };
             q.iter().map(|q| e.gravity_m_s2 * pull(q)).collect()
         }
-        (LawVariable::Time, _) => t.iter().map(|t| t - e.t_s[0]).collect(),
+        (LawVariable::Time, _) => t.to_vec(),
         (LawVariable::MotorTorque, Signal::Torque { torque_nm, .. }) => torque_nm[e.uncompared..].to_vec(),
         (LawVariable::MotorTorque, Signal::Position { setpoint_rad, .. }) => {
             let kp = e.motor.map_or(0.0, |motor| motor.nm_per_answer() * motor.kp_nm_rad);

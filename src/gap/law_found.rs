@@ -5,7 +5,7 @@ use super::decide::Decision;
 use super::diagnosis::LawFound;
 use super::evidence::Evidence;
 use super::held_out::HeldOut;
-use super::looks_like::{self, looks_like};
+use super::looks_like::{NOTHING, look};
 use super::numbers::spread_of;
 use super::trial::Trial;
 use crate::joint::LawTable;
@@ -30,7 +30,8 @@ pub(super) fn law_found(
     let left = calibrated.max(before) - a.noise_rad;
     table.closed = (left > 0.0).then(|| ((before - after) / left).min(1.0));
     // It predicts other logs, so that it is there, even where each of its values by itself is uncertain.
-    let shape = looks_like(&table, sd.as_deref());
-    table.looks_like = if shape == looks_like::NOTHING { looks_like(&table, None) } else { shape };
+    let seen = look(&table, sd.as_deref());
+    let seen = if seen.words == NOTHING { look(&table, None) } else { seen };
+    seen.told(&mut table);
     Some(LawFound { table, sd, after })
 }

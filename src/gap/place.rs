@@ -2,7 +2,7 @@
 
 use super::attribute::Attribution;
 use super::decide::Decision;
-use super::diagnosis::{ResidualTorque, Variable, Verdict, Where};
+use super::diagnosis::{LawFound, ResidualTorque, Variable, Verdict, Where};
 use super::evidence::Evidence;
 use super::localise::localise;
 use super::log_part::LogPart;
@@ -27,7 +27,12 @@ fn variable_of(law: LawVariable) -> Variable {
 ///
 /// An effect that explains the gap, or that is known so far, names the stage; otherwise the residual torque's signature
 /// does.
-pub(super) fn place(evidence: &Evidence, a: &Attribution, decision: &Decision<'_>) -> (Where, Vec<ResidualTorque>) {
+pub(super) fn place(
+    evidence: &Evidence,
+    a: &Attribution,
+    decision: &Decision<'_>,
+    found: Option<&LawFound>,
+) -> (Where, Vec<ResidualTorque>) {
     let t = &a.calibrated;
     let fit = evidence.fit.iter().zip(&t.found.starts).zip(&t.fit);
     let held = evidence.held.iter().zip(&t.held_starts).zip(&t.held);
@@ -49,7 +54,7 @@ pub(super) fn place(evidence: &Evidence, a: &Attribution, decision: &Decision<'_
         // A measured law is better evidence than a signature.
         (Verdict::Unexplained, _) if decision.answer.model.law().is_some() => {
             if let Some(law) = decision.answer.model.law() {
-                place.stage = Some(law.stage());
+                place.stage = found.and_then(|found| found.table.stage());
                 place.variable = Some(variable_of(law.variable));
                 place.range = Some(law.strongest(&decision.answer.found.values[decision.answer.model.law_place()]));
             }

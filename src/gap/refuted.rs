@@ -197,7 +197,7 @@ fn both_on_all(coarse: &Evidence, evidence: &Evidence, this: &Trial, other: &Tri
 }
 
 /// What was found on a choice of the samples, on all of them.
-fn on_all(coarse: &Evidence, evidence: &Evidence, t: &Trial) -> Trial {
+pub(super) fn on_all(coarse: &Evidence, evidence: &Evidence, t: &Trial) -> Trial {
     let mut whole = t.clone();
     whole.begin_as(coarse, evidence);
     whole.on(evidence, AGAIN)
@@ -218,7 +218,7 @@ pub(super) fn refuted_by<'a>(evidence: &Evidence, this: &Trial, others: &[&'a Tr
 }
 
 /// Whether a hypothesis predicts held-out logs clearly worse than another; one along which the joint runs away does.
-fn predicts_clearly_worse(evidence: &Evidence, this: &Trial, other: &Trial) -> bool {
+pub(super) fn predicts_clearly_worse(evidence: &Evidence, this: &Trial, other: &Trial) -> bool {
     let [of_this, of_other] = [this, other].map(|t| t.held_loss(evidence));
     if !of_this.is_finite() {
         return of_other.is_finite();

@@ -21,12 +21,13 @@ use crate::number::math;
 use crate::pendulum::Start;
 
 /// What the encoder shows of the joint at an instant, which a late one shows later \[rad\].
-fn reading_at(chain: &Chain<f64>, e: &Experiment, t_s: f64) -> f64 {
+fn angle_at(chain: &Chain<f64>, e: &Experiment, t_s: f64) -> f64 {
     let shown_s = t_s + chain.sensor_delay_s.unwrap_or(0.0);
     let last = e.t_s.len() - 1;
     let k = e.t_s.partition_point(|t| *t <= shown_s).clamp(1, last);
     let share = ((shown_s - e.t_s[k - 1]) / (e.t_s[k] - e.t_s[k - 1])).clamp(0.0, 1.0);
-    e.measured_rad[k - 1] + share * (e.measured_rad[k] - e.measured_rad[k - 1])
+    let reading_rad = e.measured_rad[k - 1] + share * (e.measured_rad[k] - e.measured_rad[k - 1]);
+    chain.read_back(shown_s, reading_rad, 0.0)[0]
 }
 
 /// Reconstructs the torque that `chain` lacks along `e`, from its start on.
@@ -44,7 +45,7 @@ pub fn residual_torque(chain: &Chain<f64>, e: &Experiment, start: Start<f64>, no
     let (e, noise_rad) = if chain.reads_true() {
         (e, noise_rad)
     } else {
-        let measured_rad = e.t_s.iter().map(|t_s| chain.read_back(reading_at(chain, e, *t_s), 0.0)[0]).collect();
+        let measured_rad = e.t_s.iter().map(|t_s| angle_at(chain, e, *t_s)).collect();
         true_angles = Experiment { measured_rad, resolution_rad: e.resolution_rad / gain, ..e.clone() };
         (&true_angles, noise_rad / gain)
     };

@@ -214,9 +214,9 @@ impl<T: Real> Chain<T> {
         })
     }
 
-    /// What the encoder makes of a true angle and rate on its side of the gearing.
+    /// What the encoder makes of a true angle and rate on its side of the gearing, at an instant \[s\].
     #[inline(always)]
-    pub fn reading(&self, angle_rad: T, rate_rad_s: T) -> [T; 2] {
+    pub fn reading(&self, t_s: T, angle_rad: T, rate_rad_s: T) -> [T; 2] {
         let [angle_rad, rate_rad_s] = [angle_rad * self.sensor_gain, rate_rad_s * self.sensor_gain];
         let reading = match &self.eccentric {
             None => [angle_rad, rate_rad_s],
@@ -225,24 +225,24 @@ impl<T: Real> Chain<T> {
                 [reading_rad, rate_rad_s * slope]
             }
         };
-        if self.has_laws() { self.with_laws_of_reading(reading) } else { reading }
+        if self.has_laws() { self.with_laws_of_reading(t_s, reading) } else { reading }
     }
 
-    /// What the encoder makes of a true angle.
+    /// What the encoder makes of a true angle at an instant.
     #[inline]
-    pub fn reading_rad(&self, angle_rad: T) -> T {
+    pub fn reading_rad(&self, t_s: T, angle_rad: T) -> T {
         let reading_rad = match &self.eccentric {
             None => angle_rad * self.sensor_gain,
             Some(eccentric) => eccentric.read(angle_rad * self.sensor_gain)[0],
         };
-        if self.has_laws() { self.with_laws_of_reading([reading_rad, T::nought()])[0] } else { reading_rad }
+        if self.has_laws() { self.with_laws_of_reading(t_s, [reading_rad, T::nought()])[0] } else { reading_rad }
     }
 
-    /// The true angle and rate at which the encoder reads these, its delay aside.
-    pub fn read_back(&self, reading_rad: T, reading_rad_s: T) -> [T; 2] {
+    /// The true angle and rate at which the encoder reads these at an instant, its delay aside.
+    pub fn read_back(&self, t_s: T, reading_rad: T, reading_rad_s: T) -> [T; 2] {
         let mut reading = [reading_rad, reading_rad_s];
         if self.has_laws() {
-            reading = self.without_laws_of_reading(reading);
+            reading = self.without_laws_of_reading(t_s, reading);
         }
         let [reading_rad, reading_rad_s] = reading;
         let [angle_rad, rate_rad_s] = match &self.eccentric {
@@ -261,19 +261,19 @@ impl<T: Real> Chain<T> {
         at_once && self.sensor_gain.re() == 1.0 && self.eccentric.is_none() && !self.has_laws_of_reading()
     }
 
-    /// The torque that the motor's law asks of it and that arrives \[N m\], at a true angle and rate.
+    /// The torque that the motor's law asks of it and that arrives \[N m\], at an instant, a true angle and rate.
     #[inline]
-    pub fn motor_nm(&self, setpoint: Setpoint<T>, angle_rad: T, rate_rad_s: T, integral_rad_s: T) -> T {
-        self.turning_motor_nm(setpoint, [angle_rad, rate_rad_s, integral_rad_s], rate_rad_s)
+    pub fn motor_nm(&self, t_s: T, setpoint: Setpoint<T>, [angle_rad, rate_rad_s]: [T; 2], integral_rad_s: T) -> T {
+        self.turning_motor_nm(t_s, setpoint, [angle_rad, rate_rad_s, integral_rad_s], rate_rad_s)
     }
 
     /// The same, where the motor turns at another rate than the side of the gearing that the controller sees; `seen` is
     /// true angle and rate there, and the integral of the angle error.
     #[inline(always)]
-    pub(crate) fn turning_motor_nm(&self, setpoint: Setpoint<T>, seen: [T; 3], motor_rad_s: T) -> T {
+    pub(crate) fn turning_motor_nm(&self, t_s: T, setpoint: Setpoint<T>, seen: [T; 3], motor_rad_s: T) -> T {
         let Some(motor) = &self.motor else { return T::nought() };
         let [angle_rad, rate_rad_s, integral_rad_s] = seen;
-        let [reading_rad, reading_rad_s] = self.reading(angle_rad, rate_rad_s);
+        let [reading_rad, reading_rad_s] = self.reading(t_s, angle_rad, rate_rad_s);
         motor.delivered_nm(motor.command(setpoint, reading_rad, reading_rad_s, integral_rad_s), motor_rad_s)
     }
 

@@ -215,14 +215,42 @@ fn a_constant_shift_of_the_reading_is_an_angle_offset_that_the_controller_sees()
 fn a_wavy_reading_is_found_back() {
     let wavy = with(joint(), law(LawVariable::Angle, LawActs::Reading, &WIDE_RAD, |q| 0.05 * (4.0 * q).sin()));
     for q in [-5.0, -0.9, 0.0, 0.31, 1.1, 3.9] {
-        let [reading, rate] = wavy.reading(q, 2.0);
-        let [back, rate_back] = wavy.read_back(reading, rate);
+        let [reading, rate] = wavy.reading(0.0, q, 2.0);
+        let [back, rate_back] = wavy.read_back(0.0, reading, rate);
         assert!((back - q).abs() < 1e-12 && (rate_back - 2.0).abs() < 1e-10, "{q}: {back} {rate_back}");
-        assert_eq!(wavy.reading_rad(q), reading);
+        assert_eq!(wavy.reading_rad(0.0, q), reading);
     }
 }
 
-/// Cogging, Stribeck's friction, a motor that saturates softly and a wavy encoder, all as curves.
+#[test]
+fn a_reading_that_creeps_leaves_a_free_joint_alone_and_moves_a_driven_one() {
+    const CREEP_RAD_S: f64 = 0.02;
+    let creep = law(LawVariable::Time, LawActs::Reading, &[0.0, 2.0, 4.0], |t| CREEP_RAD_S * t);
+    let t_s = times(500);
+    // The encoder of a joint at rest shows the creep's rate.
+    let start = |rate_rad_s| Start { angle_rad: 0.9, rate_rad_s, release_s: None };
+    let read = |chain: &Chain<f64>, drive, start| {
+        let mut q = Vec::new();
+        readings(chain, drive, &t_s, start, 1.0, |_, s| q.push(s.angle_rad)).expect("does not diverge");
+        q
+    };
+    let free = read(&joint(), Input::Off, start(0.0));
+    let crept: Vec<f64> = free.iter().zip(&t_s).map(|(q, t)| q + CREEP_RAD_S * t).collect();
+    let creeping = with(joint(), creep.clone());
+    assert!(apart(&read(&creeping, Input::Off, start(CREEP_RAD_S)), &crept) < 1e-9);
+    // What a stiff servo reads stays at its setpoint, so that the link goes the other way.
+    let setpoint_rad = vec![0.9; t_s.len()];
+    let held = Input::Position { setpoint_rad: &setpoint_rad, hold: Hold::Step, on: None };
+    let servo = with(driven(MotorSpec::pd(50.0, 1.0)), creep);
+    let link = refined(&servo, held, &t_s, start(0.0), 1.0);
+    let gone_rad = link[link.len() - 1] - link[0];
+    assert!((gone_rad + CREEP_RAD_S * t_s[t_s.len() - 1]).abs() < 0.02, "{gone_rad}");
+    let [reading, rate] = creeping.reading(1.5, 0.3, 2.0);
+    let [back, rate_back] = creeping.read_back(1.5, reading, rate);
+    assert!((back - 0.3).abs() < 1e-12 && (rate_back - 2.0).abs() < 1e-12, "{back} {rate_back}");
+}
+
+/// Cogging, Stribeck's friction, a motor that saturates softly and an encoder that is wavy and creeps, all as curves.
 fn many<T: Real>(values: &[T]) -> Chain<T> {
     let c = T::constant;
     let friction = Friction::coulomb_viscous(c(COULOMB_NM), c(VISCOUS_NM_S_RAD));
@@ -240,10 +268,11 @@ fn many<T: Real>(values: &[T]) -> Chain<T> {
     add(LawVariable::SetpointRate, LawActs::Torque, &[-2.0, 0.0, 2.0], &|rate| values[4] * rate);
     add(LawVariable::Time, LawActs::Torque, &[0.0, 1.0, 2.0], &|t| values[5] * t);
     add(LawVariable::Angle, LawActs::Gain, &knots, &|q| values[6] * (9.0 * q).cos());
+    add(LawVariable::Time, LawActs::Reading, &[0.0, 1.0, 2.0], &|t| values[7] * t);
     chain
 }
 
-const SIZES: [f64; 7] = [0.03, 0.01, -0.04, 0.02, 0.05, 0.01, 0.15];
+const SIZES: [f64; 8] = [0.03, 0.01, -0.04, 0.02, 0.05, 0.01, 0.15, 0.02];
 
 #[test]
 fn derivatives_by_the_values_agree_with_differences_through_events() {
@@ -256,12 +285,12 @@ fn derivatives_by_the_values_agree_with_differences_through_events() {
         readings(&many(values), input, t_s, start, 1.0, |_, s| q.push(s.angle_rad)).expect("does not diverge");
         q
     }
-    let duals: [Dual<7>; 7] = std::array::from_fn(|i| Dual::variable(SIZES[i], i));
+    let duals: [Dual<8>; 8] = std::array::from_fn(|i| Dual::variable(SIZES[i], i));
     let exact = read(&duals, input, &t_s);
     for (i, size) in SIZES.iter().enumerate() {
         let h = 1e-5 * size.abs();
         let moved =
-            |h: f64| read(&std::array::from_fn::<_, 7, _>(|k| SIZES[k] + if k == i { h } else { 0.0 }), input, &t_s);
+            |h: f64| read(&std::array::from_fn::<_, 8, _>(|k| SIZES[k] + if k == i { h } else { 0.0 }), input, &t_s);
         let (up, down) = (moved(h), moved(-h));
         let scale = exact.iter().map(|x| x.eps[i].abs()).fold(0.0, f64::max);
         assert!(scale > 0.05, "value {i} acts: {scale}");

@@ -127,6 +127,10 @@ impl<T: Real> Mechanism<T> for TwoBodies<'_, T> {
         self.chain
     }
 
+    fn now_s(&self) -> T {
+        self.t_s
+    }
+
     fn clock_mut(&mut self) -> &mut T {
         &mut self.t_s
     }

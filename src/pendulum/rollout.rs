@@ -86,7 +86,10 @@ pub fn readings<T: Real>(
     refinement: f64,
     mut visit: impl FnMut(usize, &State<T>),
 ) -> Result<(), Diverged> {
-    let [angle_rad, rate_rad_s] = chain.read_back(start.angle_rad, start.rate_rad_s);
+    let from_s = T::constant(t_s.first().copied().unwrap_or(0.0));
+    let [angle_rad, rate_rad_s] = chain.read_back(from_s, start.angle_rad, start.rate_rad_s);
+    // What is held does not move, whatever its reading does.
+    let rate_rad_s = if start.release_s.is_some() { T::nought() } else { rate_rad_s };
     let start = Start { angle_rad, rate_rad_s, ..start };
     watch(chain, input, t_s, start, (refinement, View::Reading), &mut visit)
 }
@@ -120,6 +123,7 @@ fn watch<T: Real>(
 pub(super) trait Mechanism<T: Real> {
     fn chain(&self) -> &Chain<T>;
     /// Now \[s\].
+    fn now_s(&self) -> T;
     fn clock_mut(&mut self) -> &mut T;
     /// The held joint is let go.
     fn let_go(&mut self);
@@ -140,7 +144,7 @@ fn sampled_command<T: Real>(body: &mut impl Mechanism<T>, setpoint: Setpoint<T>,
     let State { angle_rad, rate_rad_s } = body.seen();
     let integral = *body.integral_mut();
     let chain = body.chain();
-    let [angle_rad, rate_rad_s] = chain.reading(angle_rad, rate_rad_s);
+    let [angle_rad, rate_rad_s] = chain.reading(body.now_s(), angle_rad, rate_rad_s);
     let Some(motor) = &chain.motor else { return T::nought() };
     let command = motor.command(setpoint, angle_rad, rate_rad_s, integral);
     *body.integral_mut() += (setpoint.angle_rad - angle_rad) * period_s;
@@ -169,7 +173,7 @@ fn walk<T: Real>(
     for k in 1..t_s.len() {
         let to = t_s[k];
         loop {
-            let now = *body.clock_mut();
+            let now = body.now_s();
             let mut until = T::constant(to);
             let mut event = Event::None;
             // A change that falls on a sample comes after it: the sample is a state at a constant instant.
@@ -206,7 +210,7 @@ fn walk<T: Real>(
             }
             body.advance(until, &command)?;
             // An event that falls on a sample must still bear its derivative: the clock takes it over.
-            if event != Event::None && until.re() >= body.clock_mut().re() {
+            if event != Event::None && until.re() >= body.now_s().re() {
                 *body.clock_mut() = until;
             }
             match event {
@@ -217,7 +221,7 @@ fn walk<T: Real>(
                 Event::Change => schedule.change(),
                 Event::None => {}
             }
-            if body.clock_mut().re() >= to {
+            if body.now_s().re() >= to {
                 break;
             }
         }
@@ -235,7 +239,7 @@ fn shown<T: Real>(body: &impl Mechanism<T>, view: View) -> State<T> {
         View::Link => body.state(),
         View::Reading => {
             let seen = body.seen();
-            let [angle_rad, rate_rad_s] = body.chain().reading(seen.angle_rad, seen.rate_rad_s);
+            let [angle_rad, rate_rad_s] = body.chain().reading(body.now_s(), seen.angle_rad, seen.rate_rad_s);
             State { angle_rad, rate_rad_s }
         }
     }

@@ -73,7 +73,7 @@ impl<T: Real> Command<T> {
                 chain.delivered_nm(command, motor_rad_s)
             }
             Command::Pid { .. } => match self.setpoint(t_s) {
-                Some(setpoint) => chain.turning_motor_nm(setpoint, *seen, motor_rad_s),
+                Some(setpoint) => chain.turning_motor_nm(t_s, setpoint, *seen, motor_rad_s),
                 None => T::nought(),
             },
         };
@@ -137,7 +137,7 @@ impl<T: Real> Command<T> {
     pub(crate) fn error_rad(&self, chain: &Chain<T>, t_s: T, angle_rad: T) -> T {
         match self.setpoint(t_s) {
             None => T::nought(),
-            Some(setpoint) => setpoint.angle_rad - chain.reading_rad(angle_rad),
+            Some(setpoint) => setpoint.angle_rad - chain.reading_rad(t_s, angle_rad),
         }
     }
 

@@ -325,7 +325,7 @@ fn location(logs: &[LogData], found: &Found, causes: &[CauseShare], law: Option<
     let mut variables: Vec<(Variable, f64)> = plain.map(explained).collect();
     variables.sort_by(|a, b| b.1.total_cmp(&a.1));
     let best = variables.first().filter(|(_, share)| *share > 0.0).copied();
-    let of_law = law.and_then(|law| law.table.variable().ok()).map(|by| crate::joint::LawActs::Torque.stage(by));
+    let of_law = law.and_then(|law| law.table.stage());
     let (_, by_log) = found.figure(&Choice::default());
     let squares: f64 = by_log.iter().map(|(_, rms)| rms * rms).sum();
     let mut most: Vec<&(usize, f64)> =

@@ -3,7 +3,7 @@
 use super::design::{Curve, Family};
 use super::numbers::{Values, Which};
 use super::system::Solved;
-use crate::gap::looks_like;
+use crate::gap::looks_like::look;
 use crate::gap::{Detectable, LawFound, Number};
 use crate::joint::{EffectId, LawActs, LawTable};
 use crate::number::chance::HALF_95;
@@ -119,7 +119,7 @@ pub(super) fn law(joint: &str, curve: &Curve, found: &[Estimated], after: f64, c
     };
     let sd: Vec<f64> = knots.map(sd_at).collect();
     let mut table = LawTable::new(curve.variable, LawActs::Torque, curve.knots.clone(), y);
-    table.looks_like = looks_like(&table, Some(&sd));
+    look(&table, Some(&sd)).told(&mut table);
     table.joints = vec![joint.to_owned()];
     table.closed = closed;
     LawFound { table, sd: Some(sd), after }

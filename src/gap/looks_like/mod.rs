@@ -7,7 +7,7 @@
 mod shape;
 mod words;
 
-use crate::joint::LawTable;
+use crate::joint::{LawTable, Stage};
 use crate::number::math;
 use shape::{Samples, Shape, shapes};
 
@@ -35,8 +35,36 @@ pub(super) const NOTHING: &str = "nothing that stands out of its uncertainty";
 /// assert_eq!(looks_like(&law, None), "like a spring of 0.12 N m/rad, slack at 0.10 rad");
 /// ```
 pub fn looks_like(law: &LawTable, sd: Option<&[f64]>) -> String {
+    look(law, sd).words
+}
+
+/// What is seen of a curve.
+pub(super) struct Look {
+    pub words: String,
+    /// Whether it is a torque or friction that teeth or magnets make.
+    is_of_teeth: bool,
+}
+
+impl Look {
+    /// Writes into a law's table what it looks like and, where that tells, the stage.
+    pub fn told(self, table: &mut LawTable) {
+        table.looks_like = self.words;
+        if self.is_of_teeth {
+            table.stage = Stage::Gearing.name().to_owned();
+        }
+    }
+}
+
+impl From<String> for Look {
+    fn from(words: String) -> Self {
+        Self { words, is_of_teeth: false }
+    }
+}
+
+/// The same, and what makes it.
+pub(super) fn look(law: &LawTable, sd: Option<&[f64]>) -> Look {
     const NONE: &str = "no simple shape";
-    let (Ok(variable), Ok(curve)) = (law.variable(), law.law()) else { return NONE.to_owned() };
+    let (Ok(variable), Ok(curve)) = (law.variable(), law.law()) else { return NONE.to_owned().into() };
     let x = &law.table.x;
     let [from, to] = [x[0], x[x.len() - 1]];
     let places = (0..PLACES).map(|k| from + (to - from) * k as f64 / (PLACES - 1) as f64);
@@ -47,12 +75,12 @@ pub fn looks_like(law: &LawTable, sd: Option<&[f64]>) -> String {
     let samples = Samples::new(at, value, sd.as_deref(), x.len());
     let speak = words::Words { variable, acts: law.acts, range: [from, to] };
     if samples.noise > 0.0 && samples.mean_square() < NOISE * samples.noise {
-        return NOTHING.to_owned();
+        return NOTHING.to_owned().into();
     }
     let variation = samples.variation();
     let mean = samples.mean();
     if variation < (LEVEL * mean).powi(2) || samples.noise > 0.0 && variation < NOISE * samples.noise {
-        return speak.of(&Shape::Constant { value: mean });
+        return speak.of(&Shape::Constant { value: mean }).into();
     }
     let floor = samples.noise.max((UNSEEN * samples.span()).powi(2));
     let knots = x.len() as f64;
@@ -62,8 +90,10 @@ pub fn looks_like(law: &LawTable, sd: Option<&[f64]>) -> String {
         .filter(|fit| fit.parameters + 1 < x.len())
         .min_by(|a, b| score(a.left, a.parameters).total_cmp(&score(b.left, b.parameters)));
     match best {
-        Some(best) if best.left < (1.0 - MOST) * variation => speak.of(&best.shape),
-        _ => format!("{NONE}; {}", speak.extremes(samples.extremes())),
+        Some(best) if best.left < (1.0 - MOST) * variation => {
+            Look { words: speak.of(&best.shape), is_of_teeth: speak.is_of_teeth(&best.shape) }
+        }
+        _ => format!("{NONE}; {}", speak.extremes(samples.extremes())).into(),
     }
 }
 

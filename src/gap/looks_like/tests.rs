@@ -60,6 +60,8 @@ fn levels_and_lines_are_the_terms_that_they_are() {
     let weak = torque(LawVariable::MotorTorque, [-2.0, 2.0], |m| -0.2 * m);
     all(&weak, "proportional to the motor's torque, like a gain", " % off", &[-20.0]);
     all(&torque(LawVariable::Time, [0.0, 30.0], |t| 1e-3 * t), "drifts by ", " N m/s", &[1e-3]);
+    let creeps = said(LawVariable::Time, LawActs::Reading, [0.0, 30.0], |t| 2e-3 * t);
+    all(&creeps, "drifts by ", " rad/s", &[2e-3]);
     let sags = said(LawVariable::Time, LawActs::Gain, [0.0, 30.0], |t| -0.01 * t);
     all(&sags, "drifts by ", " %/s", &[-1.0]);
     let faster = said(LawVariable::Speed, LawActs::Gain, [-3.0, 3.0], |w| 0.02 * w);

@@ -3,6 +3,10 @@
 use super::shape::Shape;
 use crate::joint::{LawActs, LawVariable};
 use crate::number::significant;
+use std::f64::consts::FRAC_PI_2;
+
+/// What repeats within this angle \[rad\], four times a turn or more often, is made by teeth or magnets.
+const OF_TEETH_RAD: f64 = FRAC_PI_2;
 
 /// A step narrower than this share of the range is one; a wider one is a rise that saturates.
 const SUDDEN: f64 = 0.06;
@@ -17,17 +21,28 @@ pub(super) struct Words {
 }
 
 impl Words {
+    /// Whether a shape is a torque or friction that teeth or magnets make.
+    pub fn is_of_teeth(&self, shape: &Shape) -> bool {
+        let by_angle = self.variable == LawVariable::Angle && matches!(self.acts, LawActs::Torque | LawActs::Friction);
+        by_angle
+            && matches!(*shape, Shape::Periodic { period, amplitude, slope }
+                if period <= OF_TEETH_RAD && !self.is_mostly_line(amplitude, slope))
+    }
+
+    /// Whether the line under a wave changes by more than the wave over the range.
+    fn is_mostly_line(&self, amplitude: f64, slope: f64) -> bool {
+        let [from, to] = self.range;
+        (slope * (to - from)).abs() > amplitude
+    }
+
     pub fn of(&self, shape: &Shape) -> String {
         let [from, to] = self.range;
         match *shape {
             Shape::Constant { value } => format!("constant, {}", self.value(value)),
             Shape::Line { offset, slope } => self.line(offset, slope),
             Shape::Periodic { period, amplitude, slope } => {
-                let cogging = match (self.acts, self.variable) {
-                    (LawActs::Torque | LawActs::Friction, LawVariable::Angle) => " (cogging, or teeth)",
-                    _ => "",
-                };
-                let on_line = if (slope * (to - from)).abs() > amplitude {
+                let cogging = if self.is_of_teeth(shape) { " (cogging, or teeth)" } else { "" };
+                let on_line = if self.is_mostly_line(amplitude, slope) {
                     format!(", on a line of {}", self.slope(slope))
                 } else {
                     String::new()
@@ -191,6 +206,7 @@ impl Words {
             (value, at) if value == at => "",
             ("N m", "rad") => " N m/rad",
             ("N m", "rad/s") => " N m s/rad",
+            ("rad", "s") => " rad/s",
             _ => " N m/s",
         };
         format!("{}{unit}", signed(slope))

@@ -139,7 +139,7 @@ fn along(bench: &Bench<'_>, row: &Row, joint: usize, variable: Variable) -> Opti
     let chain = &bench.case.nominal.joints.drive(id).chain;
     let asked_nm = |k: usize| {
         let setpoint = Setpoint { angle_rad: setpoint(k), rate_rad_s: slope(&setpoint, k) };
-        chain.motor_nm(setpoint, q[k], rate(k), 0.0)
+        chain.motor_nm(t_s[k], setpoint, [q[k], rate(k)], 0.0)
     };
     Some(
         (0..n)

@@ -44,7 +44,7 @@ pub(super) fn residual_torque_nm(bench: &Bench<'_>, index: usize) -> Vec<Vec<f64
             let setpoint_rad = |t: f64| log.scene.setpoints.at(id, t).unwrap_or(angle_rad);
             let rate = (setpoint_rad(t_s + 1e-3) - setpoint_rad(t_s - 1e-3)) / 2e-3;
             let setpoint = Setpoint { angle_rad: setpoint_rad(t_s), rate_rad_s: rate };
-            let motor_nm = if is_off { 0.0 } else { drive.chain.motor_nm(setpoint, angle_rad, rate_rad_s, 0.0) };
+            let motor_nm = if is_off { 0.0 } else { drive.chain.motor_nm(t_s, setpoint, [angle_rad, rate_rad_s], 0.0) };
             if rate_rad_s.abs() < STICKS_RAD_S {
                 continue;
             }

@@ -58,7 +58,7 @@ impl Effect for Term {
         }
         if chain.link.peak_gravity_nm() > 0.0 {
             let hanging_rad = chain.link.hanging_rad();
-            let [true_rad, _] = chain.read_back(hanging_rad, T::nought());
+            let [true_rad, _] = chain.read_back(T::nought(), hanging_rad, T::nought());
             chain.link = chain.link.turned(hanging_rad - true_rad);
         }
     }

@@ -99,7 +99,7 @@ pub enum LawActs {
     /// The torque that resists motion \[N m\], which is cut off at zero; a function of the variable's size, or of the
     /// angle with its sign.
     Friction,
-    /// What the encoder reads, and the controller sees \[rad\]; a function of the angle.
+    /// What the encoder reads, and the controller sees \[rad\]; a function of angle or time.
     Reading,
     /// What arrives of the motor's torque, as a share of it: 0.1 is a tenth more; a function of angle, speed or time.
     Gain,
@@ -275,8 +275,8 @@ impl<T: Real> Law<T> {
     /// [`BadLaw`] for knots and values that make no curve ([`Curve::new`]), and where the chain has no place for such a law.
     pub fn new(variable: LawVariable, acts: LawActs, at: Arc<[f64]>, values: &[T]) -> Result<Self, BadLaw> {
         let why = match (acts, variable) {
-            (LawActs::Reading, LawVariable::Angle) | (LawActs::Torque, _) => None,
-            (LawActs::Reading, _) => Some("an encoder sees the angle alone"),
+            (LawActs::Reading, LawVariable::Angle | LawVariable::Time) | (LawActs::Torque, _) => None,
+            (LawActs::Reading, _) => Some("an encoder errs over angle or time alone"),
             (LawActs::Friction, LawVariable::SetpointRate) => Some("nothing that rubs knows the setpoint"),
             (LawActs::Friction, _) => None,
             (LawActs::Gain, LawVariable::Angle | LawVariable::Speed | LawVariable::Time) => None,

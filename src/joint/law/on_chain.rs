@@ -64,27 +64,33 @@ impl<T: Real> Chain<T> {
         torque_nm
     }
 
-    /// What the encoder's own laws make of a reading and its rate.
+    /// What the encoder's own laws make of a reading and its rate at an instant.
     #[inline(never)]
-    pub(in crate::joint) fn with_laws_of_reading(&self, [reading_rad, reading_rad_s]: [T; 2]) -> [T; 2] {
-        let (mut shift_rad, mut slope) = (T::nought(), T::constant(1.0));
-        for law in self.laws_of_reading() {
-            let [value, by_angle] = law.curve.value_and_slope(reading_rad);
-            shift_rad += value;
-            slope += by_angle;
-        }
-        [reading_rad + shift_rad, reading_rad_s * slope]
+    pub(in crate::joint) fn with_laws_of_reading(&self, t_s: T, [reading_rad, reading_rad_s]: [T; 2]) -> [T; 2] {
+        let Shift { by_rad, slope, creep_rad_s } = self.shift_of_reading(t_s, reading_rad);
+        [reading_rad + by_rad, reading_rad_s * slope + creep_rad_s]
     }
 
-    /// The reading of which the encoder's own laws make this one, and its rate.
-    pub(in crate::joint) fn without_laws_of_reading(&self, [shown_rad, shown_rad_s]: [T; 2]) -> [T; 2] {
+    /// The reading of which the encoder's own laws make this one at an instant, and its rate.
+    pub(in crate::joint) fn without_laws_of_reading(&self, t_s: T, [shown_rad, shown_rad_s]: [T; 2]) -> [T; 2] {
         let mut reading_rad = shown_rad;
-        let one = T::constant(1.0);
         for _ in 0..INVERSIONS {
-            let [back_rad, slope] = self.with_laws_of_reading([reading_rad, one]);
-            reading_rad -= (back_rad - shown_rad) / slope;
+            let Shift { by_rad, slope, .. } = self.shift_of_reading(t_s, reading_rad);
+            reading_rad -= (reading_rad + by_rad - shown_rad) / slope;
         }
-        [reading_rad, shown_rad_s / self.with_laws_of_reading([reading_rad, one])[1]]
+        let Shift { slope, creep_rad_s, .. } = self.shift_of_reading(t_s, reading_rad);
+        [reading_rad, (shown_rad_s - creep_rad_s) / slope]
+    }
+
+    fn shift_of_reading(&self, t_s: T, reading_rad: T) -> Shift<T> {
+        let mut shift = Shift { by_rad: T::nought(), slope: T::constant(1.0), creep_rad_s: T::nought() };
+        for law in self.laws_of_reading() {
+            let of_time = law.variable == LawVariable::Time;
+            let [value, slope] = law.curve.value_and_slope(if of_time { t_s } else { reading_rad });
+            shift.by_rad += value;
+            *(if of_time { &mut shift.creep_rad_s } else { &mut shift.slope }) += slope;
+        }
+        shift
     }
 
     /// Whether a resting joint may be moved by time alone.
@@ -116,7 +122,9 @@ impl<T: Real> Chain<T> {
         for law in &self.laws {
             let steepest = law.curve.steepest(f64::NEG_INFINITY, f64::INFINITY);
             let [stiffness, damping] = match (law.acts, law.variable) {
-                (LawActs::Reading, _) | (LawActs::Torque, LawVariable::MotorTorque) => [kp * steepest, kd * steepest],
+                (LawActs::Reading, LawVariable::Angle) | (LawActs::Torque, LawVariable::MotorTorque) => {
+                    [kp * steepest, kd * steepest]
+                }
                 (LawActs::Torque, LawVariable::Angle) => [steepest, 0.0],
                 (LawActs::Torque, LawVariable::Load) => [steepest * self.link.peak_gravity_nm(), 0.0],
                 (LawActs::Torque, LawVariable::Speed) => {
@@ -128,7 +136,8 @@ impl<T: Real> Chain<T> {
                     [kp * (law.curve.largest() + steepest), kd * law.curve.largest()]
                 }
                 (LawActs::Gain, _) => [kp, kd].map(|of| of * law.curve.largest()),
-                (LawActs::Torque, LawVariable::Time | LawVariable::SetpointRate) | (LawActs::Friction, _) => [0.0; 2],
+                (LawActs::Torque, LawVariable::Time | LawVariable::SetpointRate)
+                | (LawActs::Reading | LawActs::Friction, _) => [0.0; 2],
             };
             sum = [sum[0] + stiffness, sum[1] + damping];
         }
@@ -161,6 +170,13 @@ impl<T: Real> Chain<T> {
     fn laws_of_reading(&self) -> impl Iterator<Item = &Law<T>> {
         self.laws.iter().filter(|law| law.acts == LawActs::Reading)
     }
+}
+
+/// What the encoder's laws add to a reading: a shift, the slope of the whole over the angle, and a rate at rest.
+struct Shift<T> {
+    by_rad: T,
+    slope: T,
+    creep_rad_s: T,
 }
 
 /// Steps of Newton's method that find the reading behind another; each doubles the digits.

@@ -63,6 +63,11 @@ impl LawTable {
         }
     }
 
+    /// The stage that it names, where there is such a one.
+    pub fn stage(&self) -> Option<Stage> {
+        Stage::ALL.into_iter().find(|stage| stage.name() == self.stage)
+    }
+
     /// What it is a function of.
     ///
     /// # Errors
@@ -81,7 +86,7 @@ impl LawTable {
     pub fn law(&self) -> Result<Law<f64>, BadLaw> {
         let variable = self.variable()?;
         let CurveTable { x, y, unit } = &self.table;
-        if !self.stage.is_empty() && !Stage::ALL.iter().any(|stage| stage.name() == self.stage) {
+        if !self.stage.is_empty() && self.stage().is_none() {
             return Err(BadLaw::Stage { found: self.stage.clone() });
         }
         if !unit.is_empty() && unit != self.acts.unit() {
@@ -89,7 +94,7 @@ impl LawTable {
         }
         let law = Law::new(variable, self.acts, x[..].into(), y)?;
         let fall = law.curve.least_slope();
-        if self.acts == LawActs::Reading && fall < -MOST_LOST {
+        if (self.acts, variable) == (LawActs::Reading, LawVariable::Angle) && fall < -MOST_LOST {
             return Err(BadLaw::Fold { fall });
         }
         Ok(law)
@@ -122,7 +127,7 @@ mod tests {
             let is_there = match acts {
                 LawActs::Torque => true,
                 LawActs::Friction => variable != LawVariable::SetpointRate,
-                LawActs::Reading => variable == LawVariable::Angle,
+                LawActs::Reading => matches!(variable, LawVariable::Angle | LawVariable::Time),
                 LawActs::Gain => {
                     matches!(variable, LawVariable::Angle | LawVariable::Speed | LawVariable::Time)
                 }
