@@ -64,9 +64,7 @@ class Swings:
         self.begin = np.array([joint[name] * WRONG[name] for name in NAMES[:3]] + [0.0])
         self.scale = np.array([*self.begin[:3], 0.1])
         self.low, self.high = np.append(0.02 * self.begin[:3], -0.5), np.append(50.0 * self.begin[:3], 0.5)
-        self.released = []
-        for path in SWINGS:
-            self.released.append(tomllib.loads(path.with_suffix(".toml").read_text())["release"])
+        self.released = [tomllib.loads(path.with_suffix(".toml").read_text())["release"] for path in SWINGS]
         self.batch = Batch(self.study.logs, joint)
 
     def residuals(self, points, which):
@@ -177,13 +175,9 @@ def by_mujoco(swings, _seed):
         parameters.add(sysid.Parameter(name, begin, low, high))
 
     def asked(x, _):
-        # Its optimiser asks for columns of points, one each.
-        points = np.atleast_2d(np.asarray(x, float).T)
-        found = []
-        for point in points:
-            found.append(residual(point, FITTED))
-            trials.add(point, found[-1])
-        return [found[0] if np.ndim(x) == 1 else np.array(found).T], None, None
+        found = residual(x, FITTED)
+        trials.add(x, found)
+        return [found], None, None
 
     with contextlib.redirect_stdout(io.StringIO()):
         sysid.optimize(parameters, asked, optimizer="scipy", verbose=False, x_scale=swings.scale)

@@ -2,6 +2,7 @@
 
 mod support;
 
+use aibo_fit::blind::{Cause, OutsideId};
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -63,4 +64,18 @@ fn where_nothing_is_missing_there_is_no_law() {
     let logs = [("fit", swing(1.2, 500, FRICTION)), ("fit", swing(-0.9, 500, FRICTION))];
     let (found, text) = diagnosed(swings(&logs, RIGHT).path());
     assert_eq!((&found["verdict"], &found["law"]), (&json!("none"), &Value::Null), "{text}");
+}
+
+/// Made by the blind trial's own simulator: `blind --cause encoder_drift --trials 1 --seed 11`.
+#[test]
+#[ignore = "ten seconds"]
+fn slow_a_zero_that_creeps_is_a_law_of_the_reading_over_time() {
+    let dir = tempfile::tempdir().unwrap();
+    write_made(dir.path(), 11, Cause::Outside(OutsideId::EncoderDrift));
+    let (found, text) = diagnosed(dir.path());
+    let law = &found["law"];
+    assert_eq!((&law["acts"], &law["variables"]), (&json!("reading"), &json!(["time"])), "{text}");
+    assert_eq!((&found["where"]["variable"], &found["where"]["stage"]), (&json!("time"), &json!("sensor")), "{text}");
+    let gap = |key: &str| found["gap"][key].as_f64().unwrap();
+    assert!(gap("after") < 0.5 * gap("after_first"), "{text}");
 }

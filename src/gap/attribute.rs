@@ -209,7 +209,7 @@ impl Attribution {
         growth: &Growth<'_>,
         judged: &Judged,
         known: &Known,
-        on_all: Option<&Trial>,
+        found: Option<&Trial>,
     ) -> Result<Self, Cancelled> {
         let stage = |stage| growth.progress.go_on(Step::stage(stage));
         let coarse = growth.evidence;
@@ -261,10 +261,10 @@ impl Attribution {
         };
         stage("the serious ones on all samples")?;
         // A law may have taken the place of some of the causes.
-        this.on_all_samples(evidence, on_all.filter(|t| t.effects() == this.best.effects()).cloned());
+        this.on_all_samples(evidence, found.filter(|t| t.effects() == this.best.effects()).cloned());
         // Where it has come to rest on all samples a law may predict worse than on the way there.
-        if this.law.as_ref().is_some_and(|law| fails(evidence, coarse, law, &this.best, &judged.best)) {
-            return Self::carried(evidence, growth, judged, &Known { law_refuted: true, ..known.clone() }, on_all);
+        if this.law.as_ref().is_some_and(|law| is_refuted(evidence, coarse, law, &this.best, &judged.best)) {
+            return Self::carried(evidence, growth, judged, &Known { law_refuted: true, ..known.clone() }, found);
         }
         Ok(this)
     }
@@ -458,7 +458,7 @@ impl Attribution {
 
 /// Whether a law at rest on all samples predicts held-out logs clearly worse than the causes beside it, or than all that there
 /// were before it took the place of some.
-fn fails(evidence: &Evidence, coarse: &Evidence, law: &Trial, beside: &Trial, before: &Trial) -> bool {
+fn is_refuted(evidence: &Evidence, coarse: &Evidence, law: &Trial, beside: &Trial, before: &Trial) -> bool {
     if beside.effects().len() == before.effects().len() {
         return predicts_clearly_worse(evidence, law, beside);
     }

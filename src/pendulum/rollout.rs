@@ -124,6 +124,7 @@ pub(super) trait Mechanism<T: Real> {
     fn chain(&self) -> &Chain<T>;
     /// Now \[s\].
     fn now_s(&self) -> T;
+    /// The same, to be set.
     fn clock_mut(&mut self) -> &mut T;
     /// The held joint is let go.
     fn let_go(&mut self);
