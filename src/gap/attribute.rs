@@ -1,17 +1,16 @@
 //! Which causes: the joint as given, recalibrated within its beliefs, and with the set of effects that explains most.
 
-use super::calibrate::calibrate;
-use super::chance;
 use super::compare::difference;
 use super::evidence::{Evidence, counts};
-use super::explore::{explore, one_of_each};
+use super::explore::one_of_each;
 use super::floor::noise_rad;
-use super::grow::{Growth, Looked, Pruned};
-use super::judged::{Judged, judged};
+use super::grow::Growth;
+use super::judged::Judged;
 use super::laws::lawful;
 use super::model::BASELINE;
 use super::refuted::{on_all, predicts_clearly_worse, refuted_by, refutes};
-use super::score::{Measure, is_better};
+use super::score::Measure;
+use super::searched::{FAR, Known, LEFT_OVER, Searched, counted};
 use super::trial::Trial;
 use crate::fit::Budget;
 use crate::identify::Experiment;
@@ -51,144 +50,52 @@ pub(super) struct Attribution {
     pub correlation: f64,
 }
 
-/// Sets that are carried over from short parts of the logs.
-const CARRIED: usize = 2;
 /// A single effect is carried over to all samples where its criterion is below the best one's times this.
 const SERIOUS: f64 = 4.0;
 /// At the most so many single effects are carried over.
 const MOST: usize = 6;
 /// Evaluations of a fit that begins near its end.
 const AGAIN: Budget = Budget { evaluations: 24 };
-/// A share above the noise from which on the search may have ended in a wrong place, and one from which on whole logs are
-/// too long for it to begin with.
-const FAR: f64 = 0.5;
-const VERY_FAR: f64 = 4.0;
 /// Held-out logs show more where they exceed the noise by this many times as much as the fitted ones, and these hardly
 /// do; or by this many times as much anyway.
 const SHOWS_MORE: f64 = 6.0;
 const SHOWS_MUCH_MORE: f64 = 50.0;
-/// A hypothesis whose squared residuals exceed the noise by this share leaves something to explain.
-pub(super) const LEFT_OVER: f64 = 0.02;
 /// Squared residuals that exceed the noise by this share are worth a law.
 const WORTH_A_LAW: f64 = 0.3;
 /// Rivals within this score of the best are carried over to all samples.
 const NEAR: f64 = 60.0;
-
-/// What is known before causes are carried over to all samples.
-#[derive(Clone)]
-struct Known {
-    given: Trial,
-    calibrated: Trial,
-    firsts: Vec<Trial>,
-    noise_rad: f64,
-    set_refuted: bool,
-    /// Whether held-out logs have refuted a law, so that none is looked for.
-    law_refuted: bool,
-}
-
-/// How many samples count.
-fn counted(evidence: &Evidence) -> f64 {
-    evidence.fit.iter().map(|e| counts(e).sum::<f64>()).sum()
-}
 
 impl Attribution {
     /// Fits all hypotheses about a study; `effects` is the catalogue that is considered.
     ///
     /// Everything is tried on fewer samples first; only what comes near the best is fitted to all of them.
     pub fn of(evidence: &Evidence, effects: &[EffectId], progress: &dyn Progress) -> Result<Self, Cancelled> {
-        let stage = |stage| progress.go_on(Step::stage(stage));
-        let coarse = evidence.coarse();
-        let baseline = evidence.baseline();
-        stage("the joint as given")?;
-        let given = Trial::as_given(&coarse, &baseline);
-        stage("recalibrating")?;
-        let mut calibrated = calibrate(&coarse, &baseline, &given);
-        stage("trying causes")?;
-        let samples = counted(&coarse);
-        let enough = |noise_rad: f64| samples * noise_rad.powi(2) * (1.0 + LEFT_OVER);
-        let as_given = given.found.values.clone();
-        let rough = noise_rad(&coarse, &[&given, &calibrated]);
-        let growth = Growth { evidence: &coarse, effects, as_given: &as_given, enough: enough(rough), progress };
-        let beyond =
-            |t: &Trial, share: f64, noise_rad: f64| t.fit_loss(&coarse) > samples * noise_rad.powi(2) * (1.0 + share);
-        // What is less than a step of the encoder may be noise of any colour.
-        let step_rad = coarse.reach.resolution_rad;
-        let exceeds_a_step = |t: &Trial| t.fit_loss(&coarse) > samples * step_rad.powi(2);
-        let leaves_much = |t: &Trial, noise_rad: f64| beyond(t, FAR, noise_rad) && exceeds_a_step(t);
-        let (mut best, mut looked) = (calibrated.clone(), Looked::default());
-        if beyond(&calibrated, VERY_FAR, rough) {
-            stage("looking at short parts of the logs")?;
-            let carried = in_short_parts(&coarse, &growth, &calibrated);
-            if let Some(t) = carried.first() {
-                best = t.clone();
-            }
-        }
-        let noise = noise_rad(&coarse, &[&given, &calibrated, &best]);
-        let growth = Growth { enough: enough(noise), ..growth };
-        if !best.effects().is_empty() && beyond(&best, FAR, noise) {
-            best = growth.from(&best).0;
-        }
-        if best.effects().is_empty() || beyond(&best, FAR, noise) {
-            stage("looking at whole logs")?;
-            let (other, here) = growth.from(&calibrated);
-            looked = here;
-            if is_better(&coarse, &other, &best) {
-                best = other;
-            }
-        }
-        let noise = noise_rad(&coarse, &[&given, &calibrated, &best]);
-        let mut set_refuted = false;
-        if leaves_much(&best, noise) {
-            stage("beginning with other causes")?;
-            let growth = Growth { enough: enough(noise), ..growth };
-            let suffices = |t: &Trial| !leaves_much(t, noise);
-            (best, set_refuted) = growth.begun_elsewhere(evidence, (&calibrated, &looked), best, &suffices);
-        }
-        let noise = noise_rad(&coarse, &[&given, &calibrated, &best]);
-        let growth = Growth { enough: enough(noise), ..growth };
-        // A baseline that has been in the wrong place shows when the effects that found the right one are dropped.
-        if !best.effects().is_empty() {
-            let bare = best.keeping(&coarse, &[], AGAIN);
-            if bare.criterion() < 0.999 * calibrated.criterion() {
-                calibrated = bare;
-                looked.sights.clear();
-            }
-        }
-        stage("exchanging causes")?;
-        let grown = best.effects().to_vec();
-        let pruned = growth.pruned(best);
-        let Looked { singles: mut firsts, mut sights } = looked;
-        if sights.is_empty() {
-            sights = growth.sights(&calibrated, effects);
-        }
-        let chance = chance::threshold(&coarse, &sights, &pruned.best);
-        if firsts.is_empty() {
-            firsts = explore(&coarse, &calibrated, &sights);
-        }
-        let judge = |pruned: Pruned| judged(&growth, evidence, pruned, chance, &firsts);
-        let mut judged = judge(pruned);
-        // What others had stood in for shows once they are gone.
-        let went = grown.iter().any(|e| !judged.best.effects().contains(e));
-        let looks_again = went && !judged.best.effects().is_empty() && leaves_much(&judged.best, noise);
-        if looks_again && !evidence.deadline.leaves_out("further causes") {
-            stage("looking again")?;
-            let (again, _) = growth.from(&judged.best);
-            if again.effects().len() > judged.best.effects().len() {
-                let mut again = judge(growth.pruned(again));
-                let score = |t: &Trial| Measure::by(&coarse, &again.best).score(&coarse, t);
-                if score(&again.best) < score(&judged.best) {
-                    if refutes(&coarse, evidence, &again.best, &judged.best) {
-                        set_refuted = true;
-                    } else {
-                        again.refuted.extend(judged.refuted);
-                        judged = again;
-                    }
-                }
-            }
-        }
-        let known = Known { given, calibrated, firsts, noise_rad: noise, set_refuted, law_refuted: false };
+        Self::of_searched(evidence, effects, Searched::of(evidence, effects, None, progress)?, progress)
+    }
+
+    /// The same, where a set of causes is known that predicts the held-out logs, from which the search begins.
+    pub fn begun_with(
+        evidence: &Evidence,
+        effects: &[EffectId],
+        set: &Trial,
+        progress: &dyn Progress,
+    ) -> Result<Self, Cancelled> {
+        let searched = Searched::of(evidence, effects, Some(set), progress)?;
+        let this = Self::of_searched(evidence, effects, searched, progress)?;
+        Ok(Self { set_refuted: true, ..this })
+    }
+
+    /// The same from what a search found.
+    pub fn of_searched(
+        evidence: &Evidence,
+        effects: &[EffectId],
+        searched: Searched,
+        progress: &dyn Progress,
+    ) -> Result<Self, Cancelled> {
+        let Searched { coarse, as_given, enough, judged, known } = searched;
+        let growth = Growth { evidence: &coarse, effects, as_given: &as_given, enough, progress };
         let this = Self::carried(evidence, &growth, &judged, &known, None)?;
-        stage("whether fewer causes predict better")?;
+        progress.go_on(Step::stage("whether fewer causes predict better"))?;
         let Some(less) = this.fewer_predict(evidence) else { return Ok(this) };
         let mut best = less.clone();
         best.begin_as(evidence, &coarse);
@@ -445,9 +352,24 @@ impl Attribution {
         (fitted < FAR && more > SHOWS_MORE) || more > SHOWS_MUCH_MORE
     }
 
+    /// Share by which the squares of held-out logs exceed the noise.
+    pub fn excess_held_out(&self, evidence: &Evidence) -> f64 {
+        self.excess_apart(evidence, self.told())[0]
+    }
+
+    /// The causes, with a law where one stands beside them.
+    pub fn told(&self) -> &Trial {
+        self.law.as_ref().unwrap_or(&self.best)
+    }
+
+    /// Whether held-out logs refute anything that the fitted ones ask for.
+    pub fn held_out_refuted(&self) -> bool {
+        !self.refuted.is_empty() || self.law_refuted || self.set_refuted
+    }
+
     /// Whether the held-out logs had a say: in the beliefs, in the causes, in the law.
     pub fn held_out_chose(&self, evidence: &Evidence) -> bool {
-        evidence.normal_beliefs || !self.refuted.is_empty() || self.law_refuted || self.set_refuted
+        evidence.normal_beliefs || self.held_out_refuted()
     }
 
     /// How many standard deviations `a` explains all logs worse than `b`.
@@ -470,20 +392,4 @@ fn is_refuted(evidence: &Evidence, coarse: &Evidence, law: &Trial, beside: &Tria
 /// Where residuals stay below this no law is looked for \[rad\].
 fn noise_of_law(noise_rad: f64) -> f64 {
     noise_rad * (1.0 + WORTH_A_LAW).sqrt()
-}
-
-/// Sets of effects found on short parts of the logs, on which no hypothesis runs far from its log, carried over.
-fn in_short_parts(coarse: &Evidence, growth: &Growth<'_>, calibrated: &Trial) -> Vec<Trial> {
-    let short = coarse.in_parts();
-    let baseline = coarse.baseline();
-    let given = Trial::as_given(&short, &baseline);
-    let mut base = calibrate(&short, &baseline, &given);
-    // Fitted starts hide what is missing; those that the readings show do not.
-    base.found.starts = short.fit.iter().map(|e| e.start_coordinates(&e.start)).collect();
-    let inside = Growth { evidence: &short, ..*growth };
-    let (best, Looked { singles: mut found, .. }) = inside.from(&base);
-    found.truncate(CARRIED - 1);
-    found.insert(0, best);
-    found.retain(|t| !t.effects().is_empty());
-    growth.carried(calibrated, &found)
 }

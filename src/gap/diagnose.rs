@@ -20,6 +20,7 @@ use super::rates::{Rates, probability, share_out, standing};
 use super::refuted::soundly_believed;
 use super::rotor;
 use super::sentence::{far, followed, sentence};
+use super::together::all_together;
 use super::told::{AtBest, tell};
 use super::trial::{Trial, loss};
 use super::twins::measure;
@@ -282,7 +283,7 @@ fn attributed(
     }
     let shows_more = attribution.held_out_shows_more(&evidence);
     if !shows_more || evidence.deadline.leaves_out("a search on all logs together, for the held-out ones show more") {
-        return Ok((evidence, attribution));
+        return all_together(evidence, attribution, effects, progress);
     }
     progress.go_on(Step::stage("all logs: the held-out ones show more"))?;
     let pooled = evidence.pooled();
@@ -458,7 +459,7 @@ fn notes(
     }
     if evidence.pooled_from.is_some() {
         notes.push(
-            "The logs to be fitted hardly show what the others do: all logs were fitted together, and nothing was held \
+            "The logs to be fitted do not show by themselves what all logs do: all were fitted together, and nothing was held \
              out. A further log would tell whether the answer predicts."
                 .to_owned(),
         );

@@ -44,7 +44,8 @@ impl HeldOut {
         }
         let all = &evidence.fit;
         if let Some(from) = evidence.pooled_from {
-            let how = "not at all; these logs were fitted with the others, which do not show what these show";
+            let how =
+                "not at all; these logs were fitted with the others, which do not show by themselves what all logs do";
             return Self { experiments: all[from..].to_vec(), how, from: From::Pooled(from) };
         }
         let how = if all.len() == 1 {

@@ -86,6 +86,14 @@ impl Trial {
         anew(&mut self.held_starts, &here.held, &there.held);
     }
 
+    /// The same with only the first so many of its logs fitted, and the others held out; it has to be fitted again.
+    pub fn holding_out_from(mut self, from: usize) -> Self {
+        self.held_starts = self.found.starts.split_off(from);
+        self.fit.truncate(from);
+        self.held.clear();
+        self
+    }
+
     /// The same hypothesis on other samples of the same logs.
     pub fn on(&self, evidence: &Evidence, budget: Budget) -> Self {
         let mut there = self.continued(evidence, budget);

@@ -16,6 +16,7 @@ use crate::number::chance::HALF_95;
 use crate::robot::description::{BodyChange, Description, LinkId};
 use crate::robot::tree::{Tree, TreeBase};
 use nalgebra::Vector3;
+use rayon::prelude::*;
 
 /// What is left out where these are not looked for.
 pub(super) const BODIES: &str = "whether a body's mass is another than described";
@@ -126,18 +127,18 @@ pub(super) fn find(
     let own: Vec<Choice> = founds.iter().map(|found| Choice { curve: None, ..found.choice() }).collect();
     let without_body = |choices: &[Choice]| Ok((bench.criterion(choices) + price(choices), ()));
     let bare = without_body(&nothing)?.0.min(pruned(own.clone(), &without_body)?.0);
-    let mut tried: Vec<Fitted> = Vec::new();
     let is_asked = |h: &Hypothesis| !taken.contains(&h.link) && !without.contains(&h.kind);
-    for hypothesis in hypotheses(setup).into_iter().filter(is_asked) {
-        if deadline.leaves_out(BODIES) {
-            return Ok(Vec::new());
-        }
-        tried.push(bench.fitted(hypothesis, None, &nothing, STEPS)?);
-    }
+    let asked: Vec<Hypothesis> = hypotheses(setup).into_iter().filter(is_asked).collect();
+    let in_time = |hypothesis: Hypothesis| match deadline.leaves_out(BODIES) {
+        true => Ok(None),
+        false => bench.fitted(hypothesis, None, &nothing, STEPS).map(Some),
+    };
+    let tried: Vec<Option<Fitted>> = asked.into_par_iter().map(in_time).collect::<Result<_, ClampedCaseError>>()?;
+    let Some(mut tried) = tried.into_iter().collect::<Option<Vec<Fitted>>>() else { return Ok(Vec::new()) };
     tried.retain(|fitted| !bench.is_believed(fitted) && fitted.is_told());
     tried.sort_by(|a, b| a.priced.total_cmp(&b.priced));
     if own != nothing {
-        for fitted in tried.iter_mut().take(BESIDE_CAUSES) {
+        tried.par_iter_mut().take(BESIDE_CAUSES).try_for_each(|fitted| {
             let beside = |choices: &[Choice]| {
                 let beside = bench.fitted(fitted.hypothesis.clone(), Some(&fitted.x), choices, STEPS_BESIDE)?;
                 Ok((beside.priced, beside))
@@ -146,7 +147,8 @@ pub(super) fn find(
             if priced < fitted.priced && !bench.is_believed(&beside) && beside.is_told() {
                 *fitted = beside;
             }
-        }
+            Ok::<(), ClampedCaseError>(())
+        })?;
         tried.sort_by(|a, b| a.priced.total_cmp(&b.priced));
     }
     let (mut kinds, tip): (Vec<BodyKind>, _) = (Vec::new(), tip(setup));

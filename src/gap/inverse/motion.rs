@@ -177,7 +177,7 @@ fn best_of(
         let beside = beside.map(|beside| BodyAtBest { explains: false, ..beside });
         alone.into_iter().chain(beside).min_by(|a, b| a.left_rad.total_cmp(&b.left_rad))
     };
-    let mut tried: Vec<BodyAtBest> = bodies.iter().filter_map(at_best).collect();
+    let mut tried: Vec<BodyAtBest> = bodies.par_iter().filter_map(at_best).collect();
     let explains = tried.iter().any(|one| one.explains);
     tried.retain(|one| one.explains || !explains);
     let least_rad = tried.iter().map(|one| one.left_rad).fold(f64::INFINITY, f64::min);
