@@ -64,103 +64,167 @@ impl Searched {
         begun: Option<&Trial>,
         progress: &dyn Progress,
     ) -> Result<Self, Cancelled> {
-        let stage = |stage| progress.go_on(Step::stage(stage));
         let coarse = evidence.coarse();
-        let baseline = evidence.baseline();
-        stage("the joint as given")?;
-        let given = Trial::as_given(&coarse, &baseline);
-        stage("recalibrating")?;
-        let mut calibrated = calibrate(&coarse, &baseline, &given);
-        stage("trying causes")?;
-        let samples = counted(&coarse);
-        let enough = |noise_rad: f64| samples * noise_rad.powi(2) * (1.0 + LEFT_OVER);
-        let as_given = given.found.values.clone();
-        let rough = noise_rad(&coarse, &[&given, &calibrated]);
-        let growth = Growth { evidence: &coarse, effects, as_given: &as_given, enough: enough(rough), progress };
-        let beyond =
-            |t: &Trial, share: f64, noise_rad: f64| t.fit_loss(&coarse) > samples * noise_rad.powi(2) * (1.0 + share);
-        // What is less than a step of the encoder may be noise of any colour.
-        let step_rad = coarse.reach.resolution_rad;
-        let exceeds_a_step = |t: &Trial| t.fit_loss(&coarse) > samples * step_rad.powi(2);
-        let leaves_much = |t: &Trial, noise_rad: f64| beyond(t, FAR, noise_rad) && exceeds_a_step(t);
-        let (mut best, mut looked, mut set_refuted) = (calibrated.clone(), Looked::default(), false);
-        let begins_afresh = begun.is_none();
-        if let Some(set) = begun {
-            let mut set = set.clone();
-            set.begin_as(evidence, &coarse);
-            best = set.on(&coarse, AGAIN);
-        } else if beyond(&calibrated, VERY_FAR, rough) {
-            stage("looking at short parts of the logs")?;
-            let carried = in_short_parts(&coarse, &growth, &calibrated);
-            if let Some(t) = carried.first() {
-                best = t.clone();
-            }
+        let search = Search::of(evidence, &coarse, effects, progress)?;
+        let (grown, looked, set_refuted) = match begun {
+            Some(set) => (search.carried_on(set), Looked::default(), false),
+            None => search.grown()?,
+        };
+        let noise_rad = search.noise_rad(&grown);
+        let enough = search.growth(noise_rad).enough;
+        let (judged, known) = search.judged(grown, looked, set_refuted)?;
+        let as_given = search.given.found.values;
+        Ok(Self { coarse, as_given, enough, judged, known })
+    }
+}
+
+/// A search on fewer samples.
+struct Search<'a> {
+    /// All samples.
+    whole: &'a Evidence,
+    coarse: &'a Evidence,
+    effects: &'a [EffectId],
+    given: Trial,
+    calibrated: Trial,
+    progress: &'a dyn Progress,
+}
+
+impl<'a> Search<'a> {
+    fn of(
+        whole: &'a Evidence,
+        coarse: &'a Evidence,
+        effects: &'a [EffectId],
+        progress: &'a dyn Progress,
+    ) -> Result<Self, Cancelled> {
+        let baseline = whole.baseline();
+        progress.go_on(Step::stage("the joint as given"))?;
+        let given = Trial::as_given(coarse, &baseline);
+        progress.go_on(Step::stage("recalibrating"))?;
+        let calibrated = calibrate(coarse, &baseline, &given);
+        progress.go_on(Step::stage("trying causes"))?;
+        Ok(Self { whole, coarse, effects, given, calibrated, progress })
+    }
+
+    fn stage(&self, stage: &'static str) -> Result<(), Cancelled> {
+        self.progress.go_on(Step::stage(stage))
+    }
+
+    /// The noise as far as the best that is known shows it.
+    fn noise_rad(&self, best: &Trial) -> f64 {
+        noise_rad(self.coarse, &[&self.given, &self.calibrated, best])
+    }
+
+    fn growth(&self, noise_rad: f64) -> Growth<'_> {
+        Growth {
+            evidence: self.coarse,
+            effects: self.effects,
+            as_given: &self.given.found.values,
+            enough: counted(self.coarse) * noise_rad.powi(2) * (1.0 + LEFT_OVER),
+            progress: self.progress,
         }
-        let noise = noise_rad(&coarse, &[&given, &calibrated, &best]);
-        let growth = Growth { enough: enough(noise), ..growth };
-        if !best.effects().is_empty() && beyond(&best, FAR, noise) {
-            best = growth.from(&best).0;
+    }
+
+    fn exceeds(&self, t: &Trial, share: f64, noise_rad: f64) -> bool {
+        t.fit_loss(self.coarse) > counted(self.coarse) * noise_rad.powi(2) * (1.0 + share)
+    }
+
+    /// What is less than a step of the encoder may be noise of any colour.
+    fn leaves_much(&self, t: &Trial, noise_rad: f64) -> bool {
+        let step_rad = self.coarse.reach.resolution_rad;
+        self.exceeds(t, FAR, noise_rad) && t.fit_loss(self.coarse) > counted(self.coarse) * step_rad.powi(2)
+    }
+
+    /// A set of causes with what it grows to where it leaves something.
+    fn carried_on(&self, set: &Trial) -> Trial {
+        let mut set = set.clone();
+        set.begin_as(self.whole, self.coarse);
+        self.grown_from(set.on(self.coarse, AGAIN))
+    }
+
+    fn grown_from(&self, set: Trial) -> Trial {
+        let noise_rad = self.noise_rad(&set);
+        match !set.effects().is_empty() && self.exceeds(&set, FAR, noise_rad) {
+            true => self.growth(noise_rad).from(&set).0,
+            false => set,
         }
-        if begins_afresh && (best.effects().is_empty() || beyond(&best, FAR, noise)) {
-            stage("looking at whole logs")?;
-            let (other, here) = growth.from(&calibrated);
+    }
+
+    /// The best set that grows from the joint as given, what was seen from there, and whether held-out logs refuted another.
+    fn grown(&self) -> Result<(Trial, Looked, bool), Cancelled> {
+        let (mut best, mut looked, mut set_refuted) = (self.calibrated.clone(), Looked::default(), false);
+        let rough_rad = noise_rad(self.coarse, &[&self.given, &self.calibrated]);
+        if self.exceeds(&best, VERY_FAR, rough_rad) {
+            self.stage("looking at short parts of the logs")?;
+            let carried = in_short_parts(self.coarse, &self.growth(rough_rad), &self.calibrated);
+            best = carried.into_iter().next().unwrap_or(best);
+        }
+        let noise_rad = self.noise_rad(&best);
+        best = self.grown_from(best);
+        if best.effects().is_empty() || self.exceeds(&best, FAR, noise_rad) {
+            self.stage("looking at whole logs")?;
+            let (other, here) = self.growth(noise_rad).from(&self.calibrated);
             looked = here;
-            if is_better(&coarse, &other, &best) {
+            if is_better(self.coarse, &other, &best) {
                 best = other;
             }
         }
-        let noise = noise_rad(&coarse, &[&given, &calibrated, &best]);
-        if begins_afresh && leaves_much(&best, noise) {
-            stage("beginning with other causes")?;
-            let growth = Growth { enough: enough(noise), ..growth };
-            let suffices = |t: &Trial| !leaves_much(t, noise);
-            (best, set_refuted) = growth.begun_elsewhere(evidence, (&calibrated, &looked), best, &suffices);
+        let noise_rad = self.noise_rad(&best);
+        if self.leaves_much(&best, noise_rad) {
+            self.stage("beginning with other causes")?;
+            let suffices = |t: &Trial| !self.leaves_much(t, noise_rad);
+            (best, set_refuted) =
+                self.growth(noise_rad).begun_elsewhere(self.whole, (&self.calibrated, &looked), best, &suffices);
         }
-        let noise = noise_rad(&coarse, &[&given, &calibrated, &best]);
-        let growth = Growth { enough: enough(noise), ..growth };
+        Ok((best, looked, set_refuted))
+    }
+
+    /// What stays of a grown set, and what is known beside it.
+    fn judged(&self, grown: Trial, looked: Looked, mut set_refuted: bool) -> Result<(Judged, Known), Cancelled> {
+        let noise_rad = self.noise_rad(&grown);
+        let growth = self.growth(noise_rad);
+        let Looked { singles: mut firsts, mut sights } = looked;
         // A baseline that has been in the wrong place shows when the effects that found the right one are dropped.
-        if !best.effects().is_empty() {
-            let bare = best.keeping(&coarse, &[], AGAIN);
+        let mut calibrated = self.calibrated.clone();
+        if !grown.effects().is_empty() {
+            let bare = grown.keeping(self.coarse, &[], AGAIN);
             if bare.criterion() < 0.999 * calibrated.criterion() {
                 calibrated = bare;
-                looked.sights.clear();
+                sights.clear();
             }
         }
-        stage("exchanging causes")?;
-        let grown = best.effects().to_vec();
-        let pruned = growth.pruned(best);
-        let Looked { singles: mut firsts, mut sights } = looked;
+        self.stage("exchanging causes")?;
+        let members = grown.effects().to_vec();
+        let pruned = growth.pruned(grown);
         if sights.is_empty() {
-            sights = growth.sights(&calibrated, effects);
+            sights = growth.sights(&calibrated, self.effects);
         }
-        let chance = chance::threshold(&coarse, &sights, &pruned.best);
+        let chance = chance::threshold(self.coarse, &sights, &pruned.best);
         if firsts.is_empty() {
-            firsts = explore(&coarse, &calibrated, &sights);
+            firsts = explore(self.coarse, &calibrated, &sights);
         }
-        let judge = |pruned: Pruned| judged(&growth, evidence, pruned, chance, &firsts);
-        let mut judged = judge(pruned);
+        let judge = |pruned: Pruned| judged(&growth, self.whole, pruned, chance, &firsts);
+        let mut stays = judge(pruned);
         // What others had stood in for shows once they are gone.
-        let went = grown.iter().any(|e| !judged.best.effects().contains(e));
-        let looks_again = went && !judged.best.effects().is_empty() && leaves_much(&judged.best, noise);
-        if looks_again && !evidence.deadline.leaves_out("further causes") {
-            stage("looking again")?;
-            let (again, _) = growth.from(&judged.best);
-            if again.effects().len() > judged.best.effects().len() {
+        let went = members.iter().any(|e| !stays.best.effects().contains(e));
+        let looks_again = went && !stays.best.effects().is_empty() && self.leaves_much(&stays.best, noise_rad);
+        if looks_again && !self.whole.deadline.leaves_out("further causes") {
+            self.stage("looking again")?;
+            let (again, _) = growth.from(&stays.best);
+            if again.effects().len() > stays.best.effects().len() {
                 let mut again = judge(growth.pruned(again));
-                let score = |t: &Trial| Measure::by(&coarse, &again.best).score(&coarse, t);
-                if score(&again.best) < score(&judged.best) {
-                    if refutes(&coarse, evidence, &again.best, &judged.best) {
+                let score = |t: &Trial| Measure::by(self.coarse, &again.best).score(self.coarse, t);
+                if score(&again.best) < score(&stays.best) {
+                    if refutes(self.coarse, self.whole, &again.best, &stays.best) {
                         set_refuted = true;
                     } else {
-                        again.refuted.extend(judged.refuted);
-                        judged = again;
+                        again.refuted.extend(stays.refuted);
+                        stays = again;
                     }
                 }
             }
         }
-        let known = Known { given, calibrated, firsts, noise_rad: noise, set_refuted, law_refuted: false };
-        let enough = growth.enough;
-        Ok(Self { coarse, as_given, enough, judged, known })
+        let given = self.given.clone();
+        Ok((stays, Known { given, calibrated, firsts, noise_rad, set_refuted, law_refuted: false }))
     }
 }
 

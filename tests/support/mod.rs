@@ -7,7 +7,7 @@ pub mod real;
 pub mod signature;
 pub mod swing;
 
-use aibo_fit::blind::{Cause, Truth, make_with};
+use aibo_fit::blind::{self, Cause, Made, Truth, make_with};
 use aibo_fit::synth::{Spec, make};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -161,7 +161,15 @@ pub fn shared(what: &str) -> Option<PathBuf> {
 
 /// Writes a made study with a given cause into a folder, and answers with what is true of it.
 pub fn write_made(folder: &Path, seed: u64, cause: Cause) -> Truth {
-    let made = make_with(seed, 0, cause);
+    written(folder, make_with(seed, 0, cause))
+}
+
+/// Writes a study of the blind trial itself, as it is drawn; what the truth is.
+pub fn write_drawn(folder: &Path, seed: u64, trial: u64) -> Truth {
+    written(folder, blind::make(seed, trial))
+}
+
+fn written(folder: &Path, made: Made) -> Truth {
     for (name, content) in &made.study {
         fs::write(folder.join(name), content).unwrap();
     }
