@@ -8,7 +8,7 @@ use super::grow::Growth;
 use super::judged::Judged;
 use super::laws::lawful;
 use super::model::BASELINE;
-use super::refuted::{on_all, predicts_clearly_worse, refuted_by, refutes};
+use super::refuted::{predicts_clearly_worse, refuted_by, refutes};
 use super::score::Measure;
 use super::searched::{FAR, Known, LEFT_OVER, Searched, counted};
 use super::trial::Trial;
@@ -97,11 +97,9 @@ impl Attribution {
         let this = Self::carried(evidence, &growth, &judged, &known, None)?;
         progress.go_on(Step::stage("whether fewer causes predict better"))?;
         let Some(less) = this.fewer_predict(evidence) else { return Ok(this) };
-        let mut best = less.clone();
-        best.begin_as(evidence, &coarse);
         let gone = this.best.effects().iter().filter(|e| !less.effects().contains(e));
         let refuted = this.refuted.iter().chain(gone).copied().collect();
-        let best = best.on(&coarse, AGAIN);
+        let best = less.carried(evidence, &coarse, AGAIN);
         // Without members, what stands in the place of each is looked for again.
         let judged = Judged { best, members: Vec::new(), rivals: Vec::new(), refuted };
         let mut last = Self::carried(evidence, &growth, &judged, &known, Some(&less))?;
@@ -347,7 +345,11 @@ impl Attribution {
         if evidence.held.is_empty() {
             return false;
         }
-        let [held, fitted] = self.excess_apart(evidence, &self.best);
+        let [held, fitted] = self.excess_apart(evidence, self.told());
+        // What noise may do, and what is less than a step of the encoder, shows nothing.
+        if held < WORTH_A_LAW || (1.0 + held).sqrt() * self.noise_rad < evidence.reach.resolution_rad {
+            return false;
+        }
         let more = held / (fitted.max(0.0) + LEFT_OVER);
         (fitted < FAR && more > SHOWS_MORE) || more > SHOWS_MUCH_MORE
     }
@@ -384,7 +386,7 @@ fn is_refuted(evidence: &Evidence, coarse: &Evidence, law: &Trial, beside: &Tria
     if beside.effects().len() == before.effects().len() {
         return predicts_clearly_worse(evidence, law, beside);
     }
-    let mut before = on_all(coarse, evidence, before);
+    let mut before = before.carried(coarse, evidence, AGAIN);
     before.predict(evidence, Some(beside));
     predicts_clearly_worse(evidence, law, beside) || predicts_clearly_worse(evidence, law, &before)
 }

@@ -54,7 +54,8 @@ pub fn check(case: &Case) -> Result<Checkup, GapError> {
     let (coarse, baseline) = (evidence.coarse(), evidence.baseline());
     let given = Trial::as_given(&coarse, &baseline);
     let calibrated = calibrate(&coarse, &baseline, &given);
-    let (given, calibrated) = (given.on(&evidence, CARRIED), calibrated.on(&evidence, CARRIED));
+    let (given, calibrated) =
+        (given.carried(&coarse, &evidence, CARRIED), calibrated.carried(&coarse, &evidence, CARRIED));
     if !calibrated.criterion().is_finite() {
         return Err(GapError::Diverged);
     }
@@ -71,4 +72,19 @@ pub fn check(case: &Case) -> Result<Checkup, GapError> {
 fn rms_rad(evidence: &Evidence, trial: &Trial) -> f64 {
     let samples: f64 = evidence.fit.iter().map(|e| counts(e).sum::<f64>()).sum();
     (trial.fit_loss(evidence) / samples).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_least_friction_at_rest_that_would_show_is_more_than_that_of_motion_and_the_least_gain_is_a_gain() {
+        let case = Case::of_study("data/examples/delay/study.toml".as_ref()).unwrap();
+        let found = check(&case).unwrap();
+        let shows = |effect| found.detectable.iter().find(|d| d.effect == effect).unwrap().value;
+        let coulomb_nm = found.parameters.iter().find(|p| p.name == "coulomb").unwrap().value;
+        assert!(shows(EffectId::Stribeck).is_none_or(|nm| nm > coulomb_nm), "{:?}", shows(EffectId::Stribeck));
+        assert!(shows(EffectId::MotorGain).is_some_and(|c| c > 1.0), "{:?}", shows(EffectId::MotorGain));
+    }
 }

@@ -9,7 +9,7 @@ use super::diagnosis::Verdict;
 use super::evidence::{Evidence, WholeLeft};
 use super::floor::rough_rad;
 use super::held_out::{HeldOut, closed};
-use super::model::{BASELINE, DERIVATIVE, GAIN, INTEGRAL};
+use super::model::{BASELINE, COULOMB, DERIVATIVE, GAIN, INTEGRAL};
 use super::numbers::{UNNAMED, includes_none, numbers, numbers_beside};
 use super::score::Measure;
 use super::trial::Trial;
@@ -221,8 +221,8 @@ impl<'a> Judge<'a, '_> {
 
     /// Whether no interval of a cause's size leaves out that there is none of it.
     fn has_causes_of_no_certain_size(&self) -> bool {
-        let (_, causes) = numbers(self.evidence, &self.a.best);
-        causes.iter().all(|(effect, own)| includes_none(*effect, own))
+        let (joint, causes) = numbers(self.evidence, &self.a.best);
+        causes.iter().all(|(effect, own)| includes_none(*effect, own, joint[COULOMB].value))
     }
 
     fn with_effects(&self) -> Decision<'a> {

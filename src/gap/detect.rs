@@ -3,6 +3,7 @@
 use super::diagnosis::Detectable;
 use super::evidence::Evidence;
 use super::model::COULOMB;
+use super::numbers::none_of;
 use super::projector::Projector;
 use super::sight::weighted;
 use super::trial::Trial;
@@ -27,8 +28,9 @@ pub(super) fn detectable(
     effects: &[EffectId],
 ) -> Vec<Detectable> {
     let coarse = evidence.coarse();
+    let found = around.begun_in(evidence, &coarse);
     let problem = Problem::new(&around.model, &coarse.fit);
-    let Ok(blocks) = problem.linearise(&problem.coordinates_from(&around.found)) else { return Vec::new() };
+    let Ok(blocks) = problem.linearise(&problem.coordinates_from(&found)) else { return Vec::new() };
     let projector = Projector::of(&blocks, around.model.free());
     let logs = &blocks[..coarse.fit.len()];
     let here: Vec<DVector<f64>> = logs.iter().map(|b| DVector::from_column_slice(&b.residual)).collect();
@@ -40,6 +42,7 @@ pub(super) fn detectable(
         .par_iter()
         .map(|&effect| {
             let named = effect.named_parameters()[0];
+            let none = none_of(effect, around.found.values[COULOMB]);
             let model = around.model.with(effect, &evidence.reach);
             let mut shown: Vec<(f64, f64)> = effect
                 .starts(&evidence.reach)
@@ -49,7 +52,7 @@ pub(super) fn detectable(
                     let values: Vec<f64> = around.found.values.iter().copied().chain(start).collect();
                     let model = model.clone().at(&values);
                     let with = Problem::new(&model, &coarse.fit);
-                    let x = with.coordinates_from(&Found { values, ..around.found.clone() });
+                    let x = with.coordinates_from(&Found { values, ..found.clone() });
                     let mut moved = Vec::with_capacity(here.len());
                     for (k, here) in here.iter().enumerate() {
                         moved.push(weighted(&with, &x, k)? - here);
@@ -59,16 +62,15 @@ pub(super) fn detectable(
                 .filter(|(_, deviance)| deviance.is_finite() && *deviance > 0.0)
                 .collect();
             // Distance from the zero orders sizes; a limit's zero is infinity, where the largest is the mildest.
-            let strength =
-                |size: f64| if named.zero.is_finite() { (size - named.zero).abs() } else { 1.0 / size.abs() };
+            let strength = |size: f64| if none.is_finite() { (size - none).abs() } else { 1.0 / size.abs() };
             shown.sort_by(|a, b| strength(a.0).total_cmp(&strength(b.0)));
-            let value = if named.zero.is_finite() && effect != EffectId::SetpointHold {
+            let value = if none.is_finite() && effect != EffectId::SetpointHold {
                 // Near its zero an effect acts in proportion to its size.
                 let nearest =
                     shown.iter().min_by(|a, b| math::ln(a.1 / SHOWN).abs().total_cmp(&math::ln(b.1 / SHOWN).abs()));
                 nearest.and_then(|(size, deviance)| {
                     let factor = (SHOWN / deviance).sqrt();
-                    (factor < REACH).then(|| (size - named.zero).abs() * factor)
+                    (factor < REACH).then(|| none + (size - none).abs() * factor)
                 })
             } else {
                 shown.iter().find(|(_, deviance)| *deviance > SHOWN).map(|(size, _)| *size)

@@ -329,7 +329,8 @@ fn rivals<'a>(a: &'a Attribution, decision: &Decision<'_>) -> Vec<&'a Trial> {
     let equivalent = |t: &&Trial| decision.equivalent.iter().any(|e| t.effects().contains(e));
     let of_first = a.rivals.first().into_iter().flatten().filter(other);
     match decision.verdict {
-        Verdict::Effect => of_first.filter(equivalent).collect(),
+        // A simpler effect that does as well may have been named instead of the best.
+        Verdict::Effect => std::iter::once(&a.best).filter(other).chain(of_first).filter(equivalent).collect(),
         Verdict::Unexplained => of_first.chain(a.firsts.iter().filter(other)).take(1).collect(),
         Verdict::None | Verdict::Calibration => Vec::new(),
     }

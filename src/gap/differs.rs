@@ -80,10 +80,10 @@ fn as_map<S: serde::Serializer>(values: &[(String, f64)], serializer: S) -> Resu
 pub(super) fn differing(evidence: &Evidence, a: &Attribution) -> Vec<Differs> {
     let coarse = evidence.coarse();
     let Some(groups) = Groups::of(&coarse.fit, &coarse.held) else { return Vec::new() };
-    let best = a.best.on(&coarse, AGAIN);
+    let best = a.best.carried(evidence, &coarse, AGAIN);
     let mut bases = vec![best.clone()];
     if !best.effects().is_empty() {
-        bases.push(a.calibrated.on(&coarse, AGAIN));
+        bases.push(a.calibrated.carried(evidence, &coarse, AGAIN));
     }
     let grown: Vec<(Trial, Vec<Differs>)> = bases.into_par_iter().map(|base| from(&coarse, base, &groups)).collect();
     let score = |t: &Trial| Measure::by(&coarse, &best).score(&coarse, t);

@@ -178,3 +178,21 @@ fn lighten_runs(e: &mut Experiment) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_counts_little_in_a_log_counts_little_in_its_parts() {
+        let case = Case::of_study("data/examples/delay/study.toml".as_ref()).unwrap();
+        let mut evidence = Evidence::of(&case, case.joint.nominal.unwrap()).unwrap();
+        evidence.fit[0].weights_s[900..1000].iter_mut().for_each(|weight| *weight *= 0.01);
+        let (whole, coarse) = (&evidence.fit[0], &evidence.coarse().fit[0]);
+        let from = coarse.first_sample;
+        assert!(from > 0, "it is cut");
+        for k in [from + 1, 895, 905, 995, 1005] {
+            approx::assert_relative_eq!(coarse.weights_s[k - from], whole.weights_s[k], max_relative = 1e-9);
+        }
+    }
+}

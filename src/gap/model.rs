@@ -243,7 +243,18 @@ impl GapModel {
                 parameter.start = *value;
             }
         }
+        self.share_gain_seen();
         self
+    }
+
+    /// What logged torques show of the drive is of all that arrives: of a gain that is an effect beside the number only the rest.
+    fn share_gain_seen(&mut self) {
+        let Some(k) = self.effects.iter().position(|e| *e == EffectId::MotorGain) else { return };
+        let gain = &self.parameters[GAIN];
+        let known = gain.to_coordinate(gain.start) - gain.to_coordinate(1.0);
+        let seen = gain.seen.map(|seen| Belief { at: seen.at - known, ..seen });
+        let place = self.place(k).start;
+        self.parameters[place].seen = seen;
     }
 
     /// The model with these of its effects only, and what is left of a set of its values.
@@ -420,5 +431,27 @@ impl JointModel for GapModel {
             law.apply(rest_of, &mut chain);
         }
         chain
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::evidence::Evidence;
+    use crate::identify::Case;
+
+    #[test]
+    fn of_a_gain_that_is_seen_an_effect_beside_the_number_has_the_rest() {
+        let case = Case::of_study("data/examples/delay/study.toml".as_ref()).unwrap();
+        let evidence = Evidence::of(&case, case.joint.nominal.unwrap()).unwrap();
+        let seen = Belief::new(0.7_f64.ln(), 0.05);
+        let numbers = evidence.baseline().with_gain_seen(Some(seen));
+        let mut values: Vec<f64> = numbers.parameters().iter().map(|p| p.start).collect();
+        values[GAIN] = 0.8;
+        let model = numbers.with(EffectId::MotorGain, &evidence.reach).at(&values);
+        let of_effect = model.parameters().last().unwrap().seen.unwrap();
+        approx::assert_relative_eq!(of_effect.at, (0.7_f64 / 0.8).ln(), max_relative = 1e-12);
+        let again = model.at(&values).parameters().last().unwrap().seen.unwrap();
+        assert_eq!(again.at, of_effect.at);
     }
 }

@@ -46,11 +46,14 @@ pub(super) fn next(evidence: &Evidence, a: &Attribution, answer: &Trial, rivals:
     if !shown_freely && proposals.iter().any(Proposal::is_driven) {
         proposals.retain(Proposal::is_driven);
     }
+    let coarse = evidence.coarse();
+    let begun = |trial: &Trial| Trial { found: trial.begun_in(evidence, &coarse), ..trial.clone() };
+    let (here, against): (Trial, Vec<Trial>) = (begun(answer), rivals.iter().map(|rival| begun(rival)).collect());
     let rated = proposals.into_iter().map(|proposal| {
-        let weakest = rivals.iter().flat_map(|rival| {
+        let weakest = against.iter().flat_map(|rival| {
             [
-                power(evidence, a, &proposal.experiment, answer, rival),
-                power(evidence, a, &proposal.experiment, rival, answer),
+                power(&coarse, a, &proposal.experiment, &here, rival),
+                power(&coarse, a, &proposal.experiment, rival, &here),
             ]
         });
         (weakest.fold(1.0, f64::min), proposal)
@@ -80,9 +83,9 @@ fn name(trial: &Trial) -> String {
 }
 
 /// Probability that the experiment, made by `truth`, tells it from `rival`.
-fn power(evidence: &Evidence, a: &Attribution, e: &Experiment, truth: &Trial, rival: &Trial) -> f64 {
+fn power(coarse: &Evidence, a: &Attribution, e: &Experiment, truth: &Trial, rival: &Trial) -> f64 {
     let unit = a.noise_rad.powi(2) * a.correlation;
-    left_after_refit(evidence, e, truth, rival).map_or(0.0, |left| {
+    left_after_refit(coarse, e, truth, rival).map_or(0.0, |left| {
         // A difference of deviances has twice its root as standard deviation.
         let deviance = left / unit;
         let z = (deviance - TOLD_APART) / (2.0 * deviance.max(1.0).sqrt());
@@ -91,7 +94,7 @@ fn power(evidence: &Evidence, a: &Attribution, e: &Experiment, truth: &Trial, ri
 }
 
 /// Counted square sum by which the rival misses what the truth does in the new log, after a refit to all logs.
-fn left_after_refit(evidence: &Evidence, e: &Experiment, truth: &Trial, rival: &Trial) -> Option<f64> {
+fn left_after_refit(coarse: &Evidence, e: &Experiment, truth: &Trial, rival: &Trial) -> Option<f64> {
     let start = e.start_coordinates(&e.start);
     let predicted = |trial: &Trial| -> Option<Vec<f64>> {
         let one = std::slice::from_ref(e);
@@ -102,7 +105,7 @@ fn left_after_refit(evidence: &Evidence, e: &Experiment, truth: &Trial, rival: &
     };
     let reading = predicted(truth)?;
     let period = e.weights_s.iter().copied().fold(0.0, f64::max);
-    let mut all = evidence.coarse().fit;
+    let mut all = coarse.fit.clone();
     all.push(Experiment { measured_rad: reading, ..e.clone() });
     let mut starts = rival.found.starts.clone();
     starts.push(start);
@@ -164,22 +167,26 @@ fn proposals(evidence: &Evidence) -> Vec<Proposal> {
         }
     }
     let driven = evidence.fit.iter().filter(|e| e.is_driven() && e.motor.is_some());
-    let widest = driven.clone().flat_map(|e| &e.measured_rad).fold(0.0, |w: f64, q| w.max(q.abs()));
+    let [low, high] = driven
+        .clone()
+        .flat_map(|e| &e.measured_rad)
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], q| [low.min(*q), high.max(*q)]);
+    let (middle_rad, widest_rad) = (0.5 * (low + high), 0.5 * (high - low));
     if let Some(example) = driven.clone().next() {
         for (amplitude, from_hz, to_hz) in [(0.5, 0.2, 1.5), (1.0, 0.2, 1.5), (1.0, 0.5, 4.0)] {
-            let amplitude = amplitude * widest;
+            let amplitude = amplitude * widest_rad;
             let sweep = |t: f64| {
                 let phase = TAU * (from_hz * t + 0.5 * (to_hz - from_hz) * t * t / DURATION_S);
-                amplitude * math::sin(phase)
+                middle_rad + amplitude * math::sin(phase)
             };
             let setpoint_rad: Vec<f64> = t_s.iter().map(|t| sweep(*t)).collect();
             let motion = Some((t_s.clone(), setpoint_rad.clone()));
             let hold = example.motor.map(|m| m.hold).unwrap_or_default();
             let signal = Signal::Position { setpoint_rad, apart: None, hold, on: None };
             let what = format!(
-                "Drive it along the sweep in next.csv: {amplitude:.2} rad, from {from_hz} to {to_hz} Hz in {DURATION_S:.0} s"
+                "Drive it along the sweep in next.csv: {amplitude:.2} rad about {middle_rad:.2} rad, from {from_hz} to {to_hz} Hz in {DURATION_S:.0} s"
             );
-            all.push(Proposal { what, experiment: log(signal, 0.0, None, example.motor), motion });
+            all.push(Proposal { what, experiment: log(signal, middle_rad, None, example.motor), motion });
         }
     }
     all
@@ -187,4 +194,26 @@ fn proposals(evidence: &Evidence) -> Vec<Proposal> {
 
 fn grams(kg: f64) -> String {
     if kg < 1.0 { format!("{:.0} g", 1e3 * kg) } else { format!("{kg:.2} kg") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identify::Case;
+
+    #[test]
+    fn a_sweep_stays_where_the_logs_have_been() {
+        let case = Case::of_study("data/examples/delay/study.toml".as_ref()).unwrap();
+        let mut evidence = Evidence::of(&case, case.joint.nominal.unwrap()).unwrap();
+        evidence.fit[0].measured_rad.iter_mut().for_each(|q| *q += 3.0);
+        let been = &evidence.fit[0].measured_rad;
+        let [low, high] = [been.iter().copied().fold(9.0, f64::min), been.iter().copied().fold(-9.0, f64::max)];
+        let sweeps: Vec<Proposal> = proposals(&evidence).into_iter().filter(Proposal::is_driven).collect();
+        assert_eq!(sweeps.len(), 3);
+        for Proposal { motion, experiment, .. } in sweeps {
+            let (_, setpoint_rad) = motion.unwrap();
+            assert!(setpoint_rad.iter().all(|q| (low - 1e-9..=high + 1e-9).contains(q)));
+            approx::assert_relative_eq!(experiment.start.angle_rad, setpoint_rad[0]);
+        }
+    }
 }

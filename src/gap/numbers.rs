@@ -13,10 +13,18 @@ use nalgebra::DMatrix;
 /// A size that is so near to none, in its own unit, is none.
 const NO_SIZE: f64 = 1e-6;
 
+/// Where what measures an effect's size is when the effect is absent; friction at rest is then that of motion.
+pub(super) fn none_of(effect: EffectId, coulomb_nm: f64) -> f64 {
+    match effect {
+        EffectId::Stribeck => coulomb_nm,
+        _ => effect.named_parameters().first().map_or(0.0, |named| named.zero),
+    }
+}
+
 /// Whether what measures an effect's size is where the effect is absent, or its interval reaches there.
-pub(super) fn includes_none(effect: EffectId, numbers: &[Number]) -> bool {
-    let none = effect.named_parameters().first().map(|named| named.zero);
-    none.zip(numbers.first()).is_some_and(|(none, size)| {
+pub(super) fn includes_none(effect: EffectId, numbers: &[Number], coulomb_nm: f64) -> bool {
+    let none = none_of(effect, coulomb_nm);
+    numbers.first().is_some_and(|size| {
         (size.value - none).abs() < NO_SIZE || size.interval.is_some_and(|[low, high]| low <= none && none <= high)
     })
 }
@@ -174,10 +182,13 @@ mod tests {
         let late = |value: f64, interval: Option<[f64; 2]>| {
             vec![Number { name: "T".to_owned(), value, unit: "s".to_owned(), interval, interval_naive: None }]
         };
-        assert!(includes_none(EffectId::Delay, &late(0.0, None)));
-        assert!(includes_none(EffectId::Delay, &late(0.002, Some([-0.001, 0.005]))));
-        assert!(!includes_none(EffectId::Delay, &late(0.002, Some([0.001, 0.003]))));
-        assert!(!includes_none(EffectId::Delay, &late(0.002, None)));
+        let may_be_none = |effect, value, interval| includes_none(effect, &late(value, interval), 0.03);
+        assert!(may_be_none(EffectId::Delay, 0.0, None));
+        assert!(may_be_none(EffectId::Delay, 0.002, Some([-0.001, 0.005])));
+        assert!(!may_be_none(EffectId::Delay, 0.002, Some([0.001, 0.003])));
+        assert!(!may_be_none(EffectId::Delay, 0.002, None));
+        assert!(may_be_none(EffectId::Stribeck, 0.035, Some([0.028, 0.042])), "it covers the friction of motion");
+        assert!(!may_be_none(EffectId::Stribeck, 0.05, Some([0.04, 0.06])));
     }
 
     #[test]

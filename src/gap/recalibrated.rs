@@ -35,9 +35,8 @@ fn recalibrated(case: &Case, options: &GapOptions) -> Option<(Evidence, Trial)> 
     let mut evidence = Evidence::of(case, case.joint.nominal?)?;
     evidence.demands = Arc::new(resolved(&options.demands, &evidence).ok()?);
     let (coarse, baseline) = (evidence.coarse(), evidence.baseline());
-    let mut found = calibrate(&coarse, &baseline, &Trial::as_given(&coarse, &baseline));
-    found.begin_as(&coarse, &evidence);
-    let found = found.on(&evidence, AGAIN);
+    let found = calibrate(&coarse, &baseline, &Trial::as_given(&coarse, &baseline));
+    let found = found.carried(&coarse, &evidence, AGAIN);
     Some((evidence, found))
 }
 

@@ -57,11 +57,11 @@ pub(super) fn unrefuted(
     if evidence.deadline.cuts(WHETHER_REFUTED) {
         return (best, Vec::new());
     }
-    let whole = on_all(coarse, evidence, &best);
+    let whole = best.carried(coarse, evidence, AGAIN);
     let fewer = |t: &&Trial| {
         (1..best.effects().len()).contains(&t.effects().len()) && t.effects().iter().all(|e| best.effects().contains(e))
     };
-    let known: Vec<Trial> = known.iter().filter(fewer).map(|t| on_all(coarse, evidence, t)).collect();
+    let known: Vec<Trial> = known.iter().filter(fewer).map(|t| t.carried(coarse, evidence, AGAIN)).collect();
     let (mut left, refuted) = if in_turn {
         let held = HeldOut::in_turn(evidence);
         let judged = evidence.with_logs(evidence.fit.clone(), evidence.fit.clone());
@@ -74,8 +74,7 @@ pub(super) fn unrefuted(
     }
     left.held.clear();
     left.held_starts.clear();
-    left.begin_as(evidence, coarse);
-    (left.on(coarse, AGAIN), refuted)
+    (left.carried(evidence, coarse, AGAIN), refuted)
 }
 
 /// Lets a hypothesis predict the held-out logs; their starts may be near another's.
@@ -104,22 +103,18 @@ fn unrefuted_on(
         // What all of them close: beside it a cause may be negligible.
         let all_rad = at_once.iter().map(|bare| held_rms_rad(evidence, bare) - held_rms_rad(evidence, &best)).sum();
         known.retain(|t| t.effects().len() < causes && t.effects().iter().all(|e| best.effects().contains(e)));
-        let least = |tried: &[Trial]| {
-            let least = tried.iter().min_by(|a, b| a.held_loss(evidence).total_cmp(&b.held_loss(evidence)));
-            least.cloned()
+        let least = |tried: &[Trial], goes: &dyn Fn(&Trial) -> bool| {
+            let those = tried.iter().filter(|less| goes(less));
+            those.min_by(|a, b| a.held_loss(evidence).total_cmp(&b.held_loss(evidence))).cloned()
         };
-        let better = |tried: &[Trial]| {
-            let goes = |less: &Trial| {
-                predicts_clearly_worse(evidence, &best, less)
-                    || is_idle(evidence, &best, less)
-                    || causes > 1 && is_negligible(evidence, &best, less, all_rad)
-            };
-            least(tried).filter(goes)
+        let is_worse = |less: &Trial| predicts_clearly_worse(evidence, &best, less);
+        let may_go = |less: &Trial| {
+            is_worse(less)
+                || is_idle(evidence, &best, less)
+                || causes > 1 && is_negligible(evidence, &best, less, all_rad)
         };
-        let otherwise = || {
-            let others = [in_simpler_forms(evidence, &best, predict), known.clone()].concat();
-            least(&others).filter(|less| predicts_clearly_worse(evidence, &best, less))
-        };
+        let better = |tried: &[Trial]| least(tried, &may_go);
+        let otherwise = || least(&[in_simpler_forms(evidence, &best, predict), known.clone()].concat(), &is_worse);
         let Some(less) = better(singly).or_else(|| better(at_once)).or_else(otherwise) else { break };
         refuted.extend(best.effects().iter().filter(|e| !less.effects().contains(e)));
         best = less;
@@ -193,14 +188,7 @@ fn can_refute(evidence: &Evidence) -> bool {
 }
 
 fn both_on_all(coarse: &Evidence, evidence: &Evidence, this: &Trial, other: &Trial) -> [Trial; 2] {
-    rayon::join(|| on_all(coarse, evidence, this), || on_all(coarse, evidence, other)).into()
-}
-
-/// What was found on a choice of the samples, on all of them.
-pub(super) fn on_all(coarse: &Evidence, evidence: &Evidence, t: &Trial) -> Trial {
-    let mut whole = t.clone();
-    whole.begin_as(coarse, evidence);
-    whole.on(evidence, AGAIN)
+    rayon::join(|| this.carried(coarse, evidence, AGAIN), || other.carried(coarse, evidence, AGAIN)).into()
 }
 
 /// Of other hypotheses, all on all samples, the one that predicts held-out logs best, where that is clearly better.

@@ -136,9 +136,7 @@ impl<'a> Search<'a> {
 
     /// A set of causes with what it grows to where it leaves something.
     fn carried_on(&self, set: &Trial) -> Trial {
-        let mut set = set.clone();
-        set.begin_as(self.whole, self.coarse);
-        self.grown_from(set.on(self.coarse, AGAIN))
+        self.grown_from(set.carried(self.whole, self.coarse, AGAIN))
     }
 
     fn grown_from(&self, set: Trial) -> Trial {

@@ -3,6 +3,7 @@
 use super::decide::{Decision, leaves_something};
 use super::diagnosis::{CauseShare, Gap, LawFound, Number, Verdict};
 use super::evidence::WholeLeft;
+use super::model::COULOMB;
 use super::numbers::includes_none;
 use crate::identify::BeliefFound;
 use crate::joint::{EffectId, LawActs};
@@ -216,7 +217,9 @@ pub(super) fn sentence(
     };
     let all = || together(&decision.effects);
     let them = them(decision.effects.len(), law.is_some());
-    let may_be_none = |effect: &EffectId| effects.iter().any(|(e, numbers)| e == effect && includes_none(*e, numbers));
+    let coulomb_nm = decision.answer.found.values[COULOMB];
+    let includes_none = |(e, numbers): &(EffectId, Vec<Number>)| includes_none(*e, numbers, coulomb_nm);
+    let may_be_none = |effect: &EffectId| effects.iter().any(|own| own.0 == *effect && includes_none(own));
     let is_far = decision.answer.beliefs().iter().any(BeliefFound::is_finding);
     match (decision.verdict, decision.effect()) {
         (Verdict::None, _) if has_bodies => format!(

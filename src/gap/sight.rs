@@ -174,10 +174,25 @@ pub(super) fn weighted(problem: &Problem<'_, GapModel>, x: &[f64], k: usize) -> 
 
 /// Rows of all logs, neighbours added up so that few remain; what is smooth keeps its square sum.
 fn folded(logs: &[DVector<f64>]) -> Vec<f64> {
-    let rows: usize = logs.iter().map(DVector::len).sum();
+    // Beliefs, which may stand behind the logs or not, have no say in how many samples make a row.
+    let rows: usize = logs.iter().map(DVector::len).filter(|rows| *rows >= FEW_ROWS).sum();
     let width = rows.div_ceil(ROWS).max(1);
     let sum = |part: &[f64]| part.iter().sum::<f64>() / (part.len() as f64).sqrt();
     // Few rows are beliefs, each of something else.
     let width_of = |r: &DVector<f64>| if r.len() < FEW_ROWS { 1 } else { width };
     logs.iter().flat_map(|r| r.as_slice().chunks(width_of(r)).map(sum)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ROWS, folded};
+    use nalgebra::DVector;
+
+    #[test]
+    fn beliefs_behind_the_logs_do_not_change_how_samples_are_added_up() {
+        let log = || DVector::from_element(ROWS, 1.0);
+        let beliefs = DVector::from_element(5, 0.5);
+        let (alone, with) = (folded(&[log()]), folded(&[log(), beliefs]));
+        assert_eq!(alone[..], with[..alone.len()]);
+    }
 }

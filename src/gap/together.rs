@@ -8,7 +8,7 @@
 use super::attribute::Attribution;
 use super::evidence::Evidence;
 use super::held_out::FEW_LOGS;
-use super::refuted::{on_all, predicts_clearly_worse};
+use super::refuted::predicts_clearly_worse;
 use super::searched::Searched;
 use super::trial::Trial;
 use crate::fit::Budget;
@@ -64,7 +64,7 @@ pub(super) fn all_together(
 
 /// The causes that a search on all logs found, fitted to those that are not held out.
 fn fitted_apart(evidence: &Evidence, pooled: &Evidence, searched: &Searched) -> Trial {
-    let on_pooled = on_all(&searched.coarse, pooled, &searched.judged.best);
+    let on_pooled = searched.judged.best.carried(&searched.coarse, pooled, AGAIN);
     let mut set = on_pooled.holding_out_from(evidence.fit.len()).on(evidence, AGAIN);
     set.predict(evidence, None);
     set

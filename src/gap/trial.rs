@@ -13,6 +13,9 @@ pub(super) const CLOSE: f64 = 0.01;
 /// Share of the unit of the beliefs below which that of the residuals sets another.
 const MUCH_LESS: f64 = 0.5;
 
+/// Evaluations of a fit of starts alone.
+const STARTS: Budget = Budget { evaluations: 12 };
+
 /// A model with the values that were found, and its residuals.
 #[derive(Clone, Debug)]
 pub(super) struct Trial {
@@ -84,6 +87,26 @@ impl Trial {
         };
         anew(&mut self.found.starts, &here.fit, &there.fit);
         anew(&mut self.held_starts, &here.held, &there.held);
+    }
+
+    /// The same hypothesis in other evidence of the same logs, fitted again from where it stands.
+    pub fn carried(&self, here: &Evidence, there: &Evidence, budget: Budget) -> Self {
+        let mut carried = self.clone();
+        carried.begin_as(here, there);
+        carried.on(there, budget)
+    }
+
+    /// The same numbers in other evidence of the same logs: where these begin elsewhere, their starts are fitted.
+    pub fn begun_in(&self, here: &Evidence, there: &Evidence) -> Found {
+        let mut begun = self.clone();
+        begun.begin_as(here, there);
+        if begun.found.starts != self.found.starts {
+            let all: Vec<usize> = (0..self.model.parameters().len()).collect();
+            let model = self.model.clone().holding(&all, &self.found.values);
+            let starts = std::mem::take(&mut begun.found.starts);
+            begun.found.starts = Self::solved(there, model, &self.found.values, starts, STARTS).found.starts;
+        }
+        begun.found
     }
 
     /// The same with only the first so many of its logs fitted, and the others held out; it has to be fitted again.
@@ -234,4 +257,24 @@ pub(super) fn predicted(
         .min_by(|a, b| a.criterion.total_cmp(&b.criterion));
     let x = best.map_or_else(|| own.to_vec(), |s| s.x);
     ([x[0], x[1]], residual(&problem, &x, 0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identify::Case;
+
+    #[test]
+    fn where_a_log_begins_later_it_begins_where_its_readings_say() {
+        let case = Case::of_study("data/examples/delay/study.toml".as_ref()).unwrap();
+        let evidence = Evidence::of(&case, case.joint.nominal.unwrap()).unwrap();
+        let coarse = evidence.coarse();
+        let [whole, part] = [&evidence, &coarse].map(|e| &e.fit[0]);
+        assert!(part.t_s[0] > whole.t_s[0], "the liveliest part of the log begins with it");
+        let given = Trial::as_given(&evidence, &evidence.baseline());
+        let begun = given.begun_in(&evidence, &coarse);
+        assert_eq!(begun.values, given.found.values);
+        approx::assert_abs_diff_eq!(begun.starts[0][0], part.measured_rad[0], epsilon = 0.1);
+        assert_eq!(given.begun_in(&evidence, &evidence).starts, given.found.starts);
+    }
 }

@@ -8,7 +8,7 @@ use super::decide::decide;
 use super::diagnosis::{Confusion, Verdict};
 use super::evidence::Evidence;
 use super::held_out::HeldOut;
-use super::model::BASELINE;
+use super::model::{BASELINE, DERIVATIVE, GAIN, INTEGRAL, REST};
 use super::trial::Trial;
 use crate::identify::{Experiment, Problem};
 use crate::joint::EffectId;
@@ -115,6 +115,10 @@ fn make(
         Cause::Nothing | Cause::Numbers => (&a.calibrated, a.calibrated.found.values.clone()),
         Cause::Effect(k, _) | Cause::Withheld(k, _) => (candidates[k], candidates[k].found.values.clone()),
     };
+    // Where no effect is missing the drive and the zero are as believed.
+    if let Cause::Nothing | Cause::Numbers = cause {
+        [GAIN, DERIVATIVE, INTEGRAL, REST].iter().for_each(|&i| values[i] = a.given.found.values[i]);
+    }
     if let Cause::Effect(k, size) | Cause::Withheld(k, size) = cause {
         resize(candidates[k].effects()[0], &mut values[BASELINE..], size);
     }

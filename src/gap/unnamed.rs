@@ -70,8 +70,9 @@ pub(super) fn by_the_unnamed(evidence: &Evidence, around: &Trial, effects: &[Eff
         return None;
     }
     let coarse = evidence.coarse();
+    let found = around.begun_in(evidence, &coarse);
     let problem = Problem::new(&around.model, &coarse.fit);
-    let x = problem.coordinates_from(&around.found);
+    let x = problem.coordinates_from(&found);
     let blocks = problem.linearise(&x).ok()?;
     let projector = Projector::of(&blocks, around.model.free());
     let absent: Vec<DVector<f64>> = blocks.iter().map(|b| DVector::from_column_slice(&b.residual)).collect();
@@ -82,7 +83,7 @@ pub(super) fn by_the_unnamed(evidence: &Evidence, around: &Trial, effects: &[Eff
         let values: Vec<f64> = around.found.values.iter().copied().chain(start).collect();
         let model = around.model.with(form, &evidence.reach).at(&values);
         let with = Problem::new(&model, &coarse.fit);
-        let x = with.coordinates_from(&Found { values, ..around.found.clone() });
+        let x = with.coordinates_from(&Found { values, ..found.clone() });
         let moved: Option<Vec<DVector<f64>>> =
             (0..coarse.fit.len()).map(|k| Some(weighted(&with, &x, k)? - &absent[k])).collect();
         let moved = moved?;

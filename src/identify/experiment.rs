@@ -265,7 +265,7 @@ impl Experiment {
         Self {
             first_sample: self.first_sample + range.start,
             uncompared,
-            weights_s: super::weights::trapezoid(&t_s[uncompared..]),
+            weights_s: self.weights_of_part(range.start + uncompared, &t_s[uncompared..]),
             signal,
             release_window_s: self.release_window_s.filter(|_| begins),
             start,
@@ -279,6 +279,17 @@ impl Experiment {
             measured_rad,
             ..*self
         }
+    }
+
+    /// Weights of the samples from `first` on at these times; what counts less in the log counts less in its part.
+    fn weights_of_part(&self, first: usize, t_s: &[f64]) -> Vec<f64> {
+        let plain = super::weights::trapezoid(&self.t_s[self.uncompared..]);
+        let share = |k: usize| match k.checked_sub(self.uncompared) {
+            Some(k) if plain[k] > 0.0 => self.weights_s[k] / plain[k],
+            _ => 1.0,
+        };
+        let own = super::weights::trapezoid(t_s).into_iter().enumerate();
+        own.map(|(i, weight)| weight * share(first + i)).collect()
     }
 
     /// What acts on the joint.
