@@ -72,7 +72,9 @@ fn same_spec_same_bytes_on_any_number_of_threads() {
     let spec = root().join("data/examples/synth/weak-knees.toml");
     let spec = spec.to_str().expect("UTF-8");
     for (out, threads) in [("one", "1"), ("two", "2"), ("again", "2")] {
-        expect_code(folder.path(), &["synth", spec, "--out", out, "--threads", threads], 0);
+        let said = expect_code(folder.path(), &["synth", spec, "--out", out, "--threads", threads], 0);
+        // `check` refuses the study of a walking robot.
+        assert!(said.contains("aibo-fit gap") && !said.contains("aibo-fit check"), "{said}");
     }
     let read = |out: &str, file: &str| std::fs::read(folder.path().join(out).join(file)).expect("written");
     for file in ["study.toml", "trot.csv", "fast.csv"] {
@@ -156,7 +158,8 @@ fn payload_friction_and_slope_change_the_walk() {
 fn a_joint_on_the_bench_makes_a_joint_study_that_drop_reads() {
     let folder = tempfile::tempdir().expect("a folder");
     let spec = root().join("data/examples/synth/bench.toml");
-    expect_code(folder.path(), &["synth", spec.to_str().expect("UTF-8"), "--out", "bench", "--quiet"], 0);
+    let said = expect_code(folder.path(), &["synth", spec.to_str().expect("UTF-8"), "--out", "bench"], 0);
+    assert!(said.contains("  aibo-fit check bench/study.toml\n  aibo-fit gap bench/study.toml\n"), "{said}");
     let study = read_study(&folder.path().join("bench/study.toml")).expect("a joint study");
     assert_eq!((study.joint.name.as_str(), study.logs.len()), ("q2", 3));
     assert_eq!(study.logs[1].extra.map(|extra| extra.mass_kg), Some(0.22));

@@ -14,7 +14,8 @@ pub(super) struct CommonArgs {
     /// Write everything that was found as JSON to this file
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
-    /// Folder for report and figures [default: fits/<name of the log or of the study's folder>]
+    /// Folder for report, figures and other files [default: one in fits/ named after log, study or command; check, dynamics and
+    /// gate write none unasked]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Worker threads; the results do not depend on it [default: all cores]

@@ -5,7 +5,7 @@ mod quick;
 use super::CliError;
 use super::common::{CommonArgs, json_text, log_name, print, write_outputs};
 use super::progress::Progress;
-use crate::log::Outputs;
+use crate::log::{Outputs, StudyKind, study_kind};
 use crate::synth::{AnySpec, make, make_described};
 use clap::Args;
 use serde::Serialize;
@@ -100,11 +100,12 @@ pub(super) fn run(args: &SynthArgs) -> Result<u8, CliError> {
         for log in &answer.logs {
             print(&format!("{}: {} samples\n", folder.join(&log.file).display(), log.samples));
         }
-        let study = &answer.study;
-        print(&format!(
-            "study: {study}\ntruth: {}\n\nnext:\n  aibo-fit check {study}\n  aibo-fit gap {study}\n",
-            answer.truth
-        ));
+        let Answer { study: path, truth, .. } = &answer;
+        let check = match study_kind(&study)? {
+            StudyKind::Joint | StudyKind::Clamped => format!("  aibo-fit check {path}\n"),
+            StudyKind::Robot => String::new(),
+        };
+        print(&format!("study: {path}\ntruth: {truth}\n\nnext:\n{check}  aibo-fit gap {path}\n"));
     }
     Ok(0)
 }

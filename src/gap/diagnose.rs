@@ -196,7 +196,7 @@ pub(super) fn diagnose_from(
     if let Some(described) = described {
         described.show(&mut traces);
     }
-    let mut notes = notes(&evidence, &attribution, &decision, intervals_trusted, &differs);
+    let mut notes = notes(&evidence, &attribution, &decision, &differs);
     let budget = options.deadline.spent();
     let is_finished = budget.as_ref().is_none_or(|spent| spent.finished);
     if let Some(spent) = &budget {
@@ -399,29 +399,19 @@ fn traces(
     fit.chain(held).zip(torques).map(|(log, torque)| of(log, torque)).collect()
 }
 
-fn notes(
-    evidence: &Evidence,
-    a: &Attribution,
-    decision: &Decision<'_>,
-    trusted: bool,
-    differs: &[Differs],
-) -> Vec<String> {
+/// What it means that held-out logs were asked before the answer stood; `what` is what they had a say in.
+fn flattered(what: &str) -> String {
+    format!("{what} The held-out logs had a say in that, so their figures flatter the answer a little.")
+}
+
+fn notes(evidence: &Evidence, a: &Attribution, decision: &Decision<'_>, differs: &[Differs]) -> Vec<String> {
     let mut notes: Vec<String> = in_words(&evidence.demands).into_iter().collect();
-    if !trusted {
-        notes.push(
-            "Something is left that the model does not explain: the intervals of the parameters do not allow for all \
-             of the bias that it causes, and are not to be trusted."
-                .to_owned(),
-        );
-    }
     notes.extend(differs.iter().map(Differs::in_words));
     if evidence.normal_beliefs {
-        notes.push(
+        notes.push(flattered(
             "The fitted logs move numbers far beyond their beliefs, and so the held-out logs are predicted clearly worse: \
-             the numbers were held to their beliefs, so the held-out figures are no longer of logs on which no choice was \
-             made."
-                .to_owned(),
-        );
+             the numbers were held to their beliefs.",
+        ));
     }
     let law = (a.law_refuted || decision.drops_law(a)).then_some("a law");
     let mut refuted: Vec<&str> = Vec::new();
@@ -431,18 +421,18 @@ fn notes(
         }
     }
     if !refuted.is_empty() {
-        notes.push(format!(
+        let what = format!(
             "The fitted logs ask for {} as well, but with that the held-out logs are predicted no better, or worse: it was \
-             left out, so the held-out figures are no longer of logs on which no choice was made.",
+             left out.",
             refuted.join(", ")
-        ));
+        );
+        notes.push(flattered(&what));
     }
     if a.set_refuted && !evidence.held.is_empty() {
-        notes.push(
+        notes.push(flattered(
             "The fitted logs ask for another set of causes, but with that the held-out logs are predicted clearly worse: it \
-             was not taken, so the held-out figures are no longer of logs on which no choice was made."
-                .to_owned(),
-        );
+             was not taken.",
+        ));
     }
     if let Some(seen) = evidence.gain_seen {
         let (ratio, sd) = (math::exp(seen.at), math::exp(seen.at) * seen.sd);

@@ -68,16 +68,28 @@ pub(super) fn closing_in(
     them: &str,
     with_unit: fn(f64) -> String,
 ) -> String {
-    let left = calibrated - floor;
-    let closed = share(((calibrated - after) / left).clamp(0.0, 1.0));
+    let closed = closed_of_left([before, calibrated, after, floor]);
     let [before, calibrated, after] = [before, calibrated, after].map(with_unit);
-    if !(left > 0.0) {
-        return format!("the error goes from {before} as given to {after} with {them}");
+    match closed {
+        None => format!("the error goes from {before} as given to {after} with {them}"),
+        Some(closed) => format!(
+            "the error goes from {before} as given to {calibrated} with {refitted} and to {after} with {them}, which closes \
+             {closed} of what they leave"
+        ),
     }
-    format!(
-        "the error goes from {before} as given to {calibrated} with {refitted} and to {after} with {them}, which closes {closed} of what \
-         they leave"
-    )
+}
+
+/// Share that causes close of what refitted numbers leave, where these leave anything; errors as [`closing`] has them.
+fn closed_of_left([_, calibrated, after, floor]: [f64; 4]) -> Option<String> {
+    let left = calibrated - floor;
+    (left > 0.0).then(|| share(((calibrated - after) / left).clamp(0.0, 1.0)))
+}
+
+/// What causes make of the error, once it was said what refitted numbers make of it; errors as [`closing`] has them.
+fn closing_rest(figures: [f64; 4], them: &str) -> String {
+    let closed = closed_of_left(figures);
+    let closed = closed.map_or(String::new(), |closed| format!(", which closes {closed} of what the numbers leave"));
+    format!("with {them} the error is {}{closed}", mrad(figures[2]))
 }
 
 /// Numbers that are said.
@@ -184,7 +196,8 @@ fn apart_from(first: EffectId, equivalent: &[EffectId], causes: &[CauseShare]) -
         let others: Vec<&str> = all.iter().filter(|e| **e != own).map(|e| words(*e)).collect();
         (!others.is_empty()).then(|| others.join(", nor from "))
     };
-    let of_first = others(first, equivalent).map(|others| format!("the first apart from {others}"));
+    let name = if causes.len() > 1 { words(first) } else { "it" };
+    let of_first = others(first, equivalent).map(|others| format!("{name} apart from {others}"));
     let further = causes.iter().filter(|cause| cause.effect != first);
     let further = further.filter_map(|cause| {
         Some(format!("{} apart from {}", words(cause.effect), others(cause.effect, &cause.equivalent)?))
@@ -263,19 +276,27 @@ pub(super) fn sentence(
                     together(open)
                 ),
             };
-            let nearest =
-                partial.map_or(String::new(), |_| format!(" {known}; {}.", closing(figures, refitted, &them)));
             let unnamed = law.map_or(String::new(), |law| format!(" Without a name {}", unnamed(law)));
-            let stays = format!("{} are left, and the sensor itself makes {}", mrad(gap.after), mrad(gap.floor));
+            let [before, calibrated, after, floor] = figures.map(mrad);
+            let stays = format!("{after} are left, and the sensor itself makes {floor}");
             if gap.calibrated < MOST_BY_NUMBERS * gap.before {
                 let most = parameter.map_or(String::new(), |name| format!(", the {} most of all,", number_words(name)));
                 let beside = if has_bodies { " and the masses" } else { "" };
-                let [before, calibrated] = [gap.before, gap.calibrated].map(mrad);
-                return format!(
-                    "{joint}: refitting the numbers{beside}{most} takes the error from {before} to \
-                     {calibrated}; the effects I know do not explain the rest: {stays}.{unnamed}{nearest}"
-                );
+                let numbers =
+                    format!("refitting the numbers{beside}{most} takes the error from {before} to {calibrated}");
+                return match partial {
+                    Some(_) => format!(
+                        "{joint}: {numbers}. {known}; {}. The effects I know do not explain the rest: the sensor itself makes \
+                         {floor}.{unnamed}",
+                        closing_rest(figures, &them)
+                    ),
+                    None => {
+                        format!("{joint}: {numbers}; the effects I know do not explain the rest: {stays}.{unnamed}")
+                    }
+                };
             }
+            let nearest =
+                partial.map_or(String::new(), |_| format!(" {known}; {}.", closing(figures, refitted, &them)));
             format!("{joint}: the effects I know do not explain this gap; {stays}.{unnamed}{nearest}")
         }
     }
@@ -334,6 +355,16 @@ mod tests {
     }
 
     #[test]
+    fn what_refitted_numbers_make_of_the_error_is_not_said_again() {
+        let of = |mrad: [f64; 4]| closing_rest(mrad.map(|mrad| 1e-3 * mrad), "it");
+        assert_eq!(
+            of([65.6, 41.2, 16.8, 1.01]),
+            "with it the error is 16.8 mrad, which closes 61 % of what the numbers leave"
+        );
+        assert_eq!(of([65.6, 1.01, 1.68, 1.01]), "with it the error is 1.68 mrad");
+    }
+
+    #[test]
     fn each_cause_says_what_it_cannot_be_told_from() {
         use EffectId::{AsymmetricFriction, Backlash, Compliance, Delay, JointSpring, SpeedLimit, TorqueLimit};
         let cause = |effect, others: &[EffectId]| CauseShare {
@@ -353,8 +384,12 @@ mod tests {
         ];
         assert_eq!(
             apart_from(TorqueLimit, &causes[0].equivalent, &causes),
-            " These logs cannot tell the first apart from a motor torque that falls with speed, nor free play between motor and link \
-             apart from a spring between motor and link, nor from a spring in parallel to the joint."
+            " These logs cannot tell a motor torque that saturates apart from a motor torque that falls with speed, nor free play \
+             between motor and link apart from a spring between motor and link, nor from a spring in parallel to the joint."
+        );
+        assert_eq!(
+            apart_from(TorqueLimit, &causes[0].equivalent, &causes[..1]),
+            " These logs cannot tell it apart from a motor torque that falls with speed."
         );
         let second = [cause(Delay, &[Delay]), cause(AsymmetricFriction, &[AsymmetricFriction, JointSpring])];
         assert_eq!(

@@ -22,9 +22,9 @@ pub(super) struct GroundArgs {
     /// The floor rises by this angle towards the front [rad]
     #[arg(long, value_name = "RAD", default_value_t = 0.0, allow_negative_numbers = true)]
     slope: f64,
-    /// The floor's parameters, for example static=0.9,coulomb=0.8; keys are those of a study's [floor]: stiffness [N/m^n],
-    /// damping [N s/m^(n+1)], exponent, static, coulomb, viscous [s/m], steepness [s/m], stribeck_speed [m/s],
-    /// torsion_radius [m], dwell [s] (a point that has crept for so long is held; inf: never)
+    /// The floor's parameters, for example static=0.9,coulomb=0.8: those of a study's [floor], which are stiffness [N/m^n],
+    /// damping [N s/m^(n+1)], exponent, static, coulomb, viscous [s/m], steepness [s/m], stribeck_speed [m/s] and
+    /// torsion_radius [m], and besides dwell [s] (a point that has crept for so long is held; inf: never), which a study has not
     #[arg(long, value_name = "KEY=VALUE", value_delimiter = ',')]
     floor: Vec<String>,
     /// Which parts touch the floor

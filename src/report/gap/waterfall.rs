@@ -106,6 +106,11 @@ pub(super) fn heading(diagnosis: &Diagnosis) -> &'static str {
     }
 }
 
+/// Whether the sentence of the answer says already which causes these logs cannot tell apart.
+fn sentence_tells_apart(diagnosis: &Diagnosis) -> bool {
+    diagnosis.answer.verdict == Verdict::Effect && diagnosis.gap.unit == "rad"
+}
+
 /// What the columns of the steps mean, and what is to be kept in mind with these causes.
 pub(super) fn explanation(diagnosis: &Diagnosis) -> String {
     let mut text = format!(
@@ -120,7 +125,7 @@ pub(super) fn explanation(diagnosis: &Diagnosis) -> String {
     if steps(diagnosis).iter().any(|step| step.closes.is_some_and(|share| share < OPENS)) {
         text += " Where a share is negative the step predicts these logs worse than without it.";
     }
-    for cause in &diagnosis.causes {
+    for cause in diagnosis.causes.iter().filter(|_| !sentence_tells_apart(diagnosis)) {
         let others: Vec<&str> = cause.equivalent.iter().filter(|e| **e != cause.effect).map(|e| e.id()).collect();
         if !others.is_empty() {
             text += &format!(" These logs cannot tell {} from {}.", cause.effect, others.join(" or "));
@@ -215,6 +220,15 @@ mod tests {
         assert!(heading(&sample::unexplained().diagnosis).starts_with("What is known so far"));
         let words = explanation(&sample::unexplained().diagnosis);
         assert!(words.ends_with("had a say in the choice of the causes."), "{words}");
-        assert!(explanation(&sample::set_of_two().diagnosis).contains("tell stribeck from load_friction"));
+    }
+
+    #[test]
+    fn what_cannot_be_told_apart_is_not_said_again_below_a_sentence_that_says_it() {
+        let mut diagnosis = sample::set_of_two().diagnosis;
+        assert!(!explanation(&diagnosis).contains("cannot tell"));
+        diagnosis.gap.unit = "N m";
+        assert!(explanation(&diagnosis).contains("tell stribeck from load_friction"));
+        (diagnosis.gap.unit, diagnosis.answer.verdict) = ("rad", Verdict::Unexplained);
+        assert!(explanation(&diagnosis).contains("tell stribeck from load_friction"));
     }
 }

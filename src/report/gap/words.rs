@@ -18,7 +18,8 @@ pub(in crate::report) const BEHIND: &str = "Closes alone: share of what refitted
     predicts, in standard deviations of that difference; less than two may be chance.";
 
 /// What stands above the sizes that would have been seen.
-pub(in crate::report) const DETECTABLE: &str = "Smallest size of each effect that these logs would have shown:";
+pub(in crate::report) const DETECTABLE: &str = "Smallest size of each effect that these logs would have shown (of limits, stops and stiffness between motor and link the largest \
+     value):";
 
 /// What stands above the sentences about it.
 pub(in crate::report) const UNDETERMINED: &str = "What these logs cannot determine";

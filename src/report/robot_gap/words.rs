@@ -11,8 +11,8 @@ use crate::report::gap::words::{range, size, there, variable};
 use crate::report::number::mrad;
 
 /// What stands above the sizes that would have been seen.
-pub(super) const DETECTABLE: &str =
-    "Smallest size of each cause that these logs would have shown, on the joint where it shows best:";
+pub(super) const DETECTABLE: &str = "Smallest size of each cause that these logs would have shown (of limits, stops and stiffness between motor and link the largest \
+     value), on the joint where it shows best:";
 
 /// What the columns of the ranking mean.
 pub(super) const BEHIND: &str = "Gap closed: share of the whole gap above the sensor's noise. Behind: how much worse than the best a cause \
