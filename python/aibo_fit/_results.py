@@ -25,7 +25,7 @@ class _Result:
         self._document: Optional[Dict[str, Any]] = None
 
     def to_json(self) -> str:
-        """The document as ``--json`` writes it, byte for byte; keys are in docs/python.md."""
+        """The document as ``--json`` writes it, byte for byte; keys are in docs/reference/json.md."""
         return self._answer.json
 
     def to_dict(self) -> Dict[str, Any]:
@@ -87,6 +87,9 @@ class _Result:
             rows.extend(own if joint is None else [{"joint": joint, **row} for row in own])
         return rows
 
+    def _undetermined(self) -> List[str]:
+        return [sentence for document in self._joints().values() for sentence in document.get("undetermined") or []]
+
     def _repr_html_(self) -> str:
         page = _html.escape(self._answer.html, quote=True)
         return f'<iframe srcdoc="{page}" style="width: 100%; height: 42em; border: 1px solid #ccc"></iframe>'
@@ -104,7 +107,7 @@ class Gap(_Result):
         "gap.waterfall": "RMS [rad or N m] as given, recalibrated, with each cause",
         "gap.per_log": "RMS [rad or N m] of each log",
         "beliefs": "what is believed of each number, and what was found",
-        "parameters": "numbers of the effect",
+        "joint": "the joint's numbers",
         "health": "what each log is like",
         "detectable": "the smallest size of each effect that these logs would show",
     }
@@ -138,7 +141,7 @@ class Gap(_Result):
     @property
     def undetermined(self) -> List[str]:
         """What these logs cannot tell, in sentences."""
-        return list(self._get().get("undetermined") or [])
+        return self._undetermined()
 
     def __repr__(self) -> str:
         return f"<aibo_fit.Gap {self.verdict} ({self._answer.percent}): {self.sentence}>"
@@ -172,7 +175,7 @@ class Check(_Result):
     @property
     def undetermined(self) -> List[str]:
         """What these logs cannot tell, in sentences."""
-        return [sentence for document in self._joints().values() for sentence in document.get("undetermined") or []]
+        return self._undetermined()
 
     def __repr__(self) -> str:
         return f"<aibo_fit.Check of {len(self._rows('health'))} logs>"

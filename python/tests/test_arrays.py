@@ -38,7 +38,8 @@ def test_tables_are_data_frames(chirp):
     pandas = pytest.importorskip("pandas", reason="pandas is optional")
     found = aibo_fit.gap(JOINT, {"chirp": chirp})
     for name in found.tables:
-        assert isinstance(found.to_pandas(name), pandas.DataFrame), name
+        table = found.to_pandas(name)
+        assert isinstance(table, pandas.DataFrame) and not table.empty, name
     ranking = found.to_pandas()
     assert "delay" in set(ranking["effect"]) and {"probability", "after"} <= set(ranking.columns)
     assert list(found.to_pandas("gap.per_log")["file"]) == ["chirp"]
@@ -95,6 +96,9 @@ def test_a_robot_of_arrays_is_that_of_its_files():
     found = aibo_fit.gap(tables, logs, robot=ROOT / "data/examples/arm/arm.urdf")
     assert found.sentence == aibo_fit.gap(study).sentence
     assert set(found.to_pandas("gap.per_log")["joint"]) == {"arm/shoulder", "arm/elbow"}
+    assert set(found.to_pandas("joint")["joint"]) == {"arm/shoulder", "arm/elbow"}
+    of_joints = [sentence for own in found.to_dict()["joints"].values() for sentence in own["undetermined"]]
+    assert found.undetermined == of_joints
     # The keys may be the joints of one log.
     first = logs["log0.csv"]
     by_joint = {
