@@ -125,7 +125,8 @@ pub(super) fn explanation(diagnosis: &Diagnosis) -> String {
     if steps(diagnosis).iter().any(|step| step.closes.is_some_and(|share| share < OPENS)) {
         text += " Where a share is negative the step predicts these logs worse than without it.";
     }
-    for cause in diagnosis.causes.iter().filter(|_| !sentence_tells_apart(diagnosis)) {
+    let untold = if sentence_tells_apart(diagnosis) { &[][..] } else { &diagnosis.causes };
+    for cause in untold {
         let others: Vec<&str> = cause.equivalent.iter().filter(|e| **e != cause.effect).map(|e| e.id()).collect();
         if !others.is_empty() {
             text += &format!(" These logs cannot tell {} from {}.", cause.effect, others.join(" or "));
