@@ -6,7 +6,7 @@ use crate::log::{
     ClampedStudy, JointBeliefs, LogError, MotorSpec, RobotLog, read_clamped_study, read_clamped_study_logs,
 };
 use crate::robot::description::{
-    Actuator, ActuatorKind, BodyChange, Description, DescriptionError, FoundNumber, LinkId, Mover, MoverId, NoSuchPart,
+    Actuator, BodyChange, Description, DescriptionError, FoundNumber, LinkId, Mover, MoverId, NoSuchPart,
 };
 use crate::robot::tree::{Tree, TreeBase, TreeError};
 use nalgebra::Vector3;
@@ -60,9 +60,11 @@ impl ClampedSetup {
         let description =
             Description::read(&study.model_path).map_err(|error| ClampedCaseError::Description(Box::new(error)))?;
         // The base is held by whoever took the logs, though a description of a robot that walks lets it go.
-        let description = Description { free_joint: None, ..description.with_equalities() };
+        let mut description = Description { free_joint: None, ..description.with_equalities() };
         let of_tree = |source| ClampedCaseError::Tree { file: study.model_path.clone(), source };
         let mut tree = Tree::new(&description, TreeBase::Fixed).map_err(of_tree)?;
+        // Other masses than described do not damp a servo otherwise.
+        description.actuators = tree.servos(&description);
         if let Some([x, y, z]) = study.gravity_m_s2 {
             tree = tree.with_gravity(Vector3::new(x, y, z));
         }
@@ -80,8 +82,13 @@ impl ClampedSetup {
     /// What study and description say of a joint, the study first.
     pub fn beliefs(&self, joint: MoverId) -> JointBeliefs {
         let mover = &self.description.joints[joint.0];
-        let servos = self.tree.servos(&self.description);
-        self.study.of_joint(&mover.name).over(of_description(mover, &self.description, &servos))
+        self.study.of_joint(&mover.name).over(of_description(mover, self.servo(joint).as_ref()))
+    }
+
+    /// The position servo that the description gives a joint.
+    pub(in crate::gap) fn servo(&self, joint: MoverId) -> Option<Actuator> {
+        let its = self.description.actuators.iter().filter(|servo| servo.joint == joint);
+        its.filter_map(Actuator::as_servo).next()
     }
 
     /// How a joint's setpoints become torques, where anybody says it: study and description.
@@ -210,19 +217,13 @@ pub enum ClampedCaseError {
     },
 }
 
-/// What the description says of a joint's motor: that of its position actuator.
-fn of_description(mover: &Mover, description: &Description, servos: &[Actuator]) -> JointBeliefs {
-    let is_its = |servo: &&Actuator| {
-        servo.kind == ActuatorKind::Position && description.joints[servo.joint.0].name == mover.name
-    };
-    let servo = servos.iter().find(is_its);
-    // A setpoint is one of the joint's: the actuator's length is `gear` times the joint's angle.
-    let square = servo.map_or(1.0, |servo| servo.gear * servo.gear);
+/// What the description says of a joint's motor: that of its position servo.
+fn of_description(mover: &Mover, servo: Option<&Actuator>) -> JointBeliefs {
     let limit_of = |range: Option<[f64; 2]>| range.map(|[low, high]| high.min(-low)).filter(|most| *most > 0.0);
-    let of_servo = servo.and_then(|servo| Some(limit_of(servo.force_range_nm)? * servo.gear.abs()));
+    let of_servo = servo.and_then(|servo| limit_of(servo.force_range_nm));
     JointBeliefs {
-        kp_nm_rad: servo.map(|servo| square * servo.gain).filter(|kp| *kp >= 0.0),
-        kd_nm_s_rad: servo.map(|servo| -square * servo.bias[2]).filter(|kd| *kd >= 0.0),
+        kp_nm_rad: servo.map(|servo| servo.gain).filter(|kp| *kp >= 0.0),
+        kd_nm_s_rad: servo.map(|servo| -servo.bias[2]).filter(|kd| *kd >= 0.0),
         torque_limit_nm: of_servo.or(limit_of(mover.actuator_range_nm)).or(mover.effort_nm.filter(|most| *most > 0.0)),
         ..JointBeliefs::default()
     }

@@ -123,10 +123,7 @@ fn of_joint(
     let gain = estimate("gain");
     let times = gain.map_or(1.0, |e| e.value);
     let around = |value: f64| gain.and_then(|e| e.interval).map(|range| range.map(|end| end * value));
-    let described = {
-        let servos = setup.tree.servos(&setup.description);
-        servos.into_iter().find(|servo| servo.joint == at && servo.gear == 1.0)
-    };
+    let described = setup.servo(at);
     if let Some(kp) = said.kp_nm_rad {
         push(FoundKey::Kp, described.as_ref().map(|servo| servo.gain), times * kp, around(kp), "N m/rad");
         let kd = said.kd_nm_s_rad.unwrap_or(0.0);

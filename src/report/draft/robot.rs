@@ -5,7 +5,7 @@ use super::match_joints::{How, pairs};
 use super::seen::{Seen, SeenJoint, drive_word, is_hand};
 use super::{DraftError, relative};
 use crate::log::{ColumnSpec, Columns, DriveMode, Unit, toml_string};
-use crate::robot::description::{ActuatorKind, Description, LinkId, Mover};
+use crate::robot::description::{Actuator, Description, LinkId, Mover};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -76,7 +76,7 @@ pub(super) fn study(
     let joints: Vec<&SeenJoint> = seen.iter().flat_map(|log| &log.joints).collect();
     let is_driven = joints.iter().any(|joint| joint.drive == DriveMode::Position);
     if is_driven {
-        let servos = robot.actuators.iter().filter(|actuator| actuator.kind == ActuatorKind::Position).count();
+        let servos = robot.actuators.iter().filter_map(Actuator::as_servo).count();
         text += "# kp = 0.0         # N m/rad: tau = kp (q_ref - q) - kd q'; the description's position actuator where absent\n\
                  # kd = 0.0         # N m s/rad\n# torque_limit = 0.0   # N m\n";
         if servos < moving.len() {

@@ -1,7 +1,7 @@
 //! The joints of a description as simulators of actuators want them: numbers by joint, with what was found of each.
 
 use super::found::{FoundKey, FoundNumber};
-use super::{ActuatorKind, Description};
+use super::{Actuator, Description};
 use crate::robot::tree::Tree;
 
 /// A joint with its servo.
@@ -49,21 +49,20 @@ pub(super) fn actuated<'a>(
 ) -> Result<Vec<Actuated<'a>>, String> {
     let tree = Tree::new(description, Tree::base_of(description)).map_err(|error| error.to_string())?;
     let servos = tree.servos(description);
-    let servos: Vec<_> = servos.iter().filter(|servo| servo.kind == ActuatorKind::Position).collect();
+    let servos: Vec<Actuator> = servos.iter().filter_map(Actuator::as_servo).collect();
     if servos.is_empty() {
         return Err("no joint has a position servo: neither the description nor the study states its gain".to_owned());
     }
-    let of = |servo: &&super::Actuator| {
+    let of = |servo: &Actuator| {
         let mover = &description.joints[servo.joint.0];
         let found: Vec<&FoundNumber> =
             found.iter().filter(|number| number.key.is_of_joint() && number.name == mover.name).collect();
         let value = |key: FoundKey| found.iter().find(|number| number.key == key).map(|number| number.value);
-        let square = servo.gear * servo.gear;
-        let of_servo = servo.force_range_nm.map(|[_, high]| high * servo.gear.abs());
+        let of_servo = servo.force_range_nm.map(|[_, high]| high);
         Actuated {
             name: &mover.name,
-            kp: square * servo.gain,
-            kd: -square * servo.bias[2],
+            kp: servo.gain,
+            kd: -servo.bias[2],
             armature: mover.armature_kg_m2,
             coulomb: mover.friction_nm,
             static_friction: value(FoundKey::StaticFriction).unwrap_or(0.0).max(mover.friction_nm),

@@ -2,6 +2,7 @@
 //! simulated with.
 
 use super::{Actuator, ActuatorKind, BodyChange, Description, MoverId};
+use crate::robot::tree::Tree;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -121,12 +122,13 @@ pub struct NoSuchPart {
 }
 
 impl Description {
-    /// The same robot with numbers as found.
+    /// The same robot with numbers as found; servos whose damping is a share of the critical one keep what it comes to as
+    /// described, whatever masses were found.
     ///
     /// # Errors
     /// [`NoSuchPart`] where a joint or link is not its.
     pub fn with_found(&self, found: &[FoundNumber]) -> Result<Self, NoSuchPart> {
-        let mut changed = self.clone();
+        let mut changed = self.with_damped_servos();
         for number in found {
             if number.key.is_of_joint() {
                 let none = || NoSuchPart { what: "joint", name: number.name.clone() };
@@ -173,35 +175,99 @@ impl Description {
         }
     }
 
-    /// The servo of a joint, behind no gear; where the file has another or none, one of its own.
+    /// The same with damping ratios resolved where the masses allow it.
+    fn with_damped_servos(&self) -> Self {
+        let has_ratio = self.actuators.iter().any(|servo| servo.damping_ratio.is_some());
+        let tree = has_ratio.then(|| Tree::new(self, Tree::base_of(self)).ok()).flatten();
+        let actuators = tree.map_or_else(|| self.actuators.clone(), |tree| tree.servos(self));
+        Self { actuators, ..self.clone() }
+    }
+
+    /// The servo of a joint, behind no gear as numbers of studies are; where the file has none, one of its own in the place of
+    /// what drives the joint, and not stronger.
     fn servo(&mut self, at: MoverId) -> &mut Actuator {
-        let is_its = |servo: &Actuator| servo.joint == at && servo.kind == ActuatorKind::Position;
-        let place = self.actuators.iter().position(is_its);
-        let place = place.unwrap_or_else(|| {
-            self.actuators.retain(|other| other.joint != at);
-            self.actuators.push(Actuator {
-                name: self.joints[at.0].name.clone(),
-                kind: ActuatorKind::Position,
-                joint: at,
-                gear: 1.0,
-                gain: 0.0,
-                bias: [0.0; 3],
-                damping_ratio: None,
-                control_range: None,
-                force_range_nm: None,
-                activation: None,
-            });
-            self.actuators.len() - 1
-        });
-        let servo = &mut self.actuators[place];
-        // Numbers of studies are those of the joint.
-        let square = servo.gear * servo.gear;
-        if square != 1.0 {
-            servo.gain *= square;
-            servo.bias.iter_mut().skip(1).for_each(|bias| *bias *= square);
-            servo.force_range_nm = servo.force_range_nm.map(|range| range.map(|end| end * servo.gear.abs()));
-            servo.gear = 1.0;
+        let its =
+            |(place, driver): (usize, &Actuator)| Some((place, driver.as_servo().filter(|_| driver.joint == at)?));
+        let place = match self.actuators.iter().enumerate().find_map(its) {
+            Some((place, servo)) => {
+                self.actuators[place] = servo;
+                place
+            }
+            None => {
+                let servo = self.new_servo(at);
+                self.actuators.retain(|other| other.joint != at);
+                self.actuators.push(servo);
+                self.actuators.len() - 1
+            }
+        };
+        &mut self.actuators[place]
+    }
+
+    fn new_servo(&self, at: MoverId) -> Actuator {
+        let driver = self.actuators.iter().find(|driver| driver.joint == at);
+        Actuator {
+            name: driver.map_or_else(|| self.joints[at.0].name.clone(), |driver| driver.name.clone()),
+            kind: ActuatorKind::Position,
+            joint: at,
+            gear: 1.0,
+            gain: 0.0,
+            bias: [0.0; 3],
+            damping_ratio: None,
+            control_range: None,
+            force_range_nm: driver.and_then(Actuator::torque_range_nm),
+            activation: None,
         }
-        servo
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::to_mjcf;
+    use super::*;
+
+    fn described(actuators: &str) -> Description {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("arm.xml");
+        let text = format!(
+            r#"<mujoco><compiler angle="radian"/><worldbody><body name="a"><joint name="j" axis="0 1 0"/>
+            <geom size=".1" pos="0 0 -.3" mass="1"/></body></worldbody><actuator>{actuators}</actuator></mujoco>"#
+        );
+        std::fs::write(&file, text).unwrap();
+        Description::read(&file).unwrap()
+    }
+
+    fn number(name: &str, key: FoundKey, value: f64) -> FoundNumber {
+        let (was, interval, unit) = (None, None, String::new());
+        FoundNumber { name: name.to_owned(), key, was, value, interval, unit, place_m: Some([0.0, 0.0, -0.3]) }
+    }
+
+    fn exported(actuators: &str, found: &[FoundNumber]) -> String {
+        let text = to_mjcf(&described(actuators).with_found(found).unwrap(), &[]);
+        let from = text.find("<actuator>").unwrap();
+        text[from + "<actuator>".len()..].lines().map(str::trim).find(|line| !line.is_empty()).unwrap().to_owned()
+    }
+
+    #[test]
+    fn a_found_gain_keeps_damping_and_ranges_of_what_drives_the_joint() {
+        let kp = [number("j", FoundKey::Kp, 20.0)];
+        let general = r#"<general name="m" joint="j" biastype="affine" gainprm="16" biasprm="0 -16 -3" ctrlrange="-1 2" forcerange="-4 4"/>"#;
+        let servo = |ranges: &str| format!(r#"<position name="m" joint="j" {ranges} kp="20" kv="3"/>"#);
+        assert_eq!(exported(general, &kp), servo(r#"ctrlrange="-1 2" forcerange="-4 4""#));
+        // Controls in other units become positions.
+        let scaled = general.replace("gainprm=\"16\"", "gainprm=\"8\"").replace("biasprm=\"0", "biasprm=\"8");
+        assert_eq!(exported(&scaled, &kp), servo(r#"ctrlrange="0 1.5" forcerange="-4 4""#));
+        let geared = r#"<position name="m" joint="j" gear="-2" kp="1" kv=".75" ctrlrange="-1 2" forcerange="-4 5"/>"#;
+        assert_eq!(exported(geared, &kp), servo(r#"ctrlrange="-1 0.5" forcerange="-10 8""#));
+        let motor = r#"<motor name="m" joint="j" gear="2" ctrlrange="-3 3" forcerange="-4 2"/>"#;
+        let bare = r#"<position name="m" joint="j" forcerange="-6 4" kp="20" kv="0"/>"#;
+        assert_eq!(exported(motor, &kp), bare);
+    }
+
+    #[test]
+    fn a_payload_does_not_change_the_damping_of_a_servo() {
+        let ratio = r#"<position joint="j" kp="16" dampratio="1"/>"#;
+        // 2 sqrt(kp m) of the ball as described: 0.094 kg m^2.
+        let line = exported(ratio, &[number("a", FoundKey::Payload, 0.5)]);
+        assert!(line.contains("kv=\"2.4527"), "{line}");
     }
 }

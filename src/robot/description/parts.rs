@@ -140,6 +140,48 @@ pub struct Actuator {
     pub activation: Option<String>,
 }
 
+impl Actuator {
+    /// The same as a position servo on the joint itself, `torque = kp (ctrl - q) - kd q'`, its controls the joint's positions;
+    /// `None` where it holds no position.
+    pub fn as_servo(&self) -> Option<Self> {
+        let holds = match self.kind {
+            ActuatorKind::Position => true,
+            ActuatorKind::General => self.activation.is_none() && self.gain != 0.0 && self.bias[1] < 0.0,
+            ActuatorKind::Motor | ActuatorKind::Velocity => false,
+        };
+        if !holds {
+            return None;
+        }
+        let (gear, [constant, position, rate]) = (self.gear, self.bias);
+        let kp = -gear * gear * position;
+        let held = |control: f64| (self.gain / -position * control + constant / -position) / gear;
+        Some(Self {
+            kind: ActuatorKind::Position,
+            gear: 1.0,
+            gain: kp,
+            bias: [0.0, -kp, gear * gear * rate],
+            // A servo without gain holds nothing that could be limited.
+            control_range: self.control_range.filter(|_| kp > 0.0).map(|ends| sorted(ends.map(held))),
+            force_range_nm: self.force_range_nm.map(|ends| sorted(ends.map(|end| gear * end))),
+            ..self.clone()
+        })
+    }
+
+    /// What its torque is limited to at the joint \[N m\], by its force's range or, where it is no servo, its control's.
+    pub(super) fn torque_range_nm(&self) -> Option<[f64; 2]> {
+        let is_torque = self.bias == [0.0; 3] && self.activation.is_none();
+        let of_control = self.control_range.filter(|_| is_torque).map(|ends| ends.map(|end| self.gain * end));
+        let at_joint = |ends: [f64; 2]| sorted(ends.map(|end| self.gear * end));
+        let ranges = [of_control, self.force_range_nm].into_iter().flatten().map(at_joint);
+        ranges.reduce(|[low, high], [other_low, other_high]| [low.max(other_low), high.min(other_high)])
+    }
+}
+
+/// The smaller end first.
+fn sorted([a, b]: [f64; 2]) -> [f64; 2] {
+    [a.min(b), a.max(b)]
+}
+
 /// A free joint that the file itself has.
 #[derive(Clone, Debug)]
 pub struct FreeJoint {

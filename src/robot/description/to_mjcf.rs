@@ -2,7 +2,7 @@
 
 use super::found::FoundNumber;
 use super::xml::escaped;
-use super::{Actuator, ActuatorKind, Description, JointKind, Link, LinkId, Mover, RigidInertia};
+use super::{Actuator, ActuatorKind, Description, JointKind, LinkId, Mover, RigidInertia};
 use nalgebra::{Isometry3, Vector3};
 use std::fmt::Write as _;
 
@@ -63,6 +63,10 @@ impl Writer<'_> {
         let description = self.description;
         let link = &description.links[at.0];
         let is_free = description.free_joint.as_ref().is_some_and(|free| free.link == at);
+        // MuJoCo's world is a body of this name already.
+        if link.name == "world" && link.parent.is_none() && link.joints.is_empty() && !is_free {
+            return self.children(at, depth);
+        }
         self.line(depth, &format!("<body name=\"{}\"{}>", escaped(&link.name), pose(&link.pose)));
         self.marks(depth + 1, &link.name, |number| !number.key.is_of_joint());
         let moves = is_free || !link.joints.is_empty();
@@ -81,13 +85,16 @@ impl Writer<'_> {
             self.marks(depth + 1, &mover.name, |number| number.key.is_of_joint() && !is_servo(number.key));
             self.line(depth + 1, &joint_element(mover));
         }
-        let is_child = |child: &Link| child.parent == Some(at);
-        for k in 0..description.links.len() {
-            if is_child(&description.links[k]) {
-                self.link(LinkId(k), depth + 1);
+        self.children(at, depth + 1);
+        self.line(depth, "</body>");
+    }
+
+    fn children(&mut self, at: LinkId, depth: usize) {
+        for k in 0..self.description.links.len() {
+            if self.description.links[k].parent == Some(at) {
+                self.link(LinkId(k), depth);
             }
         }
-        self.line(depth, "</body>");
     }
 
     fn equalities(&mut self) {
@@ -220,7 +227,7 @@ fn actuator_element(actuator: &Actuator, joint: &str) -> String {
             add("kp", actuator.gain.to_string());
             match actuator.damping_ratio {
                 Some(ratio) => add("dampratio", ratio.to_string()),
-                None => add("kv", (-actuator.bias[2]).to_string()),
+                None => add("kv", (0.0 - actuator.bias[2]).to_string()),
             }
             format!("<position {text}/>")
         }
@@ -308,5 +315,14 @@ mod tests {
         assert_relative_eq!(level[..], other[..], epsilon = 1e-12);
         let error = described.with_found(&[number("wrist", FoundKey::Kp, 1.0)]).unwrap_err();
         assert_eq!(error.to_string(), "the description has no joint `wrist`");
+    }
+
+    #[test]
+    fn a_link_named_world_is_the_world_and_no_second_body_of_that_name() {
+        let dir = tempfile::tempdir().unwrap();
+        let urdf = dir.path().join("arm.urdf");
+        std::fs::write(&urdf, ARM.replace("\"base\"", "\"world\"")).unwrap();
+        let text = to_mjcf(&Description::read(&urdf).unwrap(), &[]);
+        assert!(!text.contains("<body name=\"world\"") && text.contains("    <body name=\"upper\""), "{text}");
     }
 }

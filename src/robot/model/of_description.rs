@@ -5,7 +5,7 @@ use crate::geometry::robot_file::{Base, FrictionSet, GainSet, JointFriction, Rob
 use crate::geometry::{Joint, JointSpring, Part};
 use crate::log::Derivative;
 use crate::robot::RobotError;
-use crate::robot::description::{ActuatorKind, Coupling, Description, JointKind, Mover, MoverId, RigidInertia};
+use crate::robot::description::{Actuator, Coupling, Description, JointKind, Mover, MoverId, RigidInertia};
 use crate::robot::tree::{Jointed, Tree, TreeBase};
 use nalgebra::Vector3;
 
@@ -188,13 +188,8 @@ fn torque_limit(description: &Description, id: MoverId) -> Result<Option<f64>, S
 /// Position servos as `kp (q_ref - q) - kd q'` at the joint, behind their gears.
 fn gains(description: &Description, tree: &Tree) -> Option<GainSet> {
     let servos = tree.servos(description);
-    let servos = servos.iter().filter(|servo| servo.kind == ActuatorKind::Position);
-    let si: Vec<(String, [f64; 3])> = servos
-        .map(|servo| {
-            let squared = servo.gear * servo.gear;
-            (description.joints[servo.joint.0].name.clone(), [squared * servo.gain, 0.0, -squared * servo.bias[2]])
-        })
-        .collect();
+    let gains = |servo: Actuator| (description.joints[servo.joint.0].name.clone(), [servo.gain, 0.0, -servo.bias[2]]);
+    let si: Vec<(String, [f64; 3])> = servos.iter().filter_map(Actuator::as_servo).map(gains).collect();
     (!si.is_empty()).then(|| GainSet { name: GAINS.to_owned(), shift: [0; 3], by_joint: Vec::new(), si })
 }
 

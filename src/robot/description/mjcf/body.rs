@@ -173,6 +173,9 @@ impl Reader<'_> {
         }
         let (name, is_named) = names.of_body(body, &scope.suffix)?;
         body.expect_attributes(OF_BODY, &mut self.into.warnings);
+        if let Some(share) = body.number("gravcomp")?.filter(|share| *share != 0.0) {
+            self.into.left_out.push(body.say(format!("gravcomp=\"{share}\" is left out: its weight counts in full")));
+        }
         let mut joints = Vec::new();
         for (element, scope) in &content.joints {
             let merged = match element.tag.as_str() {

@@ -186,7 +186,7 @@ fn actuators_have_gains_and_biases_of_their_kind() {
 #[test]
 fn what_moves_joints_and_is_not_read_is_said() {
     let made = read(
-        r#"<mujoco><worldbody><body name="a"><joint name="j"/><geom size=".1"/></body></worldbody>
+        r#"<mujoco><worldbody><body name="a" gravcomp="1"><joint name="j"/><geom size=".1"/><body gravcomp="0"/></body></worldbody>
         <tendon><fixed name="quiet"><joint joint="j" coef="1"/></fixed><fixed name="stiff" stiffness="2"><joint joint="j" coef="1"/></fixed>
             <spatial name="cord"/></tendon>
         <equality><weld body1="a"/><joint name="e" joint1="j"/></equality>
@@ -202,9 +202,11 @@ fn what_moves_joints_and_is_not_read_is_said() {
         "equality joint",
         "on a tendon",
         "muscle",
+        "gravcomp=\"1\"",
     ] {
         assert!(said.contains(part), "{part} not in {said}");
     }
+    assert_eq!(said.matches("gravcomp").count(), 1, "{said}");
     assert!(!said.contains("<fixed name=\"quiet\">"));
 }
 

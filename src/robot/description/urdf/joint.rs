@@ -1,6 +1,6 @@
 //! `<joint>`: what it joins, how it moves, what limits it, what it follows.
 
-use super::{expect_elements, number, numbers, one, origin, plain};
+use super::{UNLIMITED, expect_elements, number, numbers, one, origin, plain};
 use crate::robot::description::error::DescriptionError;
 use crate::robot::description::parts::JointKind;
 use crate::robot::description::xml::Element;
@@ -103,14 +103,16 @@ fn moves(joint: &Element, kind: JointKind, warnings: &mut Vec<String>) -> Result
                 warnings,
             );
             let ends = [number(limit, "lower")?.unwrap_or(0.0), number(limit, "upper")?.unwrap_or(0.0)];
-            (effort_nm, rate_limit_rad_s) = (number(limit, "effort")?, number(limit, "velocity")?);
+            let is_reached = |most: &f64| *most < UNLIMITED;
+            effort_nm = number(limit, "effort")?.filter(is_reached);
+            rate_limit_rad_s = number(limit, "velocity")?.filter(is_reached);
             if kind != JointKind::Continuous {
                 if ends[0] > ends[1] {
                     warnings.push(limit.say(format!("{}: lower is above upper", joint.label())));
                 } else if ends[0] == ends[1] {
                     warnings.push(limit.say(format!("{}: by its limits it cannot move", joint.label())));
                 }
-                limit_rad = Some(ends);
+                limit_rad = Some(ends).filter(|[low, high]| *low > -UNLIMITED || *high < UNLIMITED);
             }
         }
         None if kind != JointKind::Continuous => warnings.push(joint.say("no <limit>; taken as without limits")),

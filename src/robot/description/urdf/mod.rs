@@ -17,6 +17,9 @@ use super::{Description, Format};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use std::path::Path;
 
+/// What stands for no limit where an attribute has to be there \[rad, rad/s, N m\]: nothing reaches it.
+pub(super) const UNLIMITED: f64 = 1e9;
+
 /// The robot under a `<robot>` element.
 pub(super) fn read(file: &Path, root: &Element) -> Result<Description, DescriptionError> {
     let mut warnings = Vec::new();
