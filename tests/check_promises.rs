@@ -80,6 +80,25 @@ fn a_drive_at_its_limit_and_noise_that_hangs_together_are_told_on_one_page() {
 }
 
 #[test]
+fn what_the_text_says_of_a_log_the_document_says_too() {
+    let dir = tempfile::tempdir().unwrap();
+    let rows = |of: &dyn Fn(f64) -> String| -> String {
+        (0..400).map(|k| 0.01 * f64::from(k)).map(|t| format!("{t:.2},{}\n", of(t))).collect()
+    };
+    let moves = |t: f64| format!("{:.6}", 0.5 * (3.0 * t).sin());
+    fs::write(dir.path().join("two.csv"), format!("t,a.q,b.q\n{}", rows(&|t| moves(t) + ",0.1"))).unwrap();
+    let said = expect_code(dir.path(), &["check", "two.csv", "--json", "two.json"], 0);
+    let two = json(&dir.path().join("two.json"));
+    assert!(said.contains("== b ==\nIt never moved"), "{said}");
+    assert_eq!((&two["still"], &two["notes"]), (&serde_json::json!(["b"]), &serde_json::json!([])));
+    // A log of one joint without a name has its remarks, too.
+    fs::write(dir.path().join("one.csv"), format!("t,q,lamp\n{}", rows(&|t| moves(t) + ",7"))).unwrap();
+    let said = expect_code(dir.path(), &["check", "one.csv", "--json", "one.json"], 0);
+    let remarks = json(&dir.path().join("one.json"))["health"][0]["remarks"].to_string();
+    assert!(said.contains("columns not used: lamp") && remarks.contains("columns not used: lamp"), "{said}\n{remarks}");
+}
+
+#[test]
 fn nothing_to_check_is_said_with_the_exit_codes_of_every_command() {
     let dir = tempfile::tempdir().unwrap();
     expect_code(dir.path(), &["check", "nowhere.toml"], 5);

@@ -48,6 +48,23 @@ fn a_bag_comes_to_a_verdict_in_two_commands() {
 }
 
 #[test]
+fn a_study_that_was_filled_in_is_not_written_over_by_the_log_that_it_came_of() {
+    let dir = tempfile::tempdir().unwrap();
+    arm(dir.path());
+    let bag = log("arm.mcap");
+    let check = || run_in(dir.path(), &["check", &bag, "--robot", "arm.urdf", "--out", "out"]);
+    let (first, study) = (check(), dir.path().join("out/study.toml"));
+    let draft = fs::read_to_string(&study).unwrap();
+    assert_eq!((check().status.code(), fs::read_to_string(&study).unwrap()), (first.status.code(), draft));
+    fill_in(&study, &[("kp", 25.0), ("kd", 0.5)]);
+    let filled = fs::read_to_string(&study).unwrap();
+    let again = check();
+    let said = stderr(&again);
+    assert_eq!((again.status.code(), fs::read_to_string(&study).unwrap()), (Some(2), filled), "{said}");
+    assert!(said.contains("aibo-fit gap out/study.toml") && said.contains("--out"), "{said}");
+}
+
+#[test]
 fn a_csv_of_plotjuggler_comes_to_a_verdict_in_two_commands() {
     let dir = tempfile::tempdir().unwrap();
     expect_code(dir.path(), &["init", &log("plotjuggler.csv"), "--joint", "elbow", "--study", "study.toml"], 0);

@@ -65,7 +65,7 @@ fn joints(setup: &ClampedSetup, provenance: &Provenance, listener: &Listener) ->
         return Err(Failed::NeverMoved(format!("{robot}: nothing to check: no joint moves")));
     }
     let told: Vec<(&str, Option<&CheckReport>)> = found.iter().map(|(name, report)| (*name, report.as_ref())).collect();
-    let text = checks_text(&told, &notes);
+    let (json, text) = (json_text(&checks_json(&robot, &told, &notes))?, checks_text(&told, &notes));
     let reports: Vec<CheckReport> = found.into_iter().filter_map(|(_, report)| report).collect();
-    Ok(answer(json_text(&checks_json(&robot, &reports))?, check_html(&robot, &reports, &notes)?, text))
+    Ok(answer(json, check_html(&robot, &reports, &notes)?, text))
 }

@@ -141,9 +141,9 @@ impl<'a> Check<'a> {
         let told: Vec<(&str, Option<&CheckReport>)> =
             names.iter().zip(&found).map(|(name, report)| (name.as_str(), report.as_ref())).collect();
         let text = checks_text(&told, notes);
-        let reports: Vec<CheckReport> = found.into_iter().flatten().collect();
         let mut outputs = Outputs::default();
-        self.args.common.add_json(&mut outputs, &checks_json(name, &reports))?;
+        self.args.common.add_json(&mut outputs, &checks_json(name, &told, notes))?;
+        let reports: Vec<CheckReport> = found.into_iter().flatten().collect();
         tell(self.args, outputs, (name, &reports, notes), &text, &self.inputs)
     }
 
@@ -244,10 +244,16 @@ fn joint_of(source: &Mutex<Source>, name: Option<&str>) -> Result<Box<Case>, Cli
     let log = source.lock().unwrap_or_else(PoisonError::into_inner).take_joint_log(name)?;
     // Nothing is believed of what was asked or delivered, but how it lies to the readings is part of their health.
     let (q_ref_rad, tau_nm, setpoints, on) = (log.q_ref_rad, log.tau_nm, log.setpoints, log.drive);
-    let file = log.file;
+    let (file, notes, ignored_columns) = (log.file, log.notes, log.ignored_columns);
     let named = ArrayLog::new(file.display().to_string(), log.t_s, log.q_rad);
     let array = ArrayLog { q_ref_rad, tau_nm, setpoints, on, holes_are_known: true, ..named };
+    let is_alone = name.is_none();
     let name = name.map_or_else(|| log_name(&file), str::to_owned);
     let spec = JointSpec { name, nominal: None, gravity_m_s2: 9.81, rest_rad: None };
-    Ok(Box::new(Case::of_arrays(spec, SensorSpec::default(), None, Uncertain::default(), vec![array])?))
+    let mut case = Case::of_arrays(spec, SensorSpec::default(), None, Uncertain::default(), vec![array])?;
+    // Of several joints it is told once, of all of them.
+    if let (true, [item]) = (is_alone, &mut case.items[..]) {
+        (item.log.notes, item.log.ignored_columns) = (notes, ignored_columns);
+    }
+    Ok(Box::new(case))
 }

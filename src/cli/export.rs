@@ -3,7 +3,8 @@
 use super::CliError;
 use super::common::{CommonArgs, json_text, print, study_name, warn, write_outputs};
 use crate::log::{LogError, Outputs};
-use crate::report::{friction_csv, friction_tables};
+use crate::number::quantity;
+use crate::report::{Quantity, friction_csv, friction_tables};
 use crate::robot::description::{Description, FoundKey, FoundNumber, to_isaac, to_mjcf, to_pace, to_urdf};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
@@ -217,6 +218,42 @@ fn read(file: &Path, document: &Value) -> Result<Found, CliError> {
     }
     let effects = document["effects"].as_array().into_iter().flatten();
     let ids = effects.filter_map(|effect| effect["id"].as_str()).map(|id| format!("{name}: {id}"));
+    let law = document["law"]["looks_like"].as_str().map(|like| format!("{name}: a law ({like})"));
     let links = ["inertia", "moment"].map(|of| format!("{name}: {of} as found (masses of the links are as described)"));
-    Ok(Found { model: None, numbers, cannot_say: ids.chain(links).collect() })
+    let others = ["gain", "kd", "ki", "rest"].into_iter().filter_map(|of| unsaid(document, name, of));
+    Ok(Found { model: None, numbers, cannot_say: ids.chain(law).chain(links).chain(others).collect() })
+}
+
+/// A number of a joint's fit that no description has a place for, where it is not as given: gains are factors of stated
+/// ones, and of a rest angle that was held there is nothing to say.
+fn unsaid(document: &Value, name: &str, of: &str) -> Option<String> {
+    let found: Quantity = serde_json::from_value(document["joint"].get(of)?.clone()).ok()?;
+    let value = found.value?;
+    let is_factor = of != "rest";
+    let given = document["beliefs"][of]["believed"].as_f64().or(is_factor.then_some(1.0));
+    let is_as_given = given.map_or(!found.identifiable, |given| given == value);
+    (!is_as_given).then(|| format!("{name}: {of} = {}", quantity(value, found.interval, &found.unit)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_joints_fit_has_beyond_friction_is_listed() {
+        let number =
+            |value: f64, identifiable: bool| json!({ "value": value, "unit": "1", "identifiable": identifiable });
+        let document = json!({
+            "name": "knee", "law": { "looks_like": "a ripple" }, "beliefs": { "ki": { "believed": 0.9 } },
+            "joint": {
+                "coulomb": number(0.1, true), "gain": number(0.8, true), "kd": number(1.0, false), "ki": number(0.9, true),
+                "rest": number(0.02, true),
+            },
+        });
+        let told = read(Path::new("fit.json"), &document).unwrap().cannot_say.join("\n");
+        for part in ["knee: a law (a ripple)", "knee: gain = 0.8", "knee: rest = 0.02"] {
+            assert!(told.contains(part), "{part} not in {told}");
+        }
+        assert!(!told.contains("kd") && !told.contains("ki"), "{told}");
+    }
 }

@@ -5,6 +5,7 @@ use super::common::{CommonArgs, log_name, print, study_name, write_outputs};
 use crate::log::Outputs;
 use crate::report::{Draft, draft_study, list_item};
 use clap::Args;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The name of a study that this program writes.
@@ -66,11 +67,20 @@ pub(super) fn run(args: &InitArgs) -> Result<u8, CliError> {
     Ok(0)
 }
 
-/// Writes the study of a log and a robot into the output folder, and answers with its path.
+/// Writes the study of a log and a robot into the output folder, and answers with its path; one that was filled in since
+/// is not written over.
 pub(super) fn drafted(log: &Path, robot: &Path, common: &CommonArgs) -> Result<PathBuf, CliError> {
     let name = if log.is_dir() { study_name(&log.join(STUDY)) } else { log_name(log) };
     let study = common.folder(&name).join(STUDY);
     let draft = draft_study(&[log.to_path_buf()], Some(robot), None, folder_of(&study))?;
+    if fs::read(&study).is_ok_and(|there| there != draft.text.as_bytes()) {
+        let study = study.display();
+        let why = format!(
+            "{study}: there is a study already, and not the one that this log alone gives; go on with it (`aibo-fit gap {study}`, \
+             `aibo-fit check {study}`), or choose another --out"
+        );
+        return Err(CliError::Usage(why));
+    }
     write_draft(&study, &draft)?;
     if !common.quiet {
         print(&format!("study: {} (written from the log; guesses are marked in it)\n", study.display()));

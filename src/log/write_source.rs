@@ -7,14 +7,15 @@ use rayon::prelude::*;
 
 use super::column::{Column, column_of};
 use super::mcap_out::McapTopic;
-use super::source::{Channel, Source};
+use super::source::{Channel, Source, are_of_messages};
 
 /// Rows that are made at a time.
 const BLOCK: usize = 1 << 14;
 /// No sample of a clock at a row's stamp.
 const NONE: u32 = u32::MAX;
 
-/// Writes the channels that we have names for as CSV: one row a stamp, empty cells where a channel has no sample there.
+/// Writes the channels that we have names for as CSV: one row a stamp, empty cells where a channel has no sample there. A
+/// few empty cells would be read as samples that are missing: there each clock has rows of its own.
 ///
 /// # Errors
 /// What `out` answers.
@@ -34,9 +35,10 @@ pub fn write_csv(source: &Source, out: &mut dyn Write) -> io::Result<()> {
             is_switch: name.ends_with(Column::Drive.name()),
         })
         .collect();
+    let sharing = Sharing::of(source, &clocks);
     let mut next = vec![0; clocks.len()];
     loop {
-        let (stamps, samples) = block(source, &clocks, &mut next);
+        let (stamps, samples) = block(source, &clocks, sharing, &mut next);
         if stamps.is_empty() {
             return Ok(());
         }
@@ -54,18 +56,59 @@ struct CsvColumn<'a> {
     is_switch: bool,
 }
 
-/// The next stamps, and for each of them and of the clocks the sample that it is, or none.
-fn block(source: &Source, clocks: &[usize], next: &mut [usize]) -> (Vec<f64>, Vec<u32>) {
+/// Which samples of the same stamp stand in a row.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Sharing {
+    /// All.
+    All,
+    /// Those of one clock.
+    OneClock,
+}
+
+impl Sharing {
+    /// All, unless that leaves empty cells that are too few to be told from missing samples.
+    fn of(source: &Source, clocks: &[usize]) -> Self {
+        let (mut next, mut rows) = (vec![0; clocks.len()], 0);
+        while step(source, clocks, Self::All, &mut next, |_| {}).is_some() {
+            rows += 1;
+        }
+        let empty = |clock: &usize| rows - source.clocks[*clock].len();
+        let is_whole = clocks.iter().all(|clock| empty(clock) == 0);
+        if is_whole || clocks.iter().any(|clock| are_of_messages(empty(clock), rows)) {
+            Self::All
+        } else {
+            Self::OneClock
+        }
+    }
+}
+
+/// The stamp of the next row; `is_in` is told of each clock the sample that is in it, or none.
+fn step(
+    source: &Source,
+    clocks: &[usize],
+    sharing: Sharing,
+    next: &mut [usize],
+    mut is_in: impl FnMut(Option<usize>),
+) -> Option<f64> {
+    let stamp = |k: usize, next: &[usize]| source.clocks[clocks[k]].get(next[k]).copied();
+    let now_s = (0..clocks.len()).filter_map(|k| stamp(k, next)).min_by(f64::total_cmp)?;
+    let mut is_free = true;
+    for k in 0..clocks.len() {
+        let is_now = is_free && stamp(k, next) == Some(now_s);
+        is_in(is_now.then_some(next[k]));
+        next[k] += usize::from(is_now);
+        is_free &= !is_now || sharing == Sharing::All;
+    }
+    Some(now_s)
+}
+
+/// The stamps of the next rows, and for each of them and of the clocks the sample that is in it, or none.
+fn block(source: &Source, clocks: &[usize], sharing: Sharing, next: &mut [usize]) -> (Vec<f64>, Vec<u32>) {
     let (mut stamps, mut samples) = (Vec::with_capacity(BLOCK), Vec::with_capacity(BLOCK * clocks.len()));
     while stamps.len() < BLOCK {
-        let stamp = |k: usize, next: &[usize]| source.clocks[clocks[k]].get(next[k]).copied();
-        let Some(now_s) = (0..clocks.len()).filter_map(|k| stamp(k, next)).min_by(f64::total_cmp) else { break };
+        let is_in = |sample: Option<usize>| samples.push(sample.map_or(NONE, |sample| sample as u32));
+        let Some(now_s) = step(source, clocks, sharing, next, is_in) else { break };
         stamps.push(now_s);
-        for k in 0..clocks.len() {
-            let is_now = stamp(k, next) == Some(now_s);
-            samples.push(if is_now { next[k] as u32 } else { NONE });
-            next[k] += usize::from(is_now);
-        }
     }
     (stamps, samples)
 }
@@ -173,5 +216,33 @@ mod tests {
         assert_eq!((read.channels, read.clocks), (source.channels.clone(), source.clocks.clone()));
         let topics = mcap_topics(source, "joint");
         assert_eq!((topics.len(), topics[0].joints[0].as_str(), topics[1].t_s[0]), (2, "elbow", 0.01));
+    }
+
+    #[test]
+    fn clocks_that_share_all_stamps_but_a_few_are_read_back_as_they_were() {
+        let dir = tempfile::tempdir().unwrap();
+        let stamps = |is_there: &dyn Fn(u32) -> bool| -> Vec<f64> {
+            (0..300).filter(|k| is_there(*k)).map(|k| 0.01 * f64::from(k)).collect()
+        };
+        let clocks = vec![stamps(&|k| k != 7), stamps(&|k| k % 100 != 50)];
+        let angles =
+            |clock: usize, size: f64| (0..clocks[clock].len()).map(|k| size * (0.1 * k as f64).sin()).collect();
+        let channels = vec![("a.q".to_owned(), 0, angles(0, 0.5)), ("b.q".to_owned(), 1, angles(1, 0.3))];
+        let source = Source::of_arrays("log", clocks.clone(), channels).unwrap();
+        let mut written = Vec::new();
+        write_csv(&source, &mut written).unwrap();
+        let again = dir.path().join("again.csv");
+        std::fs::write(&again, written).unwrap();
+        let read = read_source(&again, &Columns::default()).unwrap();
+        assert_eq!((&read.clocks, &read.channels[1].values), (&source.clocks, &source.channels[1].values));
+        // Stamps that are all the same need one row each.
+        let same = Source::of_arrays(
+            "log",
+            vec![clocks[0].clone(), clocks[0].clone()],
+            vec![("a.q".to_owned(), 0, angles(0, 0.5)), ("b.q".to_owned(), 1, angles(0, 0.3))],
+        );
+        let mut written = Vec::new();
+        write_csv(&same.unwrap(), &mut written).unwrap();
+        assert_eq!(String::from_utf8(written).unwrap().lines().count(), 1 + clocks[0].len());
     }
 }

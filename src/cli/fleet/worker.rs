@@ -52,7 +52,11 @@ impl Worker {
                     Ok(text) => Outcome::of_text(&text),
                     Err(error) => Outcome::Lost(format!("its process left no answer: {error}")),
                 },
-                Some(code) if code <= IO => Outcome::None(error_of(&String::from_utf8_lossy(&output.stderr))),
+                Some(code) if code <= IO => {
+                    let why = error_of(&String::from_utf8_lossy(&output.stderr));
+                    // A disk that is full or away for now is none of the study's own faults.
+                    if code == IO { Outcome::Lost(why) } else { Outcome::None(why) }
+                }
                 _ => Outcome::Lost(ended_by(output.status)),
             },
         };

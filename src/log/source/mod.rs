@@ -59,6 +59,7 @@ pub(super) use cdr_write::JointStateForm;
 pub(super) use crc::Crc;
 pub(super) use kind::is_log_folder;
 pub(super) use read::{checked, read_wanted};
+pub(super) use table::are_of_messages;
 pub(super) use want::Want;
 
 pub use channel::{Channel, Source};

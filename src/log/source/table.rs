@@ -227,11 +227,7 @@ impl<'a> Table<'a> {
     }
 
     fn is_staggered(&self) -> bool {
-        let many = |empty: &Empty| {
-            let (empty, rows) = (empty.rows.len(), self.rows.len());
-            (FEWEST_EMPTY..rows).contains(&empty) && empty as f64 >= SHARE_EMPTY * rows as f64
-        };
-        self.empty.iter().any(many)
+        self.empty.iter().any(|empty| are_of_messages(empty.rows.len(), self.rows.len()))
     }
 
     /// Tells empty cells of the columns that have to be whole, by the values that they have.
@@ -254,6 +250,11 @@ impl<'a> Table<'a> {
             }
         }
     }
+}
+
+/// Whether so many empty cells of a column say that its values come in messages of their own.
+pub(in crate::log) fn are_of_messages(empty: usize, rows: usize) -> bool {
+    (FEWEST_EMPTY..rows).contains(&empty) && empty as f64 >= SHARE_EMPTY * rows as f64
 }
 
 /// A cell with nothing in it, or with what tables have in the place of nothing.

@@ -26,10 +26,15 @@ pub fn check_json(report: &CheckReport) -> impl Serialize + '_ {
     }
 }
 
-/// The checks of several joints of a robot, by name.
-pub fn checks_json<'a>(name: &'a str, reports: &'a [CheckReport]) -> impl Serialize + 'a {
-    let joints: BTreeMap<&str, _> = reports.iter().map(|report| (report.joint.as_str(), check_json(report))).collect();
-    Several { schema: SCHEMA, name, joints }
+/// The checks of several joints of a robot, by name; `None`: one that never moved.
+pub fn checks_json<'a>(
+    name: &'a str,
+    joints: &[(&'a str, Option<&'a CheckReport>)],
+    notes: &'a [String],
+) -> impl Serialize + 'a {
+    let checked = joints.iter().filter_map(|(name, report)| Some((*name, check_json((*report)?))));
+    let still = joints.iter().filter(|(_, report)| report.is_none()).map(|(name, _)| *name).collect();
+    Several { schema: SCHEMA, name, joints: checked.collect::<BTreeMap<_, _>>(), still, notes }
 }
 
 #[derive(Serialize)]
@@ -37,6 +42,8 @@ struct Several<'a, T> {
     schema: u32,
     name: &'a str,
     joints: BTreeMap<&'a str, T>,
+    still: Vec<&'a str>,
+    notes: &'a [String],
 }
 
 #[derive(Serialize)]

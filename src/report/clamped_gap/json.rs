@@ -3,7 +3,7 @@
 use super::ClampedGapReport;
 use crate::gap::clamped::{BodyCause, BodyName};
 use crate::joint::EffectId;
-use crate::report::gap::quantities;
+use crate::report::gap::{NEXT_FILE, quantities};
 use crate::report::{SCHEMA, gap_json};
 use serde_json::{Map, Value, json};
 
@@ -59,6 +59,9 @@ pub fn clamped_gap_json(report: &ClampedGapReport) -> Result<Value, serde_json::
         "model": report.model,
         "found": report.found.numbers,
         "cannot_say": report.found.cannot_say,
+        "undetermined": report.undetermined(),
+        "next": next(report, &documents),
+        "doubts": report.doubts(),
         "notes": diagnosis.notes,
         "version": provenance.version,
         "command": provenance.command,
@@ -84,6 +87,22 @@ fn equivalent(report: &ClampedGapReport, documents: &Map<String, Value>) -> Valu
         Some(own["equivalent"].clone()).filter(Value::is_array)
     };
     cause.joints.iter().find_map(of).unwrap_or_else(|| json!([cause.effect]))
+}
+
+/// The next experiment of the whole, with its joint, its file as it lies in the robot's report.
+fn next(report: &ClampedGapReport, documents: &Map<String, Value>) -> Value {
+    let Some((folder, own)) = report.to_ask_next() else { return Value::Null };
+    let (joint, file) = (&own.diagnosis.joint, format!("{folder}/{NEXT_FILE}"));
+    let mut next = documents.get(joint).map_or(Value::Null, |document| document["next"].clone());
+    if let Some(next) = next.as_object_mut() {
+        for words in next.values_mut() {
+            if let Value::String(words) = words {
+                *words = words.replace(NEXT_FILE, &file);
+            }
+        }
+        next.insert("joint".to_owned(), json!(joint));
+    }
+    next
 }
 
 /// The joints' candidates, each with its joint, the most probable first.

@@ -60,10 +60,9 @@ impl ClampedGapReport {
         let found = diagnosis.joints.iter().filter_map(|joint| Some((&joint.joint, joint.diagnosis.clone()?)));
         let report = |(name, diagnosis): (&String, Diagnosis)| {
             let own = case.joints.iter().find(|joint| joint.name == *name)?;
-            let report = GapReport::new(&own.case, diagnosis, options.clone(), provenance.clone());
-            Some((folder_of(name), report))
+            Some(GapReport::new(&own.case, diagnosis, options.clone(), provenance.clone()))
         };
-        let joints = found.filter_map(report).collect();
+        let joints = in_folders(found.filter_map(report));
         let whole = simulated(setup, &diagnosis);
         if let Ok(whole) = &whole {
             diagnosis.answer.sentence += &whole_words(whole, &diagnosis);
@@ -91,9 +90,9 @@ impl ClampedGapReport {
         let report = |((name, diagnosis), torques): ((&String, Diagnosis), Vec<TorqueTraces>)| {
             let (options, provenance) = (options.clone(), provenance.clone());
             let health = health_rows_of_joint(setup, name);
-            (folder_of(name), GapReport { diagnosis, options, health, doubts: Vec::new(), provenance, torques })
+            GapReport { diagnosis, options, health, doubts: Vec::new(), provenance, torques }
         };
-        let joints = diagnosed.zip(traces).map(report).collect();
+        let joints = in_folders(diagnosed.zip(traces).map(report));
         let numbers = found_robot(setup, Some(&found)).unwrap_or_default();
         let model = setup.study.model_path.clone();
         let (whole, animation, provenance) = (None, None, provenance.clone());
@@ -117,14 +116,16 @@ impl ClampedGapReport {
         by_joint(told.flat_map(|of| of.undetermined.iter().map(move |sentence| (of.joint.as_str(), sentence.as_str()))))
     }
 
-    /// The next experiment: that of the joint with the most left, of those that have one.
-    fn next(&self) -> Option<String> {
+    /// The joint with the most left of those that have a next experiment, with its folder.
+    fn to_ask_next(&self) -> Option<&(String, GapReport)> {
         let left = |report: &GapReport| report.diagnosis.gap.after;
-        let (folder, report) = self
-            .joints
-            .iter()
-            .filter(|(_, report)| report.diagnosis.next.is_some())
-            .max_by(|(_, a), (_, b)| left(a).total_cmp(&left(b)))?;
+        let asked = self.joints.iter().filter(|(_, report)| report.diagnosis.next.is_some());
+        asked.max_by(|(_, a), (_, b)| left(a).total_cmp(&left(b)))
+    }
+
+    /// The next experiment in words.
+    fn next(&self) -> Option<String> {
+        let (folder, report) = self.to_ask_next()?;
         let words = words::next(report.diagnosis.next.as_ref()?, &format!("{folder}/{NEXT_FILE}"));
         Some(format!("Next, on {}: {words}", report.diagnosis.joint))
     }
@@ -221,10 +222,31 @@ fn whole_words(whole: &Whole, diagnosis: &ClampedDiagnosis) -> String {
     text
 }
 
-/// A joint's name as the name of a folder: descriptions have names with slashes, blanks and points.
-fn folder_of(joint: &str) -> String {
-    let plain = |c: char| if c.is_ascii_alphanumeric() || "-_".contains(c) { c } else { '_' };
-    joint.chars().map(plain).collect()
+/// Reports with a folder of its own for each.
+fn in_folders(reports: impl Iterator<Item = GapReport>) -> Vec<(String, GapReport)> {
+    let mut joints: Vec<(String, GapReport)> = Vec::new();
+    for report in reports {
+        let folder =
+            folder_of(&report.diagnosis.joint, |taken| joints.iter().any(|(folder, _)| is_same(folder, taken)));
+        joints.push((folder, report));
+    }
+    joints
+}
+
+/// A joint's name as the name of a folder that no other joint has: descriptions have names with slashes, blanks and points.
+fn folder_of(joint: &str, is_taken: impl Fn(&str) -> bool) -> String {
+    let plain = |c: char| if c.is_alphanumeric() || "-_".contains(c) { c } else { '_' };
+    let folder: String = joint.chars().map(plain).collect();
+    if !is_taken(&folder) {
+        return folder;
+    }
+    let mut numbered = (2..).map(|number: usize| format!("{folder}-{number}"));
+    numbered.find(|folder| !is_taken(folder)).expect("no report has endlessly many joints")
+}
+
+/// Whether two names are one to a file system that does not tell small letters from large ones.
+fn is_same(folder: &str, other: &str) -> bool {
+    folder.to_lowercase() == other.to_lowercase()
 }
 
 /// How sure a joint's answer is, where that is stated.
@@ -274,3 +296,19 @@ const REDRAWS: &str = "the share of redraws of the held-out seconds that give th
 /// Standard deviations of its belief from which on a number that moved is told, and how many are.
 const TOLD_SD: f64 = 2.0;
 const MOVED: usize = 2;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn joints_whose_names_differ_have_folders_that_do() {
+        let mut taken: Vec<String> = Vec::new();
+        for joint in ["\u{80a9}", "\u{8098}", "arm/elbow", "arm elbow", "Arm.Elbow", "arm_elbow-2"] {
+            let folder = folder_of(joint, |name| taken.iter().any(|folder| is_same(folder, name)));
+            taken.push(folder);
+        }
+        let expected = ["\u{80a9}", "\u{8098}", "arm_elbow", "arm_elbow-2", "Arm_Elbow-3", "arm_elbow-2-2"];
+        assert_eq!(taken, expected);
+    }
+}
