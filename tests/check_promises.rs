@@ -94,6 +94,7 @@ fn what_the_text_says_of_a_log_the_document_says_too() {
     // A log of one joint without a name has its remarks, too.
     fs::write(dir.path().join("one.csv"), format!("t,q,lamp\n{}", rows(&|t| moves(t) + ",7"))).unwrap();
     let said = expect_code(dir.path(), &["check", "one.csv", "--json", "one.json"], 0);
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
     let remarks = json(&dir.path().join("one.json"))["health"][0]["remarks"].to_string();
     assert!(said.contains("columns not used: lamp") && remarks.contains("columns not used: lamp"), "{said}\n{remarks}");
 }

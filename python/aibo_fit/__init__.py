@@ -11,8 +11,8 @@ The same questions can be asked on a command line: ``aibo-fit --help``.
 """
 
 from ._ask import check, drop, gap
-from ._core import Error, NeverMoved, __version__
+from ._core import Error, NeverMoved, Unreadable, __version__
 from ._results import Check, Drop, Gap
 from ._robot import Robot
 
-__all__ = ["Check", "Drop", "Error", "Gap", "NeverMoved", "Robot", "__version__", "check", "drop", "gap"]
+__all__ = ["Check", "Drop", "Error", "Gap", "NeverMoved", "Robot", "Unreadable", "__version__", "check", "drop", "gap"]

@@ -20,7 +20,7 @@ from . import _cli, _core
 if TYPE_CHECKING:
     PathLike = Union[str, "os.PathLike[str]"]
 
-_Answer = Tuple[Optional[str], Optional[str], Optional[str]]
+_Answer = Tuple[Optional[str], Optional[str], Optional[str], bool]
 
 
 def on_ray(
@@ -55,19 +55,19 @@ def on_ray(
         for done in ray.wait(list(waiting), num_returns=1)[0]:
             study = waiting.pop(done)
             try:
-                document, page, error = ray.get(done)
+                answer = ray.get(done)
             except ray.exceptions.RayError as lost:
                 why = str(lost).strip().splitlines() or [type(lost).__name__]
                 studies.store_error(study, f"its Ray task was lost, twice: {why[0]}", True)
             else:
-                _keep(studies, study, document, page, error)
+                _keep(studies, study, answer)
             if progress is not None:
                 progress("studies", count - len(waiting), count)
     return studies.finish(None if json is None else os.fspath(json))
 
 
 def _answered(study: str, folder: str, without: List[str], only: List[str], pages: bool) -> _Answer:
-    """The task: document and page of a study, or why there is none."""
+    """The task: document and page of a study, or why there is none and whether another try may have another outcome."""
     # A task has one CPU; other cores have tasks of their own.
     os.environ.setdefault("RAYON_NUM_THREADS", "1")
     # Paths are those of the caller.
@@ -77,13 +77,14 @@ def _answered(study: str, folder: str, without: List[str], only: List[str], page
     try:
         found = aibo_fit.gap(study, without=without, only=only)
     except aibo_fit.Error as error:
-        return None, None, str(error)
-    return found.to_json(), found.to_html() if pages else None, None
+        return None, None, str(error), isinstance(error, aibo_fit.Unreadable)
+    return found.to_json(), found.to_html() if pages else None, None, False
 
 
-def _keep(studies: _core.Fleet, study: int, document: Optional[str], page: Optional[str], error: Optional[str]) -> None:
+def _keep(studies: _core.Fleet, study: int, answer: _Answer) -> None:
+    document, page, error, may_pass = answer
     if document is None:
-        studies.store_error(study, error or "", False)
+        studies.store_error(study, error or "", may_pass)
         return
     if page is not None:
         own = Path(studies.pages_of(study))

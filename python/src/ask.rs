@@ -1,6 +1,7 @@
 //! What is asked about: a study in a file, or in a text with arrays.
 
 use crate::errors::Failed;
+use aibo_fit::cli::CliError;
 use aibo_fit::gap::clamped::ClampedSetup;
 use aibo_fit::gap::robot::RobotCase;
 use aibo_fit::identify::Case;
@@ -65,11 +66,10 @@ impl Asked {
     /// Reads study and logs.
     pub fn read(&self) -> Result<Subject, Failed> {
         Ok(match self {
-            Self::Study(path) => match study_kind(path)? {
-                StudyKind::Joint => Subject::Joint(Box::new(Case::of_study(path)?)),
-                StudyKind::Clamped => Subject::Clamped(Box::new(ClampedSetup::read(path)?)),
-                StudyKind::Robot => Subject::Robot(Box::new(RobotCase::of_study(path)?)),
-            },
+            Self::Study(path) => of_file(path).map_err(|error| match error.is_io() {
+                true => Failed::Unreadable(error.to_string()),
+                false => Failed::of(error),
+            })?,
             Self::Text { text, logs } => at_hand(text, logs)?,
             Self::LogOf { log, robot } => {
                 let draft = draft_study(std::slice::from_ref(log), Some(robot), None, Path::new(""))?;
@@ -77,6 +77,17 @@ impl Asked {
             }
         })
     }
+}
+
+fn of_file(path: &Path) -> Result<Subject, CliError> {
+    Ok(match study_kind(path)? {
+        StudyKind::Joint => Subject::Joint(Box::new(Case::of_study(path)?)),
+        StudyKind::Clamped => {
+            let setup = ClampedSetup::read(path).map_err(|error| CliError::ClampedCase(Box::new(error)))?;
+            Subject::Clamped(Box::new(setup))
+        }
+        StudyKind::Robot => Subject::Robot(Box::new(RobotCase::of_study(path)?)),
+    })
 }
 
 fn at_hand(text: &str, logs: &[Source]) -> Result<Subject, Failed> {

@@ -7,6 +7,7 @@ use std::fmt::Display;
 
 create_exception!(aibo_fit, Error, PyValueError, "What the program would have said after `error:`.");
 create_exception!(aibo_fit, NeverMoved, Error, "The joint never moved in any log that is to be fitted.");
+create_exception!(aibo_fit, Unreadable, Error, "A file cannot be read for now, or is not there.");
 
 /// Why there is no answer.
 pub enum Failed {
@@ -14,6 +15,8 @@ pub enum Failed {
     Error(String),
     /// The same, of a joint that never moves.
     NeverMoved(String),
+    /// The same, of a file that cannot be read.
+    Unreadable(String),
 }
 
 impl Failed {
@@ -34,6 +37,7 @@ impl From<Failed> for PyErr {
         match failed {
             Failed::Error(words) => Error::new_err(words),
             Failed::NeverMoved(words) => NeverMoved::new_err(words),
+            Failed::Unreadable(words) => Unreadable::new_err(words),
         }
     }
 }

@@ -28,6 +28,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("Error", module.py().get_type::<errors::Error>())?;
     module.add("NeverMoved", module.py().get_type::<errors::NeverMoved>())?;
+    module.add("Unreadable", module.py().get_type::<errors::Unreadable>())?;
     module.add_class::<answer::Answer>()?;
     module.add_class::<fleet::Fleet>()?;
     module.add_class::<robot::Robot>()?;

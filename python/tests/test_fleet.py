@@ -85,6 +85,15 @@ def test_a_local_cluster_answers_what_the_program_answers(logs, cluster):
     assert heard == []
 
 
+def test_a_file_that_cannot_be_read_is_tried_again(logs):
+    study = logs / "logs/dog-1/2026-03-01"
+    asked = str(study / "study.toml"), str(logs), [], [], False
+    (study / "chirp-0.csv").unlink()
+    assert fleet._answered(*asked)[3]
+    (study / "chirp-0.csv").write_text("t,q\n0.0,nothing\n")
+    assert not fleet._answered(*asked)[3]
+
+
 def workers_at_work():
     """Processes of tasks, by Ray's own title of a process."""
     found = []

@@ -149,6 +149,11 @@ impl From<DescriptionError> for CliError {
 }
 
 impl CliError {
+    /// Whether a file or an output cannot be read or written, which may pass.
+    pub fn is_io(&self) -> bool {
+        self.exit_code() == IO
+    }
+
     /// The exit code of the specification.
     pub fn exit_code(&self) -> u8 {
         match self {

@@ -268,3 +268,32 @@ fn known_joint(
         known: description.joints.iter().map(|joint| joint.name.as_str()).collect::<Vec<_>>().join(", "),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ARM: &str = r#"<mujoco><compiler angle="radian"/><worldbody><body name="a"><joint name="j" axis="0 1 0"/>
+        <geom size=".1" pos="0 0 -.3" mass="1"/><body name="b" pos="0 0 -.4"><joint name="k" axis="0 1 0"/>
+        <geom size=".1" mass=".5"/></body></body></worldbody><actuator><position joint="j" kp="16" dampratio="1"/>
+        <general joint="k" biastype="affine" gainprm="7" biasprm="0 -7 -.4" forcerange="-3 3"/></actuator></mujoco>"#;
+    const STUDY: &str = "schema = 1\n[robot]\nmodel = \"arm.xml\"\nscenario = \"fixed\"\n[[log]]\nfile = \"log.csv\"\n\
+                         role = \"fit\"\ndrive = \"position\"\n";
+
+    #[test]
+    fn a_servo_is_that_of_the_masses_as_described_and_a_general_one_is_a_servo() {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("study.toml");
+        std::fs::write(dir.path().join("arm.xml"), ARM).unwrap();
+        std::fs::write(&file, STUDY).unwrap();
+        let setup = ClampedSetup::of_study(read_clamped_study(&file).unwrap()).unwrap();
+        let joint = |name: &str| setup.description.joint(name).unwrap();
+        let said = setup.beliefs(joint("k"));
+        assert_eq!((said.kp_nm_rad, said.kd_nm_s_rad, said.torque_limit_nm), (Some(7.0), Some(0.4), Some(3.0)));
+        let payload = BodyChange::Payload { mass_kg: 0.5, place_m: Vector3::new(0.0, 0.0, -0.3) };
+        let heavier = setup.with_change(setup.description.link("a").unwrap(), &payload).unwrap();
+        let damping = |setup: &ClampedSetup| setup.beliefs(joint("j")).kd_nm_s_rad;
+        assert!(damping(&setup).is_some_and(|kd| kd > 0.0));
+        assert_eq!(damping(&setup), damping(&heavier));
+    }
+}
