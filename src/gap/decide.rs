@@ -230,7 +230,10 @@ impl<'a> Judge<'a, '_> {
         let answer = &a.best;
         let excess = a.excess(self.evidence, answer);
         let closes = self.closed(&a.calibrated, answer).unwrap_or(0.0);
-        let explained = excess < EXPLAINED || closes > CLOSES || !self.exceeds_a_step(answer) || self.whole_explains();
+        // Where something is left the causes have to predict better than the joint as it was given.
+        let predicts = || self.held_rad(answer) < self.held_rad(&a.given);
+        let closes_most = closes > CLOSES && predicts();
+        let explained = excess < EXPLAINED || closes_most || !self.exceeds_a_step(answer) || self.whole_explains();
         let mut effects = answer.effects().to_vec();
         let (mut equivalent, margin) = equivalent_of(self.evidence, a, 0);
         let mut chosen = answer;

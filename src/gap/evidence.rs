@@ -165,7 +165,13 @@ fn liveliest(e: &Experiment) -> Experiment {
     if e.t_s.len() <= width {
         return e.clone();
     }
-    e.part(crate::log::liveliest(&e.measured_rad, width))
+    let range = crate::log::liveliest(&e.measured_rad, width);
+    let part = e.part(range.clone());
+    // What counts little in the log counts little in the part.
+    match (range.start + part.uncompared).checked_sub(e.uncompared) {
+        Some(first) => Experiment { weights_s: e.weights_s[first..][..part.compared()].to_vec(), ..part },
+        None => part,
+    }
 }
 
 /// A long phase of one repeated reading is one rounding error: it gets the weight of a few samples, because its
@@ -184,7 +190,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_counts_little_in_a_log_counts_little_in_its_parts() {
+    fn what_counts_little_in_a_log_counts_little_in_its_liveliest_part() {
         let case = Case::of_study("data/examples/delay/study.toml".as_ref()).unwrap();
         let mut evidence = Evidence::of(&case, case.joint.nominal.unwrap()).unwrap();
         evidence.fit[0].weights_s[900..1000].iter_mut().for_each(|weight| *weight *= 0.01);

@@ -4,10 +4,8 @@
 use super::law_shape::LawShape;
 use super::logs::LogSet;
 use super::rotor::armature_kg_m2;
-use crate::identify::{Belief, Deviations, Directives, Experiment, JointModel, Parameter, Search, Signal};
-use crate::joint::{
-    Chain, DrivenReach, EffectForm, EffectId, EffectParameter, Friction, Link, Motor, Reach, Real, Scan,
-};
+use crate::identify::{Belief, Deviations, Directives, Experiment, JointModel, Parameter, Search};
+use crate::joint::{Chain, DrivenReach, EffectForm, EffectId, EffectParameter, Friction, Link, Reach, Real, Scan};
 use crate::log::{Nominal, Uncertain};
 use std::sync::Arc;
 
@@ -402,11 +400,7 @@ impl JointModel for GapModel {
             let (inertia, moment) = (T::constant(load.inertia_kg_m2), T::constant(load.moment_kg_m));
             link = link.joined(Link::new(inertia, moment, rest + load.angle_rad, experiment.gravity_m_s2));
         }
-        let mut motor = match &experiment.signal {
-            Signal::Off => None,
-            Signal::Torque { .. } => Some(Motor::direct()),
-            Signal::Position { .. } => experiment.motor.map(Motor::new),
-        };
+        let mut motor = experiment.driven_by();
         if let Some(motor) = &mut motor {
             motor.gain = values[self.at_experiment(GAIN, experiment)];
             motor.derivative_share = values[DERIVATIVE];

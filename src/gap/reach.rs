@@ -2,7 +2,7 @@
 
 use crate::identify::{Experiment, Signal};
 use crate::joint::{DrivenReach, Reach};
-use crate::log::{MotorModel, Nominal};
+use crate::log::Nominal;
 use crate::number::math;
 
 /// The reach of all experiments together.
@@ -20,7 +20,7 @@ pub(crate) fn reach_of(experiments: &[Experiment], nominal: &Nominal) -> Reach {
         .fold([f64::INFINITY, f64::NEG_INFINITY], |r, &q| [r[0].min(q), r[1].max(q)]);
     let driven = || experiments.iter().filter(|e| e.is_driven());
     let by_law = || driven().filter(|e| matches!(e.signal, Signal::Position { .. })).filter_map(|e| e.motor);
-    let command_nm = driven().map(largest_command).fold(0.0, f64::max);
+    let command_nm = driven().map(Experiment::largest_command_nm).fold(0.0, f64::max);
     let speed_rad_s = most(&speed).max(0.1);
     Reach {
         torque_nm: if gravity_nm > 0.0 { gravity_nm } else { command_nm.max(1e-6) },
@@ -49,20 +49,4 @@ fn period(e: &Experiment) -> f64 {
 fn largest_speed(t_s: &[f64], q_rad: &[f64]) -> f64 {
     let stride = ((0.05 * t_s.len() as f64 / (t_s[t_s.len() - 1] - t_s[0])) as usize).clamp(1, t_s.len() - 1);
     (stride..t_s.len()).map(|k| ((q_rad[k] - q_rad[k - stride]) / (t_s[k] - t_s[k - stride])).abs()).fold(0.0, f64::max)
-}
-
-/// Largest torque that a log's drive asks for \[N m\].
-fn largest_command(e: &Experiment) -> f64 {
-    match (&e.signal, &e.motor) {
-        (Signal::Torque { torque_nm, .. }, _) => torque_nm.iter().map(|t| t.abs()).fold(0.0, f64::max),
-        (Signal::Position { setpoint_rad, .. }, Some(motor)) => {
-            let errors = setpoint_rad.iter().zip(&e.measured_rad).map(|(r, q)| (r - q).abs());
-            let most = match motor.model {
-                MotorModel::Torque => f64::INFINITY,
-                MotorModel::Voltage(motor) => motor.duty_limit,
-            };
-            motor.nm_per_answer() * (motor.kp_nm_rad * errors.fold(0.0, f64::max)).min(most)
-        }
-        _ => 0.0,
-    }
 }

@@ -2,8 +2,8 @@
 
 use crate::fit::Rounding;
 use crate::geometry::LinkBody;
-use crate::joint::{Carriage, Real};
-use crate::log::{DriveMode, ExtraMass, Health, Hold, Log, MotorSpec, Role, Stamped, StudyLog, TauIs};
+use crate::joint::{Carriage, Motor, Real};
+use crate::log::{DriveMode, ExtraMass, Health, Hold, Log, MotorModel, MotorSpec, Role, Stamped, StudyLog, TauIs};
 use crate::pendulum::{Input, Start};
 use std::ops::Range;
 use std::sync::Arc;
@@ -265,7 +265,7 @@ impl Experiment {
         Self {
             first_sample: self.first_sample + range.start,
             uncompared,
-            weights_s: self.weights_of_part(range.start + uncompared, &t_s[uncompared..]),
+            weights_s: super::weights::trapezoid(&t_s[uncompared..]),
             signal,
             release_window_s: self.release_window_s.filter(|_| begins),
             start,
@@ -281,15 +281,29 @@ impl Experiment {
         }
     }
 
-    /// Weights of the samples from `first` on at these times; what counts less in the log counts less in its part.
-    fn weights_of_part(&self, first: usize, t_s: &[f64]) -> Vec<f64> {
-        let plain = super::weights::trapezoid(&self.t_s[self.uncompared..]);
-        let share = |k: usize| match k.checked_sub(self.uncompared) {
-            Some(k) if plain[k] > 0.0 => self.weights_s[k] / plain[k],
-            _ => 1.0,
-        };
-        let own = super::weights::trapezoid(t_s).into_iter().enumerate();
-        own.map(|(i, weight)| weight * share(first + i)).collect()
+    /// What drives the joint: a torque acts as it is, a setpoint through the servo.
+    pub(crate) fn driven_by<T: Real>(&self) -> Option<Motor<T>> {
+        match self.signal {
+            Signal::Off => None,
+            Signal::Torque { .. } => Some(Motor::direct()),
+            Signal::Position { .. } => self.motor.map(Motor::new),
+        }
+    }
+
+    /// What the motor is asked for at the most \[N m\].
+    pub(crate) fn largest_command_nm(&self) -> f64 {
+        match (&self.signal, &self.motor) {
+            (Signal::Torque { torque_nm, .. }, _) => torque_nm.iter().map(|t| t.abs()).fold(0.0, f64::max),
+            (Signal::Position { setpoint_rad, .. }, Some(motor)) => {
+                let errors = setpoint_rad.iter().zip(&self.measured_rad).map(|(r, q)| (r - q).abs());
+                let most = match motor.model {
+                    MotorModel::Torque => f64::INFINITY,
+                    MotorModel::Voltage(motor) => motor.duty_limit,
+                };
+                motor.nm_per_answer() * (motor.kp_nm_rad * errors.fold(0.0, f64::max)).min(most)
+            }
+            _ => 0.0,
+        }
     }
 
     /// What acts on the joint.

@@ -2,7 +2,7 @@
 
 use super::{Deviations, Experiment, Named, Parameter, Scale};
 use crate::geometry::LinkBody;
-use crate::joint::{Chain, Link, Motor, Real, Stribeck};
+use crate::joint::{Chain, Link, Real, Stribeck};
 use crate::log::{Nominal, Uncertain};
 use crate::pendulum::{ExtensivePendulum, SimplePendulum};
 
@@ -73,7 +73,7 @@ impl JointModel for SimpleModel {
             g_over_l_1_s2: values[2],
             rest_rad: values[3],
         }
-        .chain(experiment.motor.map(Motor::new))
+        .chain(experiment.driven_by())
     }
 }
 
@@ -228,7 +228,7 @@ impl JointModel for ExtensiveModel {
             viscous_nm_s_rad: values[v],
             stribeck: self.stribeck_of(values),
         }
-        .chain(experiment.motor.map(Motor::new))
+        .chain(experiment.driven_by())
         .geared(experiment.motor.as_ref())
     }
 }

@@ -47,8 +47,9 @@ impl<'a, M: JointModel> Problem<'a, M> {
             let reach = START_REACH_RAD.max(START_REACH_STEPS * e.resolution_rad);
             coordinates.push(Coordinate {
                 name: format!("start angle of log {k}"),
-                lower: e.start.angle_rad - reach,
-                upper: e.start.angle_rad + reach,
+                // What is guessed of where a log begins may miss what it reads there.
+                lower: e.start.angle_rad.min(e.measured_rad[0]) - reach,
+                upper: e.start.angle_rad.max(e.measured_rad[0]) + reach,
                 scale: 0.5 * reach,
             });
             coordinates.push(match e.release_window_s {

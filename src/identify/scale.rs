@@ -1,7 +1,7 @@
 //! Typical sizes in a set of experiments: where a search starts when nothing is known, and how far a step may go.
 
 use super::smooth::motion;
-use super::{Experiment, Named, Parameter, Signal};
+use super::{Experiment, Named, Parameter};
 use crate::log::Nominal;
 use crate::number::math;
 
@@ -40,13 +40,10 @@ impl Scale {
             }
             _ => seen_frequency(experiments, rest),
         };
-        let driven = experiments.iter().flat_map(|e| match &e.signal {
-            Signal::Torque { torque_nm, .. } => torque_nm.iter().map(|t| t.abs()).reduce(f64::max),
-            _ => None,
-        });
+        let driven_nm = experiments.iter().map(Experiment::largest_command_nm);
         let gravity_nm = total_inertia * frequency_rad_s.powi(2);
         Self {
-            torque_nm: driven.fold(gravity_nm, f64::max),
+            torque_nm: driven_nm.fold(gravity_nm, f64::max),
             inertia_kg_m2,
             frequency_rad_s,
             gravity_m_s2,

@@ -109,6 +109,11 @@ pub fn health(log: &Log, sensor: &SensorSpec, mode: DriveMode) -> Health {
         Start::Held(phase) => &q[..=phase.last_held],
         Start::AlwaysHeld => q,
     };
+    let held_samples = held.len();
+    let held = match start {
+        Start::Held(_) => at_last(held, (1.5 * step).max(4.0 * noise_rad) + SAME_LEVEL),
+        _ => held,
+    };
     let (mean, std) = mean_std(held);
     let there = !held.is_empty();
     let level = if there { mean } else { median(&mut q[..q.len().min(5)].to_vec()) };
@@ -142,7 +147,7 @@ pub fn health(log: &Log, sensor: &SensorSpec, mode: DriveMode) -> Health {
         held_mean_rad: there.then_some(mean),
         held_std_rad: (held.len() > 1).then_some(std),
         rest_from_s: rest_from(t, q, (1.5 * step).max(4.0 * noise_rad)),
-        moved: start != Start::AlwaysHeld && leaves(&q[held.len()..], level, 3.0 * step.max(noise_rad)),
+        moved: start != Start::AlwaysHeld && leaves(&q[held_samples..], level, 3.0 * step.max(noise_rad)),
         span_rad: q.iter().fold(0.0, |span, value| (value - middle).abs().max(span)),
         longest_run: longest_run(q),
         travel_rad: (high - low).max(0.0),
@@ -258,6 +263,16 @@ fn mean_std(q: &[f64]) -> (f64, f64) {
     let mean = q.iter().sum::<f64>() / n.max(1.0);
     let squares: f64 = q.iter().map(|value| (value - mean).powi(2)).sum();
     (mean, (squares / (n - 1.0).max(1.0)).sqrt())
+}
+
+/// The end of a held phase while the reading stays: before it a servo may have carried the joint there.
+fn at_last(held_rad: &[f64], band_rad: f64) -> &[f64] {
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    let stays = held_rad.iter().rev().take_while(|q| {
+        (low, high) = (low.min(**q), high.max(**q));
+        high - low <= band_rad
+    });
+    &held_rad[held_rad.len() - stays.count()..]
 }
 
 /// Whether a running median of five readings goes further than `threshold` from `level`.

@@ -91,6 +91,21 @@ fn release_between_two_samples_is_bracketed_by_a_fine_encoder() {
 }
 
 #[test]
+fn a_joint_that_is_carried_to_where_it_is_let_go_is_held_there() {
+    let t_s: Vec<f64> = (0..400).map(|k| 0.005 * k as f64).collect();
+    let q_rad = t_s.iter().map(|&t| match t {
+        t if t < 1.0 => -1.2 * t,
+        t if t < 1.5 => -1.2,
+        t => -1.2 * (8.0 * (t - 1.5)).cos(),
+    });
+    let drive = Some(t_s.iter().map(|t| *t < 1.5).collect());
+    let log = Log { drive, ..made(t_s.clone(), q_rad.collect()) };
+    let found = look(&log);
+    assert!(found.moved);
+    approx::assert_abs_diff_eq!(found.held_mean_rad.unwrap(), -1.2, epsilon = 0.02);
+}
+
+#[test]
 fn a_log_that_starts_free_is_not_called_held() {
     for file in swings("thesis-robot").iter().chain(&swings("sealed-robot")) {
         let whole = read_log(file).unwrap();

@@ -199,12 +199,14 @@ fn walk<T: Real>(
             let mut command = schedule.command(k);
             if let (Some(period_s), Some(setpoint)) = (sample_period_s, command.setpoint(now)) {
                 let next_tick = t_s[0] + ticks as f64 * period_s;
-                if next_tick <= now.re() + 1e-12 {
+                // What a tick that falls on a sample sees must not hang on how their times are rounded.
+                if next_tick <= now.re() + SAME_INSTANT_S {
                     held = command.held(sampled_command(&mut body, setpoint, period_s), now);
-                    ticks += 1;
+                    // Ticks that have passed while the motor was off are over.
+                    ticks = ((now.re() + SAME_INSTANT_S - t_s[0]) / period_s) as u64 + 1;
                     continue;
                 }
-                if next_tick < until.re() {
+                if next_tick < until.re() - SAME_INSTANT_S {
                     (until, event) = (T::constant(next_tick), Event::None);
                 }
                 command = held;

@@ -195,7 +195,12 @@ impl<'a, T: Real> Schedule<'a, T> {
             Input::Messages { setpoint_rad, .. } => setpoint_rad.get(given.saturating_sub(1)).copied().unwrap_or(0.0),
         };
         // Readings of a hold count from the start of the log; the first that matters is in force when the part begins.
-        let next = hold_s.map_or(given, |hold| ((start_s.re() + SAME_INSTANT_S) / hold.re()).max(0.0) as usize);
+        let next = match (input, hold_s) {
+            (Input::Position { .. } | Input::Messages { .. }, Some(hold)) => {
+                ((start_s.re() + SAME_INSTANT_S) / hold.re()).max(0.0) as usize
+            }
+            _ => given,
+        };
         let in_force = match (input, given.checked_sub(1)) {
             (Input::Messages { setpoint_rad, hold, .. }, Some(k)) => {
                 let at = T::constant(at_s[k]);

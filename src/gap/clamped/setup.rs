@@ -286,6 +286,7 @@ mod tests {
         let file = dir.path().join("study.toml");
         std::fs::write(dir.path().join("arm.xml"), ARM).unwrap();
         std::fs::write(&file, STUDY).unwrap();
+        std::fs::write(dir.path().join("log.csv"), "t,j,k\n0,0,0\n").unwrap();
         let setup = ClampedSetup::of_study(read_clamped_study(&file).unwrap()).unwrap();
         let joint = |name: &str| setup.description.joint(name).unwrap();
         let said = setup.beliefs(joint("k"));
