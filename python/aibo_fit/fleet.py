@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Callable, Iterable, List, Optional, Tuple, Union
 
 from . import _cli, _core
+from ._ask import _names
 
 if TYPE_CHECKING:
     PathLike = Union[str, "os.PathLike[str]"]
@@ -24,7 +25,7 @@ _Answer = Tuple[Optional[str], Optional[str], Optional[str], bool]
 
 
 def on_ray(
-    patterns: Iterable[str],
+    patterns: Union[PathLike, Iterable[PathLike]],
     *,
     out: PathLike = "fits/fleet",
     address: Optional[str] = "auto",
@@ -36,7 +37,7 @@ def on_ray(
 ) -> Tuple[str, bool]:
     """Answers studies as tasks on a Ray cluster, one CPU each, and writes table and page on this machine.
 
-    ``patterns`` are paths, or have ``*`` and ``**``. The cluster's nodes need this package, and the studies and logs under
+    ``patterns`` are paths, or have ``*`` and ``**``; one may stand alone. The cluster's nodes need this package, and the studies and logs under
     the same paths as here. ``address`` is the cluster's (``auto``: the one that runs here or that ``RAY_ADDRESS`` names);
     where Ray is initialised already it is left as it is. A task whose worker dies is tried once more by Ray; if that dies
     too the study is a row with its error. Each answer is kept as it comes; another run answers what is missing or has
@@ -44,11 +45,12 @@ def on_ray(
     """
     import ray
 
-    studies = _core.Fleet([str(one) for one in patterns], os.fspath(out), list(without), list(only), pages)
+    without, only = _names(without), _names(only)
+    studies = _core.Fleet(_paths(patterns), os.fspath(out), without, only, pages)
     if not ray.is_initialized():
         ray.init(address=address, log_to_driver=False)
     task = ray.remote(num_cpus=1, max_retries=1)(_answered)
-    folder, asked = os.getcwd(), (list(without), list(only), pages)
+    folder, asked = os.getcwd(), (without, only, pages)
     waiting = {task.remote(studies.path(study), folder, *asked): study for study in studies.pending()}
     count = len(waiting)
     while waiting:
@@ -64,6 +66,12 @@ def on_ray(
             if progress is not None:
                 progress("studies", count - len(waiting), count)
     return studies.finish(None if json is None else os.fspath(json))
+
+
+def _paths(patterns: Union[PathLike, Iterable[PathLike]]) -> List[str]:
+    if isinstance(patterns, (str, os.PathLike)):
+        patterns = [patterns]
+    return [os.fspath(one) for one in patterns]
 
 
 def _answered(study: str, folder: str, without: List[str], only: List[str], pages: bool) -> _Answer:

@@ -8,6 +8,8 @@ import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from conftest import DELAY
@@ -128,3 +130,35 @@ def test_a_killed_worker_loses_nothing(logs, cluster):
     assert [row["study"] for row in found["failed"]] == ["logs/dog-2/2026-03-02/study.toml"]
     assert sum(row["error"] is None for row in found["rows"]) == 3
     assert len(list((logs / "out/studies").glob("*/report.html"))) == 3
+
+
+def test_names_may_be_one_word_a_path_or_read_once(monkeypatch):
+    asked = []
+
+    class Studies:
+        def __init__(self, *words):
+            asked.append(words)
+
+        path = staticmethod(str)
+        pending = staticmethod(lambda: [0])
+        finish = staticmethod(lambda json: ("", True))
+        store_error = staticmethod(lambda *words: None)
+
+    def task(study, folder, *words):
+        asked.append(words)
+        return None, None, "none", False
+
+    ray = SimpleNamespace(
+        is_initialized=lambda: True,
+        remote=lambda **options: lambda run: SimpleNamespace(remote=task),
+        wait=lambda waiting, num_returns: (waiting[:1], waiting[1:]),
+        get=lambda answer: answer,
+        exceptions=SimpleNamespace(RayError=RuntimeError),
+    )
+    monkeypatch.setitem(sys.modules, "ray", ray)
+    monkeypatch.setattr(fleet._core, "Fleet", Studies)
+    fleet.on_ray(Path("a.toml"), without="delay", only=iter(["stribeck", "delay"]))
+    fleet.on_ray("b.toml")
+    words = (["delay"], ["stribeck", "delay"], False)
+    assert asked[:2] == [(["a.toml"], "fits/fleet", *words), words]
+    assert asked[2][0] == ["b.toml"]

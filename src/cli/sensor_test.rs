@@ -31,8 +31,9 @@ pub(super) struct SensorTestArgs {
     common: CommonArgs,
 }
 
-/// Ranges of B.1 \[rad\].
-const RANGES_RAD: [[f64; 2]; 2] = [[-2.0, 2.0], [-0.05, 0.05]];
+/// Ranges of B.1 \[rad\], the fine one around the angle at which the joint rests.
+const WIDE_RAD: [f64; 2] = [-2.0, 2.0];
+const FINE_RAD: [f64; 2] = [-0.05, 0.05];
 
 /// Runs the command.
 pub(super) fn run(args: &SensorTestArgs) -> Result<u8, CliError> {
@@ -47,16 +48,21 @@ pub(super) fn run(args: &SensorTestArgs) -> Result<u8, CliError> {
     let sensor = (PositionSensor::of(&model), args.seed);
     let one = |range: &[f64; 2]| {
         let points = sweep(&model, &joints, joint, *range, usize::from(args.measurements), sensor)?;
-        Ok::<_, CliError>(part(*range, &points))
+        Ok::<_, CliError>(part(&points))
     };
-    let sweeps = args.common.on_threads(|| RANGES_RAD.iter().map(one).collect::<Result<Vec<_>, _>>())??;
-    let sentence = format!(
+    let rest_rad = model.joints()[joint.index()].resting_rad();
+    let ranges = [WIDE_RAD, FINE_RAD.map(|away_rad| rest_rad + away_rad)];
+    let sweeps = args.common.on_threads(|| ranges.iter().map(one).collect::<Result<Vec<_>, _>>())??;
+    let mut sentence = format!(
         "{}: the sensor itself is off by {:.1} mrad RMS; held against gravity the joint is off by up to {:.1} mrad at the \
          borders of its range, which is the controller's and not the sensor's.",
         args.joint,
         1e3 * sweeps.iter().map(|sweep| sweep.sensor_rms_rad).sum::<f64>() / sweeps.len() as f64,
         1e3 * sweeps[0].droop_worst_rad,
     );
+    if sweeps.iter().zip(&ranges).any(|(sweep, asked)| sweep.range_rad != *asked) {
+        sentence += " Setpoints stay within the joint's software limits.";
+    }
     let report = SensorReport { schema: 1, joint: args.joint.clone(), sentence, sweeps, provenance: provenance([])? };
     progress.say("drawing");
     let folder = args.common.folder("sensor-test");
@@ -76,15 +82,16 @@ pub(super) fn run(args: &SensorTestArgs) -> Result<u8, CliError> {
     Ok(0)
 }
 
-fn part(range_rad: [f64; 2], points: &[SweepPoint]) -> SweepPart {
+fn part(points: &[SweepPoint]) -> SweepPart {
     let rms = |of: &dyn Fn(&SweepPoint) -> f64| {
         (points.iter().map(|p| of(p).powi(2)).sum::<f64>() / points.len().max(1) as f64).sqrt()
     };
     let sensor = || points.iter().map(|p| p.reading_rad - p.angle_rad);
     let not_below = points.iter().filter(|p| p.reading_rad >= p.setpoint_rad - 1e-12).count();
     let column = |of: fn(&SweepPoint) -> f64| points.iter().map(of).collect::<Vec<f64>>();
+    let end = |point: Option<&SweepPoint>| point.map_or(f64::NAN, |point| point.setpoint_rad);
     SweepPart {
-        range_rad,
+        range_rad: [end(points.first()), end(points.last())],
         measurements: points.len(),
         rms_rad: rms(&|p| p.reading_rad - p.setpoint_rad),
         sensor_rms_rad: rms(&|p| p.reading_rad - p.angle_rad),

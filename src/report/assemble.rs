@@ -200,6 +200,7 @@ fn log_curves(item: &Item, e: &Experiment, simple: Option<&Prediction>, extensiv
         t_s: item.log.t_s[shown.clone()].iter().map(|t| t - t0).collect(),
         measured_rad: item.log.q_rad[shown.clone()].to_vec(),
         first_fitted: first,
+        release_s: item.health.start.held().filter(|_| e.part <= 1).map(|held| held.release_s),
         simple_rad: simple.map_or_else(|| vec![f64::NAN; n], |p| spread(&p.angle_rad)),
         extensive_rad: spread(&extensive.angle_rad),
         extensive_rate_rad_s: spread(&extensive.rate_rad_s),

@@ -129,6 +129,8 @@ pub struct LogCurves {
     pub measured_rad: Vec<f64>,
     /// First fitted sample (samples before it were held).
     pub first_fitted: usize,
+    /// Instant of release, as in [`LogHealthRow`] \[s\]; of a log with holes in its first part.
+    pub release_s: Option<f64>,
     /// Same length as `t_s`, from `first_fitted` on; NaN before it.
     pub simple_rad: Vec<f64>,
     /// As `simple_rad`, of the extensive model \[rad\].

@@ -27,6 +27,7 @@ fn swing(file: &str, role: &str, amplitude_rad: f64, samples: usize, period_s: f
         role: role.into(),
         measured_rad: t_s.iter().map(|t| quantised(*t)).collect(),
         first_fitted,
+        release_s: Some(0.4),
         simple_rad: from_release(&|t| damped(t, 7.60, 0.80).0),
         extensive_rad: from_release(&|t| damped(t, 7.70, 0.905).0),
         extensive_rate_rad_s: from_release(&|t| damped(t, 7.70, 0.905).1),
@@ -191,6 +192,7 @@ pub fn troubled() -> DropReport {
     report.health[0].remarks =
         vec!["12 samples are missing between 1.2 s and 1.3 s".into(), "the release is between two samples".into()];
     report.health[1].release_s = None;
+    report.logs[1].release_s = None;
     report.health[1].noise_rad = None;
     report.health[1].resolution_rad = 0.0;
     let parameters = &mut report.models[1].parameters;

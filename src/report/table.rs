@@ -35,10 +35,9 @@ pub fn drop_text(report: &DropReport) -> String {
 /// What each log gave to the fit and what the models leave of it.
 pub(super) fn logs(report: &DropReport) -> Grid {
     let row = |log: &LogCurves| {
-        let release = report.health.iter().find(|row| row.file == log.file).and_then(|row| row.release_s);
         let numbers = vec![
             log.t_s.len().saturating_sub(log.first_fitted).to_string(),
-            release.map_or("-".to_owned(), |release| format!("{release:.3}")),
+            log.release_s.map_or("-".to_owned(), |release| format!("{release:.3}")),
             significant(1e3 * log.simple_rms_rad, 3),
             significant(1e3 * log.extensive_rms_rad, 3),
         ];
@@ -75,6 +74,13 @@ mod tests {
     #[test]
     fn text_of_a_report_with_held_and_undetermined_parameters() {
         insta::assert_snapshot!(drop_text(&sample::troubled()));
+    }
+
+    #[test]
+    fn a_log_with_holes_has_its_release() {
+        let mut report = sample::single();
+        report.logs[0].file += " (part 1)";
+        assert_eq!(logs(&report).rows[0].1[1], "0.400");
     }
 
     #[test]

@@ -46,7 +46,7 @@ pub fn check_html(name: &str, reports: &[CheckReport], notes: &[String]) -> Resu
 fn view(report: &CheckReport) -> Result<Value, ReportError> {
     let figures = || -> Result<Vec<_>, _> {
         let rows = report.health.iter().zip(&report.series);
-        rows.map(|(row, series)| plot::series(&report.joint, row, series)).collect()
+        rows.enumerate().map(|(k, (row, series))| plot::series(&report.joint, k, row, series)).collect()
     };
     let (logs, folded) = open_and_folded(both(figures)?.each_ref());
     let noise = || Ok(plot::noise(&report.joint, &report.health)?.into_iter().collect());

@@ -3,6 +3,7 @@
 use plotters::style::Color;
 
 use super::LogSeries;
+use crate::log::Day;
 use crate::report::plot::axis::Axis;
 use crate::report::plot::canvas::{
     EXTENSIVE, INK, LEGEND_END, MEASURED, SETPOINT, Sign, chart, dashed, dots, filled, legend, line, sketch, stroke,
@@ -16,10 +17,13 @@ const ANGLES: f64 = 240.0;
 const STEPS: f64 = 150.0;
 const NOISE: f64 = 220.0;
 
-/// Readings and setpoints over time, and below them the step from stamp to stamp.
-pub(super) fn series(joint: &str, row: &LogHealthRow, series: &LogSeries) -> Result<Figure, ReportError> {
+/// Readings and setpoints of a joint's log `k` over time, and below them the step from stamp to stamp.
+pub(super) fn series(joint: &str, k: usize, row: &LogHealthRow, series: &LogSeries) -> Result<Figure, ReportError> {
     let title = format!("{joint}: {} ({})", row.file, row.role);
-    let t = Axis::over(series.t_s.iter().copied(), 0.01);
+    let (t0_s, time) = beginning(&series.t_s);
+    let since = |stamps_s: &[f64]| stamps_s.iter().map(|t_s| t_s - t0_s).collect::<Vec<_>>();
+    let (t_s, asked_s) = (since(&series.t_s), since(&series.asked_s));
+    let t = Axis::over(t_s.iter().copied(), 0.01);
     let angle = Axis::over(series.q_rad.iter().chain(&series.asked_rad).copied(), 0.05);
     let steps_ms: Vec<f64> = series.t_s.windows(2).map(|pair| 1e3 * (pair[1] - pair[0])).collect();
     let step = Axis::over(steps_ms.iter().copied().chain([0.0]), 0.06);
@@ -31,15 +35,24 @@ pub(super) fn series(joint: &str, row: &LogHealthRow, series: &LogSeries) -> Res
         }
         let top = legend(root, &names)?;
         let mut panel = chart(root, (top, middle), (&t, &angle), ("", "angle [rad]"))?;
-        line(&mut panel, &held(&series.asked_s, &series.asked_rad), stroke(SETPOINT, 1.25))?;
-        dots(&mut panel, &thinned(&series.t_s, &series.q_rad), 1.25, filled(MEASURED, 0.8))?;
-        let mut panel = chart(root, (middle + 6.0, middle + STEPS - 4.0), (&t, &step), ("time [s]", "step [ms]"))?;
-        dots(&mut panel, &thinned(&series.t_s[1.min(series.t_s.len())..], &steps_ms), 1.25, filled(EXTENSIVE, 0.8))
+        line(&mut panel, &held(&asked_s, &series.asked_rad), stroke(SETPOINT, 1.25))?;
+        dots(&mut panel, &thinned(&t_s, &series.q_rad), 1.25, filled(MEASURED, 0.8))?;
+        let mut panel = chart(root, (middle + 6.0, middle + STEPS - 4.0), (&t, &step), (time.as_str(), "step [ms]"))?;
+        dots(&mut panel, &thinned(&t_s[1.min(t_s.len())..], &steps_ms), 1.25, filled(EXTENSIVE, 0.8))
     })?;
     let caption = "Above: what was read, and what was asked, each at its own stamps. Below: the time from each stamp to the \
                    next; a level line is a steady clock, what stands above it are lost samples and holes.";
-    let file_name = format!("health-{}-{}.svg", plain(joint), plain(&row.file));
+    let file_name = format!("health-{}-{:02}-{}.svg", plain(joint), k + 1, plain(&row.file));
     Ok(Figure { file_name, title, caption: caption.to_owned(), svg })
+}
+
+/// The time from which a figure counts \[s\], and how it says so: from the first stamp where stamps count from 1970, whose
+/// numbers are too long to be read off an axis.
+fn beginning(t_s: &[f64]) -> (f64, String) {
+    match t_s.first() {
+        Some(first_s) if Day::of_epoch_s(*first_s).is_some() => (*first_s, format!("time since {first_s:.3} [s]")),
+        _ => (0.0, "time [s]".to_owned()),
+    }
 }
 
 /// A setpoint stays until the next one.
@@ -84,4 +97,27 @@ pub(super) fn noise(joint: &str, rows: &[LogHealthRow]) -> Result<Option<Figure>
 
 fn lag_s(row: &LogHealthRow, lag: usize) -> f64 {
     lag as f64 * row.period_s
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn logs_of_one_name_have_figures_of_their_own_and_stamps_since_1970_count_from_the_first() {
+        let row =
+            |file: &str| LogHealthRow { file: file.to_owned(), ..crate::report::sample::single().health[0].clone() };
+        let of = |from_s: f64| LogSeries {
+            t_s: (0..50).map(|k| from_s + 0.01 * f64::from(k)).collect(),
+            q_rad: (0..50).map(f64::from).collect(),
+            asked_s: vec![from_s],
+            asked_rad: vec![1.0],
+        };
+        let [a, b] =
+            [("a/x y.csv", 0), ("a/x_y.csv", 1)].map(|(file, k)| series("q", k, &row(file), &of(0.0)).unwrap());
+        assert_ne!(a.file_name, b.file_name);
+        let [plain, late] =
+            [0.0, 1_772_323_200.0].map(|from_s| series("q", 0, &row("a.csv"), &of(from_s)).unwrap().svg);
+        assert!(plain.contains("time [s]") && late.contains("time since 1772323200.000 [s]"));
+    }
 }

@@ -61,7 +61,8 @@ impl FleetReport {
     /// Puts the answers of studies together.
     pub fn new(studies: &[FleetStudy], version: &str, command: &str) -> Self {
         let mut rows: Vec<FleetRow> = studies.iter().flat_map(read::rows).collect();
-        let joints = trend::joints(&rows);
+        let other_bodies: Vec<FleetRow> = studies.iter().filter_map(read::of_other_bodies).collect();
+        let joints = trend::joints(&rows, &other_bodies);
         for row in &mut rows {
             row.since = joints.iter().find(|joint| joint.has(row)).and_then(|joint| joint.since);
         }

@@ -7,7 +7,7 @@ use serde_json::Value;
 
 /// The rows of a study.
 pub(super) fn rows(study: &FleetStudy) -> Vec<FleetRow> {
-    let of_study = FleetRow { study: study.study.clone(), robot: study.robot.clone(), ..FleetRow::default() };
+    let of_study = of_study(study);
     let document = match &study.answer {
         Ok(document) => document,
         Err(why) => return vec![FleetRow { error: Some(why.clone()), ..of_study }],
@@ -19,6 +19,10 @@ pub(super) fn rows(study: &FleetStudy) -> Vec<FleetRow> {
     let bodies = bodies.filter(|effect| effect.get("body").is_some());
     let bodies = bodies.map(|body| of_body(study, &of_study, body, document));
     bodies.chain(joints.iter().flat_map(|(joint, own)| of_joint(study, &of_study, joint, own))).collect()
+}
+
+fn of_study(study: &FleetStudy) -> FleetRow {
+    FleetRow { study: study.study.clone(), robot: study.robot.clone(), ..FleetRow::default() }
 }
 
 fn of_joint(study: &FleetStudy, of_study: &FleetRow, joint: &str, document: &Value) -> Vec<FleetRow> {
@@ -41,15 +45,37 @@ fn of_joint(study: &FleetStudy, of_study: &FleetRow, joint: &str, document: &Val
 
 /// A payload, or a mass that is another, is no joint's.
 fn of_body(study: &FleetStudy, of_study: &FleetRow, body: &Value, document: &Value) -> FleetRow {
-    let (day, day_from) = study.days.values().max_by_key(|(day, _)| *day).copied().unzip();
     FleetRow {
         joint: body["body"].as_str().map(str::to_owned),
+        cause: body["id"].as_str().map(str::to_owned),
+        size: size_of(body, None),
+        ..of_bodies(study, of_study, document)
+    }
+}
+
+/// What a study of a robot says of each body that it does not name: it is as modelled. `None` for a study of one joint.
+pub(super) fn of_other_bodies(study: &FleetStudy) -> Option<FleetRow> {
+    let document = study.answer.as_ref().ok().filter(|document| document["joints"].is_object())?;
+    let none = || Some("none".to_owned());
+    let as_modelled = FleetRow {
+        verdict: none(),
+        cause: none(),
+        probability: None,
+        sentence: None,
+        ..of_bodies(study, &of_study(study), document)
+    };
+    Some(as_modelled)
+}
+
+/// What is said of all bodies of a robot.
+fn of_bodies(study: &FleetStudy, of_study: &FleetRow, document: &Value) -> FleetRow {
+    let (day, day_from) = study.days.values().max_by_key(|(day, _)| *day).copied().unzip();
+    FleetRow {
+        is_body: true,
         day,
         day_from,
         gap_before: document["gap"]["before"].as_f64(),
         gap_after: document["gap"]["after"].as_f64(),
-        cause: body["id"].as_str().map(str::to_owned),
-        size: size_of(body, None),
         ..judged(of_study, document)
     }
 }

@@ -51,6 +51,9 @@ pub struct FleetRow {
     pub robot: Option<String>,
     /// The joint; of a cause of a body that body, of a robot that is judged as a whole its name.
     pub joint: Option<String>,
+    /// Whether `joint` is a body, which may have a joint's name.
+    #[serde(skip)]
+    pub is_body: bool,
     /// The log.
     pub log: Option<String>,
     /// When the log was taken.

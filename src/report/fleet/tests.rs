@@ -58,19 +58,43 @@ fn a_size_is_the_effects_own_or_the_number_that_is_off() {
     assert_eq!(report(&[study("2026-03-01", "none", 0.01)]).rows[0].size, None);
 }
 
+/// A study of an arm of one joint whose body `hand` has a payload, or has not.
+fn arm_study(day: &str, joint: &str, has_payload: bool) -> FleetStudy {
+    let of_joint = study(day, "effect", 0.01);
+    let payload = json!({ "id": "payload", "body": "hand", "parameters": { "mass": { "value": 0.3, "unit": "kg" } } });
+    let arm = json!({
+        "name": "arm", "verdict": "effect", "probability": 0.5, "sentence": "arm: so.",
+        "gap": { "unit": "rad", "before": 0.2, "after": 0.1 }, "joints": { joint: of_joint.answer.clone().unwrap() },
+        "effects": if has_payload { json!([payload]) } else { json!([]) },
+    });
+    FleetStudy { answer: Ok(arm), ..of_joint }
+}
+
 #[test]
 fn joints_of_a_robot_and_its_bodies_have_rows_of_their_own() {
-    let joint = study("2026-03-01", "effect", 0.01).answer.unwrap();
-    let arm = json!({
-        "name": "arm", "verdict": "effect", "probability": 0.5, "sentence": "arm: a payload.",
-        "gap": { "unit": "rad", "before": 0.2, "after": 0.1 }, "joints": { "elbow": joint },
-        "effects": [{ "id": "payload", "body": "hand", "parameters": { "mass": { "value": 0.3, "unit": "kg" } } }],
-    });
-    let found = report(&[FleetStudy { answer: Ok(arm), ..study("2026-03-01", "none", 0.0) }]);
+    let found = report(&[arm_study("2026-03-01", "elbow", true)]);
     let names: Vec<_> =
         found.rows.iter().map(|row| (row.joint.as_deref(), row.cause.as_deref(), row.gap_before)).collect();
     let [hand, elbow] = [(Some("hand"), Some("payload"), Some(0.2)), (Some("elbow"), Some("compliance"), Some(0.01))];
     assert_eq!(names, [hand, elbow]);
+}
+
+#[test]
+fn a_body_with_the_name_of_a_joint_has_a_trend_of_its_own() {
+    let found = report(&[arm_study("2026-03-01", "hand", true)]);
+    let causes: Vec<_> = found.joints.iter().map(|joint| (joint.latest.cause.as_deref(), joint.gap())).collect();
+    assert_eq!(causes, [(Some("payload"), 0.2), (Some("compliance"), 0.01)]);
+}
+
+#[test]
+fn a_payload_that_later_studies_do_not_find_has_ended() {
+    let studies = [("2026-03-01", true), ("2026-03-02", false)].map(|(day, has)| arm_study(day, "elbow", has));
+    let found = report(&studies);
+    let hand = found.joints.iter().find(|joint| joint.joint == "hand").unwrap();
+    assert_eq!((hand.points.len(), hand.since, hand.is_off()), (2, None, false));
+    assert_eq!((hand.latest.joint.as_deref(), hand.latest.study.as_str()), (Some("hand"), "2026-03-02/study.toml"));
+    assert!(found.rows.iter().filter(|row| row.is_body).all(|row| row.since.is_none()));
+    assert_eq!(found.rows.len(), 3);
 }
 
 #[test]

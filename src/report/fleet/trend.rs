@@ -18,7 +18,7 @@ pub struct TrendPoint {
     pub is_off: bool,
 }
 
-/// A joint of a robot through all studies that have it.
+/// A joint of a robot through all studies that have it, or a body through all studies of the robot.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct JointTrend {
     /// The robot.
@@ -53,7 +53,12 @@ impl JointTrend {
     }
 
     pub(super) fn has(&self, row: &FleetRow) -> bool {
-        row.joint.as_deref() == Some(&self.joint) && row.robot == self.robot && row.unit.as_deref() == Some(&self.unit)
+        row.joint.as_deref() == Some(&self.joint) && self.is_told_by(row)
+    }
+
+    /// Whether a row is of this robot, of joints or of bodies as this is, and of the same unit.
+    fn is_told_by(&self, row: &FleetRow) -> bool {
+        row.robot == self.robot && row.is_body == self.latest.is_body && row.unit.as_deref() == Some(&self.unit)
     }
 
     pub(super) fn measure(&self) -> Measure {
@@ -62,7 +67,9 @@ impl JointTrend {
 }
 
 /// Joints of all rows: those that part from their models first, in the order of their gaps.
-pub(super) fn joints(rows: &[FleetRow]) -> Vec<JointTrend> {
+///
+/// A body has a row only in studies that name it; `other_bodies` has a row of each study for those that it does not name.
+pub(super) fn joints(rows: &[FleetRow], other_bodies: &[FleetRow]) -> Vec<JointTrend> {
     let mut joints: Vec<JointTrend> = Vec::new();
     let of_joint = rows.iter().filter_map(|row| Some((row, row.joint.as_ref()?, row.unit.as_ref()?)));
     for (row, joint, unit) in of_joint {
@@ -77,14 +84,17 @@ pub(super) fn joints(rows: &[FleetRow]) -> Vec<JointTrend> {
             latest: row.clone(),
             points: Vec::new(),
         };
-        let own: Vec<&FleetRow> = rows.iter().filter(|other| trend.has(other)).collect();
+        let mut own: Vec<&FleetRow> = rows.iter().filter(|other| trend.has(other)).collect();
+        let is_named = |study: &str| own.iter().any(|row| row.study == study);
+        let unnamed = |other: &&FleetRow| trend.is_told_by(other) && !is_named(&other.study);
+        let unnamed: Vec<&FleetRow> = other_bodies.iter().filter(unnamed).collect();
+        own.extend(unnamed);
         trend.points = points(&own);
         trend.since = since(&trend.points);
         if let Some(last) = trend.points.last()
             && let Some(latest) = own.iter().rfind(|row| row.study == last.study)
         {
-            trend.latest = (*latest).clone();
-            trend.latest.since = trend.since;
+            trend.latest = FleetRow { joint: Some(joint.clone()), since: trend.since, ..(*latest).clone() };
         }
         joints.push(trend);
     }

@@ -123,6 +123,7 @@ proptest! {
             t_s: t.clone(),
             measured_rad: a.clone(),
             first_fitted: first,
+            release_s: None,
             simple_rad: b.clone(),
             extensive_rad: a.clone(),
             extensive_rate_rad_s: b.clone(),

@@ -24,7 +24,8 @@ fn cells(sweep: &SweepPart) -> [String; 6] {
 }
 
 fn name(sweep: &SweepPart) -> String {
-    format!("{} to {} rad, {} measurements", sweep.range_rad[0], sweep.range_rad[1], sweep.measurements)
+    let [first, last] = sweep.range_rad.map(|angle_rad| (1e4 * angle_rad).round() / 1e4);
+    format!("{first} to {last} rad, {} measurements", sweep.measurements)
 }
 
 /// The report as text.

@@ -18,10 +18,12 @@ pub struct SweepPoint {
 /// Each setpoint is held for so long, and read at the end \[s\].
 const HELD_S: f64 = 0.5;
 
-/// Sets a joint to `count` places from `from_rad` to `to_rad`, all others at rest and the base as the model has it.
+/// Sets a joint to `count` places from `from_rad` to `to_rad`, as far as the software's limits let it, all others at rest
+/// and the base as the model has it.
 ///
 /// # Errors
-/// [`SimulateError::Value`] for fewer than two places, or where the motion runs away.
+/// [`SimulateError::Value`] for fewer than two places, where the limits leave nothing of the range, or where the motion
+/// runs away.
 pub fn sweep(
     model: &Model,
     joints: &Joints,
@@ -34,7 +36,23 @@ pub fn sweep(
     if !(2..=5000).contains(&count) {
         return wrong("the number of measurements", count as f64, "2 to 5000");
     }
-    let place = |k: usize| from_rad + (to_rad - from_rad) * k as f64 / (count - 1) as f64;
+    // The software would clip what is beyond, which is no droop of the controller.
+    let within = |angle_rad: f64| match model.joints()[joint.index()].software_rad {
+        Some([low, high]) => angle_rad.clamp(low, high),
+        None => angle_rad,
+    };
+    let [first_rad, last_rad] = [from_rad, to_rad].map(within);
+    if first_rad == last_rad {
+        return wrong(
+            "the end of the sweep [rad]",
+            to_rad,
+            "a sweep that lies within the joint's software limits in part",
+        );
+    }
+    let place = |k: usize| match k + 1 == count {
+        true => last_rad,
+        false => first_rad + (last_rad - first_rad) * k as f64 / (count - 1) as f64,
+    };
     // One more place at the end, so that the last is read before anything changes.
     let t_s: Vec<f64> = (0..=count).map(|k| k as f64 * HELD_S).collect();
     let columns = model
@@ -48,7 +66,7 @@ pub fn sweep(
             Some(Column { angle_rad, on: None })
         })
         .collect();
-    let (setpoints, _) = Setpoints { t_s, columns, hold: Hold::Step }.clipped(model);
+    let setpoints = Setpoints { t_s, columns, hold: Hold::Step };
     let mut start = State::at_rest(model);
     for id in model.joint_ids() {
         start.angle_rad[id.index()] = setpoints.at(id, 0.0).unwrap_or(0.0);
@@ -67,4 +85,23 @@ pub fn sweep(
         reading_rad: readings[j][k + 1],
     };
     Ok((0..count.min(recording.t_s.len().saturating_sub(1))).map(point).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::robot_file::Base;
+
+    #[test]
+    fn a_sweep_stays_within_the_software_limits() {
+        let model = Model::ers7().with_base(Base::Clamped);
+        let joints = Joints::of_thesis(&model).unwrap();
+        let joint = model.joint("lf2").unwrap();
+        let swept = |range_rad| sweep(&model, &joints, joint, range_rad, 5, (PositionSensor::of(&model), 1));
+        let points = swept([-2.0, 2.0]).unwrap();
+        // Table A.3.
+        assert_eq!((points[0].setpoint_rad, points[4].setpoint_rad), (-0.1745, 1.5359));
+        assert!(points.iter().all(|point| (point.angle_rad - point.setpoint_rad).abs() < 0.05), "{points:?}");
+        assert!(matches!(swept([-2.0, -1.0]), Err(SimulateError::Value { .. })));
+    }
 }
