@@ -217,6 +217,26 @@ fn the_gain_of_the_drive_is_that_of_the_fit() {
 }
 
 #[test]
+fn the_armature_of_a_fit_stands_for_that_of_the_study() {
+    let example = root().join("data/examples/delay");
+    let dir = tempfile::tempdir().unwrap();
+    fs::copy(example.join("chirp-0.csv"), dir.path().join("chirp-0.csv")).unwrap();
+    let study = fs::read_to_string(example.join("study.toml")).unwrap();
+    let rms = |stated: f64, found: &str| {
+        let study = study.replacen("[motor]\n", &format!("[motor]\narmature = {stated}\n"), 1);
+        fs::write(dir.path().join("study.toml"), study).unwrap();
+        let fit = FIT.replacen("\"joint\": {", &format!("\"joint\": {{{found}"), 1);
+        fs::write(dir.path().join("fit.json"), fit).unwrap();
+        rms_of(dir.path(), &["--fit", "fit.json", "--out", "out"])[0].2
+    };
+    let found = rms(0.02, "\"armature\": {\"value\": 0.005}, ");
+    let (same, stated) = (rms(0.005, ""), rms(0.02, ""));
+    // The same numbers by another way: rounding alone.
+    assert!((found / same - 1.0).abs() < 1e-9, "{found} and {same}");
+    assert!((stated / found - 1.0).abs() > 1e-3, "{stated} and {found}");
+}
+
+#[test]
 fn effects_that_cannot_be_are_refused_by_name() {
     let dir = tempfile::tempdir().unwrap();
     fs::write(dir.path().join("study.toml"), STUDY).unwrap();

@@ -252,7 +252,7 @@ pub(super) fn add_report(outputs: &mut Outputs, folder: &Path, report: &GapRepor
     for figure in gap_figures(report)? {
         outputs.add(folder.join(figure.file_name), figure.svg);
     }
-    let fit = FitFile::of_diagnosis(&report.diagnosis, &report.provenance);
+    let fit = FitFile::of_diagnosis(report);
     outputs.add(folder.join("fit.json"), json_text(&fit)?);
     if let Some((t_s, q_ref_rad)) = report.diagnosis.next.as_ref().and_then(|next| next.motion.as_ref()) {
         outputs.add(folder.join(NEXT_FILE), motion_csv(t_s, q_ref_rad));

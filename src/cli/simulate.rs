@@ -44,6 +44,8 @@ pub(super) struct SimulateArgs {
 /// Parameters in force, and where they come from.
 struct InForce {
     nominal: Nominal,
+    /// Of every motor; `None`: as the study states it.
+    armature_kg_m2: Option<f64>,
     rest_rad: Option<f64>,
     /// What arrives per stated torque, and the control law's gains per stated ones, by the names of their numbers.
     gains: Vec<(&'static str, f64)>,
@@ -66,11 +68,15 @@ pub(super) fn run(args: &SimulateArgs) -> Result<u8, CliError> {
     }
     let progress = Progress::new(args.common.quiet);
     progress.say("reading");
-    let case = match &args.log {
+    let mut case = match &args.log {
         Some(log) => Case::of_log_in_study(&args.study, log)?,
         None => Case::of_study(&args.study)?,
     };
     let in_force = in_force(args, &case)?;
+    if let Some(armature_kg_m2) = in_force.armature_kg_m2 {
+        let experiments = case.items.iter_mut().flat_map(|item| &mut item.experiments);
+        experiments.filter_map(|e| e.motor.as_mut()).for_each(|motor| motor.armature_kg_m2 = armature_kg_m2);
+    }
     progress.say("predicting");
     let predicted = args.common.on_threads(|| predictions(&case, &in_force))??;
     let folder = args.common.folder(&study_name(&args.study));
@@ -134,7 +140,8 @@ fn in_force(args: &SimulateArgs, case: &Case) -> Result<InForce, CliError> {
         })?;
         let source = format!("{}, as given", args.study.display());
         let (rest_rad, effects, laws) = (case.joint.rest_rad, Vec::new(), Vec::new());
-        return Ok(InForce { nominal, rest_rad, gains: Vec::new(), effects, laws, source });
+        let (armature_kg_m2, gains) = (None, Vec::new());
+        return Ok(InForce { nominal, armature_kg_m2, rest_rad, gains, effects, laws, source });
     };
     let file = read_fit(path)?;
     let wrong = |what: String| CliError::FitFile { file: path.clone(), what };
@@ -175,6 +182,8 @@ fn in_force(args: &SimulateArgs, case: &Case) -> Result<InForce, CliError> {
     if let Some(rest) = rest_rad.filter(|rest| !(rest.abs() <= std::f64::consts::TAU)) {
         return Err(wrong(format!("joint.rest.value is {rest:?}, expected an angle within 2 pi (6.283) rad")));
     }
+    let armature = file.joint.armature.as_ref().map(|armature| number("joint.armature", armature, true));
+    let armature_kg_m2 = armature.transpose()?;
     let share = |name: &str, share: &Option<Quantity>| {
         share.as_ref().map_or(Ok(1.0), |share| number(&format!("joint.{name}"), share, false))
     };
@@ -183,7 +192,7 @@ fn in_force(args: &SimulateArgs, case: &Case) -> Result<InForce, CliError> {
     let gains = gains.collect::<Result<Vec<_>, _>>()?;
     let of = |law: &Law<f64>| format!(", with a law of the {} by {}", law.acts(), law.variable());
     let source = path.display().to_string() + &laws.iter().map(of).collect::<String>();
-    Ok(InForce { nominal, rest_rad, gains, effects, laws, source })
+    Ok(InForce { nominal, armature_kg_m2, rest_rad, gains, effects, laws, source })
 }
 
 /// An effect of a fit file.

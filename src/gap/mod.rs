@@ -65,7 +65,7 @@ mod residual_torque;
 mod rest;
 #[cfg(feature = "robots")]
 pub mod robot;
-mod rotor;
+pub(crate) mod rotor;
 mod score;
 mod searched;
 mod sentence;

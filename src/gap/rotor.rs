@@ -11,7 +11,7 @@ use crate::number::quantity;
 const LEAST: f64 = 0.1;
 
 /// The armature \[kg m^2\], of which a study states so much, where the link has this share of its stated inertia.
-pub(super) fn armature_kg_m2<T: Real>(stated_kg_m2: f64, share: T) -> T {
+pub(crate) fn armature_kg_m2<T: Real>(stated_kg_m2: f64, share: T) -> T {
     let share = if share.re() < LEAST { T::constant(LEAST) } else { share };
     share * stated_kg_m2
 }

@@ -80,6 +80,10 @@ pub struct JointFit {
     pub coulomb: Quantity,
     /// `mu_v` \[N m s/rad\]
     pub viscous: Quantity,
+    /// Inertia of what turns with the motor \[kg m^2\], where the study states one and the fit scaled it with the link's;
+    /// absent: as stated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub armature: Option<Quantity>,
     /// Angle at which the bare link hangs \[rad\].
     #[serde(default)]
     pub rest: Option<Quantity>,
@@ -178,6 +182,7 @@ impl JointFit {
             moment: quantity("moment").unwrap_or_default(),
             coulomb: quantity("coulomb").unwrap_or_default(),
             viscous: quantity("viscous").unwrap_or_default(),
+            armature: None,
             rest: quantity("rest"),
             gain: searched("gain"),
             kd: searched("kd"),

@@ -1,9 +1,12 @@
 //! `fit.json` of a diagnosis: the joint with the effects of the answer, for `simulate`.
 
+use super::GapReport;
 use super::rows::{joint_rows, number_row, residual_rms_rad};
+use crate::gap::rotor::armature_kg_m2;
 use crate::gap::{Diagnosis, LogTraces, Number};
+use crate::identify::Case;
 use crate::joint::EffectId;
-use crate::report::{EffectFit, FitFile, JointFit, LogFit, Provenance, Quantity, SCHEMA};
+use crate::report::{EffectFit, FitFile, JointFit, LogFit, Quantity, SCHEMA};
 use std::collections::BTreeMap;
 
 /// The effects of the answer with their forms and their parameters by the catalogue's names.
@@ -25,10 +28,35 @@ pub(in crate::report) fn quantities(numbers: &[Number]) -> BTreeMap<String, Quan
     numbers.iter().map(|number| (number.name.clone(), Quantity::of(&number_row(number)))).collect()
 }
 
+/// The armature that all motors of a joint's logs state \[kg m^2\]; `None`: none, or not the same.
+pub(super) fn stated_armature_kg_m2(case: &Case) -> Option<f64> {
+    let motors = case.items.iter().flat_map(|item| &item.experiments).filter_map(|e| e.motor.as_ref());
+    let mut stated_kg_m2 = motors.map(|motor| motor.armature_kg_m2);
+    let first_kg_m2 = stated_kg_m2.next().filter(|first_kg_m2| *first_kg_m2 > 0.0)?;
+    stated_kg_m2.all(|other_kg_m2| other_kg_m2 == first_kg_m2).then_some(first_kg_m2)
+}
+
+/// The armature with which a diagnosis was fitted: it has the share of what is stated that the inertia has.
+pub(super) fn armature(report: &GapReport) -> Option<Quantity> {
+    let stated_kg_m2 = report.armature_kg_m2?;
+    let rows = joint_rows(&report.diagnosis);
+    let inertia = rows.iter().find(|row| row.name == "inertia")?;
+    let nominal_kg_m2 = inertia.nominal?;
+    let of = |inertia_kg_m2: f64| armature_kg_m2(stated_kg_m2, inertia_kg_m2 / nominal_kg_m2);
+    let inertia = Quantity::of(inertia);
+    Some(Quantity {
+        value: inertia.value.map(of),
+        interval: inertia.interval.map(|ends| ends.map(of)),
+        interval_naive: inertia.interval_naive.map(|ends| ends.map(of)),
+        ..inertia
+    })
+}
+
 impl FitFile {
     /// The file of a diagnosis: the joint's parameters and those of the effects of the answer, fitted together.
-    pub fn of_diagnosis(diagnosis: &Diagnosis, provenance: &Provenance) -> Self {
-        let mut joint = JointFit::of(&joint_rows(diagnosis));
+    pub fn of_diagnosis(report: &GapReport) -> Self {
+        let GapReport { diagnosis, provenance, .. } = report;
+        let mut joint = JointFit { armature: armature(report), ..JointFit::of(&joint_rows(diagnosis)) };
         // A gain that is named as an effect stands there alone: what simulates the file would have it twice.
         if diagnosis.effect_parameters.iter().any(|(effect, _)| *effect == EffectId::MotorGain) {
             joint.gain = None;

@@ -1,7 +1,7 @@
 //! `gap --json`: the contract of the specification's section 6, every key always there, and what goes beyond it.
 
 use super::GapReport;
-use super::fit::quantities;
+use super::fit::{armature, quantities};
 use super::rows::joint_rows;
 use super::waterfall::{Step, steps};
 use crate::deadline::Spent;
@@ -19,6 +19,7 @@ use std::collections::BTreeMap;
 /// The diagnosis for programs. A number that is not finite becomes null.
 pub fn gap_json(report: &GapReport) -> impl Serialize + '_ {
     let GapReport { diagnosis, options, health, provenance, .. } = report;
+    let joint = JointFit { armature: armature(report), ..JointFit::of(&joint_rows(diagnosis)) };
     let answer = &diagnosis.answer;
     Document {
         schema: SCHEMA,
@@ -33,7 +34,7 @@ pub fn gap_json(report: &GapReport) -> impl Serialize + '_ {
         gap: Closing::of(diagnosis),
         ranking: diagnosis.ranking.iter().map(Ranked::of).collect(),
         detectable: diagnosis.detectable.iter().map(|d| (d.effect.id(), Threshold::of(d))).collect(),
-        joint: JointFit::of(&joint_rows(diagnosis)),
+        joint,
         next: diagnosis.next.as_ref().map(Proposal::of),
         probability_source: &answer.probability_source,
         standing: &answer.standing,
@@ -489,13 +490,13 @@ mod tests {
     #[test]
     fn fit_of_a_diagnosis_can_be_read_again() {
         for (name, report) in sample::all() {
-            let file = FitFile::of_diagnosis(&report.diagnosis, &report.provenance);
+            let file = FitFile::of_diagnosis(&report);
             let text = serde_json::to_string(&file).expect("a fit can be written");
             let read: FitFile = serde_json::from_str(&text).expect(name);
             assert_eq!((read.effects.len(), read.logs.len()), (file.effects.len(), file.logs.len()), "{name}");
         }
         let report = sample::two_effects();
-        let file = FitFile::of_diagnosis(&report.diagnosis, &report.provenance);
+        let file = FitFile::of_diagnosis(&report);
         assert_eq!(file.effects.iter().map(|effect| effect.id.as_str()).collect::<Vec<_>>(), ["torque_limit", "delay"]);
         assert_eq!(file.effects[0].form.as_deref(), Some("hard"));
         assert_eq!(file.joint.coulomb.value, Some(7.1e-3));
@@ -508,10 +509,25 @@ mod tests {
             ("motor_gain", None, 1),
             "it has no share of its own"
         );
-        let named = FitFile::of_diagnosis(&named, &report.provenance);
+        let named = FitFile::of_diagnosis(&GapReport { diagnosis: named, ..sample::two_effects() });
         assert_eq!((named.joint.gain, named.effects.len()), (None, 3), "a gain with a name is an effect alone");
         let free = sample::set_of_two();
-        assert_eq!(FitFile::of_diagnosis(&free.diagnosis, &free.provenance).joint.gain, None);
+        assert_eq!(FitFile::of_diagnosis(&free).joint.gain, None);
         assert!(file.logs.iter().all(|log| log.rms_held_out.is_some() == (log.role == "validate")));
+        assert_eq!(file.joint.armature, None);
+    }
+
+    #[test]
+    fn a_fit_states_the_armature_that_goes_with_its_inertia() {
+        let stated_kg_m2 = 0.02;
+        let report = GapReport { armature_kg_m2: Some(stated_kg_m2), ..sample::two_effects() };
+        let inertia = &report.diagnosis.parameters[0];
+        let expected_kg_m2 = stated_kg_m2 * inertia.value / inertia.nominal.unwrap();
+        assert_ne!(expected_kg_m2, stated_kg_m2);
+        let armature = FitFile::of_diagnosis(&report).joint.armature.unwrap();
+        approx::assert_relative_eq!(armature.value.unwrap(), expected_kg_m2, max_relative = 1e-12);
+        assert_eq!(armature.unit, "kg m^2");
+        let json = serde_json::to_value(gap_json(&report)).unwrap();
+        assert_eq!(json["joint"]["armature"]["value"].as_f64(), armature.value);
     }
 }

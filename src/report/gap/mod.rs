@@ -15,6 +15,8 @@ pub(super) mod text;
 pub(super) mod waterfall;
 pub(super) mod words;
 
+use fit::stated_armature_kg_m2;
+
 pub(super) use fit::quantities;
 pub use html::render_gap_html;
 pub(super) use html::{detectable_view, gap_view, with_code};
@@ -42,6 +44,8 @@ pub struct GapReport {
     pub options: GapOptions,
     /// One row per log.
     pub health: Vec<LogHealthRow>,
+    /// What the study states of the rotor \[kg m^2\]; `None`: nothing, or not the same of all logs.
+    pub armature_kg_m2: Option<f64>,
     /// Numbers of the study that are far from any joint that moves like its logs, in sentences.
     pub doubts: Vec<String>,
     /// Where the report comes from.
@@ -53,7 +57,7 @@ pub struct GapReport {
 impl GapReport {
     /// The report of a case's diagnosis.
     pub fn new(case: &Case, diagnosis: Diagnosis, options: GapOptions, provenance: Provenance) -> Self {
-        let doubts = case.doubts();
-        Self { diagnosis, options, health: health_rows(case), doubts, provenance, torques: Vec::new() }
+        let (health, doubts, armature_kg_m2) = (health_rows(case), case.doubts(), stated_armature_kg_m2(case));
+        Self { diagnosis, options, health, armature_kg_m2, doubts, provenance, torques: Vec::new() }
     }
 }

@@ -243,6 +243,7 @@ fn report(sizes: [f64; 4], sentence: &str) -> GapReport {
     let shares = [0.05, 0.08, 0.22, 0.3, 0.15, 0.2];
     GapReport {
         health: logs.iter().map(health).collect(),
+        armature_kg_m2: None,
         doubts: Vec::new(),
         options: GapOptions { twins: 0, seed: 7, ..GapOptions::default() },
         provenance: Provenance {
