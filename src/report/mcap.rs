@@ -5,8 +5,10 @@ use crate::log::McapTopic;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Topics of each log, with a number (`<log>_2`) where names of files are the same: `/<log>/measured`, `/setpoint`, `/nominal` (the study's numbers as given), `/predicted` (with what
+/// Topics of each log: `/<log>/measured`, `/setpoint`, `/nominal` (the study's numbers as given), `/predicted` (with what
 /// was found) and `/residual` (measured less predicted), joints that were compared at the same times in one message.
+///
+/// Logs of the same name in different folders are `<log>` and `<log>_2`.
 pub fn trace_topics(joints: &[(&str, &[LogTraces])]) -> Vec<McapTopic> {
     let mut topics: Vec<McapTopic> = Vec::new();
     let names = names(joints.iter().flat_map(|(_, traces)| traces.iter()).map(|log| log.file.as_str()));
