@@ -3,7 +3,7 @@
 use super::masses::{masses, own_inertias};
 use crate::gap::clamped::{BodyCause, BodyKind, ClampedDiagnosis, ClampedSetup};
 use crate::gap::rotor::armature_kg_m2;
-use crate::gap::{CauseShare, Diagnosis, Verdict};
+use crate::gap::{CauseShare, Diagnosis, Number, Verdict};
 use crate::identify::Estimate;
 use crate::joint::EffectId;
 use crate::number::quantity;
@@ -131,9 +131,8 @@ fn of_joint(
         let share = of_kd.map_or(1.0, |e| e.value);
         let interval = of_kd.and_then(|e| e.interval).map(|range| range.map(|end| end * times * kd)).or(around(kd));
         push(FoundKey::Kd, described.as_ref().map(|servo| -servo.bias[2]), times * share * kd, interval, "N m s/rad");
-        let of = |cause: &CauseShare| cause.effect == EffectId::TorqueLimit;
-        let limit =
-            own.and_then(|d| d.causes.iter().find(|cause| of(cause))).and_then(|cause| cause.parameters.first());
+        let limit = own.and_then(|d| d.causes.iter().find(|cause| is_limit(cause)));
+        let limit = limit.and_then(|cause| cause.parameters.first());
         let was = described.as_ref().and_then(|servo| servo.force_range_nm.map(|[_, high]| high));
         if let Some(value) = limit.map(|n| n.value).or(said.torque_limit_nm) {
             push(FoundKey::TorqueLimit, was, value, limit.and_then(|n| n.interval), "N m");
@@ -146,27 +145,70 @@ fn of_joint(
             .iter()
             .map(|n| format!("{} = {}", n.name, quantity(n.value, n.interval, &n.unit)))
             .collect();
-        match (cause.effect, &cause.parameters[..]) {
-            (EffectId::TorqueLimit, _) => {}
-            (EffectId::Delay, [late]) if cause.only.is_none() => {
-                push(FoundKey::Delay, None, late.value, late.interval, "s");
-            }
-            (EffectId::AngleOffset, [zero]) if cause.only.is_none() => {
-                push(FoundKey::EncoderZero, None, zero.value, zero.interval, "rad");
-            }
-            (EffectId::JointSpring, [k, rest]) if mover.stiffness[0] == 0.0 => {
-                push(FoundKey::Stiffness, Some(0.0), k.value, k.interval, "N m/rad");
-                push(FoundKey::Springref, None, rest.value, rest.interval, "rad");
-            }
-            (effect, values) => {
-                if let (EffectId::Stribeck, [most, ..], None) = (effect, values, &cause.only) {
-                    push(FoundKey::StaticFriction, None, most.value, most.interval, "N m");
-                }
-                found.cannot_say.push(format!("{}: {} ({})", mover.name, cause.effect, numbers.join(", ")));
-            }
+        let said = as_numbers(cause, mover.stiffness[0] != 0.0);
+        for (key, was, number, unit) in &said {
+            push(*key, *was, number.value, number.interval, unit);
+        }
+        // A description has static friction, but not how it fades.
+        if !is_limit(cause) && (said.is_empty() || cause.effect == EffectId::Stribeck) {
+            let only = cause.only.as_ref().map_or(String::new(), |only| format!(" {}", only.words));
+            found.cannot_say.push(format!("{}: {}{only} ({})", mover.name, cause.effect, numbers.join(", ")));
         }
     }
     if let Some(law) = &own.law {
         found.cannot_say.push(format!("{}: a law ({})", mover.name, law.table.looks_like));
+    }
+}
+
+/// Whether a cause is a limit of the servo, as a description has it.
+fn is_limit(cause: &CauseShare) -> bool {
+    cause.effect == EffectId::TorqueLimit && cause.only.is_none()
+}
+
+/// What a description says of a cause, with what it was and its unit: nothing of one that holds in some logs only.
+fn as_numbers(cause: &CauseShare, has_spring: bool) -> Vec<(FoundKey, Option<f64>, &Number, &'static str)> {
+    if cause.only.is_some() {
+        return Vec::new();
+    }
+    match (cause.effect, &cause.parameters[..]) {
+        (EffectId::Delay, [late]) => vec![(FoundKey::Delay, None, late, "s")],
+        (EffectId::AngleOffset, [zero]) => vec![(FoundKey::EncoderZero, None, zero, "rad")],
+        (EffectId::JointSpring, [k, rest]) if !has_spring => {
+            vec![(FoundKey::Stiffness, Some(0.0), k, "N m/rad"), (FoundKey::Springref, None, rest, "rad")]
+        }
+        (EffectId::Stribeck, [most, ..]) => vec![(FoundKey::StaticFriction, None, most, "N m")],
+        _ => Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::LogSet;
+
+    #[test]
+    fn springs_and_limits_of_some_logs_only_are_no_numbers_of_the_description() {
+        let number = |name: &str, value| Number {
+            name: name.to_owned(),
+            value,
+            unit: String::new(),
+            interval: None,
+            interval_naive: None,
+        };
+        let cause = |effect, only: Option<LogSet>| CauseShare {
+            effect,
+            form: "",
+            only,
+            equivalent: vec![effect],
+            parameters: vec![number("k", 0.2), number("rest", 0.1)],
+            alone: None,
+            last: None,
+            after: 0.0,
+        };
+        let late = || Some(LogSet { files: vec!["late.csv".to_owned()], words: "in late.csv only".to_owned() });
+        assert_eq!(as_numbers(&cause(EffectId::JointSpring, None), false).len(), 2);
+        assert!(as_numbers(&cause(EffectId::JointSpring, late()), false).is_empty());
+        assert!(as_numbers(&cause(EffectId::JointSpring, None), true).is_empty());
+        assert!(is_limit(&cause(EffectId::TorqueLimit, None)) && !is_limit(&cause(EffectId::TorqueLimit, late())));
     }
 }
