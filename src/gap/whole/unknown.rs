@@ -60,12 +60,13 @@ impl Unknown {
         numbers.iter().find(|number| number.key == *key && number.name == *name)
     }
 
-    /// The same believed where it was found, and known as well in proportion, if that is further from what was believed than
-    /// anyone would go.
+    /// The same believed where it was found, and known as well in proportion to what was stated, if anything was, where that is
+    /// further from what was believed than anyone would go.
     fn with_found(self, numbers: &[FoundNumber]) -> Self {
         match self.found_in(numbers) {
-            Some(own) if (own.value - self.was).abs() > BELIEVED * self.sd && own.value > 0.0 && self.was > 0.0 => {
-                Self { centre: own.value, sd: self.sd * own.value / self.was, ..self }
+            Some(own) if (own.value - self.was).abs() > BELIEVED * self.sd && own.value > 0.0 => {
+                let share = if self.was > 0.0 { own.value / self.was } else { 1.0 };
+                Self { centre: own.value, sd: self.sd * share, ..self }
             }
             _ => self,
         }
@@ -132,28 +133,35 @@ pub(super) fn is_body(number: &FoundNumber) -> bool {
 mod tests {
     use super::*;
 
-    fn friction(found_nm: f64) -> Unknown {
+    fn friction(was: f64, found_nm: f64) -> Unknown {
         let name = || "elbow".to_owned();
         let quantity = Quantity::Number { key: FoundKey::Frictionloss, name: name(), unit: "N m" };
         let found = FoundNumber {
             name: name(),
             key: FoundKey::Frictionloss,
-            was: Some(0.1),
+            was: Some(was),
             value: found_nm,
             interval: None,
             unit: "N m".to_owned(),
             place_m: None,
         };
-        Unknown { quantity, was: 0.1, centre: 0.1, sd: 0.03 }.with_found(&[found])
+        Unknown { quantity, was, centre: was, sd: 0.03 }.with_found(&[found])
     }
 
     #[test]
     fn what_was_found_far_from_what_was_believed_is_believed_there_and_as_well_in_proportion() {
-        let far = friction(0.9);
+        let far = friction(0.1, 0.9);
         assert_eq!((far.was, far.centre), (0.1, 0.9));
         assert!((far.sd - 0.27).abs() < 1e-12, "{}", far.sd);
         assert_eq!((far.within(-9.0), far.within(9.0)), (-BELIEVED, BELIEVED));
-        let near = friction(0.15);
+        let near = friction(0.1, 0.15);
         assert_eq!((near.centre, near.sd), (0.1, 0.03));
+    }
+
+    #[test]
+    fn what_was_found_where_nothing_was_stated_is_kept() {
+        let (found, little) = (friction(0.0, 0.9), friction(0.0, 0.05));
+        assert_eq!((found.was, found.centre, found.sd), (0.0, 0.9, 0.03));
+        assert_eq!((little.centre, little.sd), (0.0, 0.03));
     }
 }
