@@ -116,11 +116,13 @@ fn kept(
     predict: &Predict<'_>,
 ) -> Kept {
     let mut told = predict(&found.numbers, &causes);
+    let error = |told: &Result<Told, String>| told.as_ref().map_or(f64::INFINITY, |told| told.all);
     let mut left_out: Vec<LeftOut> = Vec::new();
-    // Every round leaves out something that was there.
+    let mut are_masses_next = found.numbers.iter().any(is_mass);
+    // One round for the masses, and one for each joint.
     for _ in 0..=before.joints.len() {
         let Some(worst) = worst(before, &told) else { break };
-        let joint = found.numbers.iter().all(|number| !is_mass(number)).then_some(worst);
+        let joint = (!std::mem::take(&mut are_masses_next)).then_some(worst);
         let (mut less, mut fewer) = (found.clone(), causes.clone());
         match &joint {
             None => less.numbers.retain(|number| !is_mass(number)),
@@ -131,17 +133,20 @@ fn kept(
             }
         }
         let tried = predict(&less.numbers, &fewer);
-        let error = |told: &Result<Told, String>| told.as_ref().map_or(f64::INFINITY, |told| told.all);
         let (with_it, without_it) = (error(&told), error(&tried));
-        if joint.is_some() && !(without_it < with_it) {
-            break;
+        // Of a robot that runs away with its masses and without them, a joint may be the reason: it is tried without them.
+        let helps = without_it < with_it || joint.is_none() && told.is_err();
+        match helps {
+            true => {
+                left_out.push(LeftOut { joint, with_it, without_it });
+                (told, found, causes) = (tried, less, fewer);
+            }
+            false if joint.is_some() => break,
+            false => {}
         }
-        if without_it < with_it {
-            left_out.push(LeftOut { joint, with_it, without_it });
-            told = tried;
-        }
-        (found, causes) = (less, fewer);
     }
+    let without_it = error(&told);
+    left_out.iter_mut().filter(|left| left.without_it.is_infinite()).for_each(|left| left.without_it = without_it);
     Kept { told, found, left_out }
 }
 
@@ -258,6 +263,16 @@ mod tests {
         // What helps every joint stays.
         let kept = kept_of(vec![good.clone(), number("hand", FoundKey::Mass, -0.001)], Vec::new());
         assert!(kept.left_out.is_empty() && kept.found.numbers.len() == 2);
+        // Masses without which nothing is better stay where a joint has to go.
+        let found = vec![number("b", FoundKey::Kp, 0.03), number("hand", FoundKey::Mass, -0.001)];
+        let kept = kept_of(found.clone(), Vec::new());
+        assert_eq!(kept.found.numbers, found[1..]);
+        assert_eq!(kept.left_out.iter().map(|left| left.joint.as_deref()).collect::<Vec<_>>(), [Some("b")]);
+        assert!((kept.told.unwrap().joints[1].1 - 0.019).abs() < 1e-12);
+        // Where both make it run away it is said of both.
+        let found = vec![number("b", FoundKey::Kp, 9.0), number("hand", FoundKey::Mass, 9.0)];
+        let kept = kept_of(found, Vec::new());
+        assert!(kept.told.is_ok() && kept.left_out.len() == 2 && kept.left_out[0].without_it.is_finite());
         // One that runs away with its masses does not without them.
         let kept = kept_of(vec![good, number("hand", FoundKey::Mass, 9.0)], Vec::new());
         assert!(kept.told.is_ok() && kept.left_out[0].with_it.is_infinite());
