@@ -53,13 +53,14 @@ pub fn found_robot(setup: &ClampedSetup, diagnosis: Option<&ClampedDiagnosis>) -
     found.cannot_say.extend(missed.into_iter().map(|joint| {
         format!("{joint}: its moment as found is none that masses of the bodies as they are shaped can give")
     }));
-    let inertias = own_inertias(setup, &setup.description.with_found(&found.numbers)?);
+    let [described, changed] = [&with_bodies, &setup.description.with_found(&found.numbers)?];
+    let inertias = shares(&own_inertias(setup, described), &own_inertias(setup, changed));
     for at in (0..setup.description.joints.len()).map(MoverId) {
         let name = &setup.description.joints[at.0].name;
         // A joint that lacks nothing keeps its numbers.
         let own = joints.iter().find(|d| d.joint == *name && d.answer.verdict != Verdict::None);
-        let links_kg_m2 = inertias.iter().find(|(joint, _)| joint == name).map(|(_, inertia)| *inertia);
-        of_joint(setup, at, own.copied(), links_kg_m2, &mut found);
+        let links = inertias.iter().find(|(joint, _)| joint == name).map(|(_, share)| *share);
+        of_joint(setup, at, own.copied(), links, &mut found);
     }
     Ok(found)
 }
@@ -85,11 +86,18 @@ pub(super) fn of_body(body: &BodyCause, description: &Description) -> FoundNumbe
     }
 }
 
+/// By joint how many times the inertia of its links is what it was.
+fn shares(was: &[(String, f64)], now: &[(String, f64)]) -> Vec<(String, f64)> {
+    let share = |((joint, was), (_, now)): (&(String, f64), &(String, f64))| (joint.clone(), now / was);
+    was.iter().zip(now).map(share).filter(|(_, share)| share.is_finite()).collect()
+}
+
+/// `links`: how many times the inertia of what the joint carries is that described, by the masses that were found.
 fn of_joint(
     setup: &ClampedSetup,
     at: MoverId,
     own: Option<&Diagnosis>,
-    links_kg_m2: Option<f64>,
+    links: Option<f64>,
     found: &mut FoundRobot,
 ) {
     let mover = &setup.description.joints[at.0];
@@ -110,8 +118,9 @@ fn of_joint(
     push(FoundKey::Damping, Some(mover.damping[0]), viscous_nm, viscous.and_then(|e| e.interval), "N m s/rad");
     let armature = estimate("armature");
     let stated = said.armature_kg_m2.unwrap_or(mover.armature_kg_m2);
-    // Links have the inertia that their masses give; of all that was found to turn the rest is the motor's.
-    let inertia = estimate("inertia").zip(links_kg_m2);
+    // Links have the inertia that their masses give; of all that was found to turn the rest is the motor's. Both are counted over
+    // the motion along which the joint was searched.
+    let inertia = estimate("inertia").zip(links).and_then(|(own, share)| Some((own, share * own.nominal?)));
     let of_motor = |own: &Estimate, links: f64, value: f64| {
         let geared = own.nominal.map_or(stated, |nominal| armature_kg_m2(stated, value / nominal));
         (armature.map_or(geared, |e| e.value) + value - links).max(0.0)
@@ -185,6 +194,13 @@ fn as_numbers(cause: &CauseShare, has_spring: bool) -> Vec<(FoundKey, Option<f64
 mod tests {
     use super::*;
     use crate::gap::LogSet;
+
+    #[test]
+    fn inertias_are_told_by_what_they_were() {
+        let of = |joint: &str, inertia| (joint.to_owned(), inertia);
+        let shares = shares(&[of("a", 0.2), of("b", 0.0)], &[of("a", 0.3), of("b", 0.0)]);
+        assert!(shares.len() == 1 && shares[0].0 == "a" && (shares[0].1 - 1.5).abs() < 1e-12);
+    }
 
     #[test]
     fn springs_and_limits_of_some_logs_only_are_no_numbers_of_the_description() {
