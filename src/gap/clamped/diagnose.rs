@@ -330,6 +330,13 @@ fn steps(diagnosis: &Diagnosis) -> impl Iterator<Item = (&CauseShare, f64)> {
     diagnosis.causes.iter().zip(before).map(|(cause, before)| (cause, before.powi(2) - cause.after.powi(2)))
 }
 
+/// The gain of a drive that an answer has as a number and not as a cause: recalibrated numbers have all that it closes.
+fn gain_as_number(diagnosis: &Diagnosis) -> Option<&(EffectId, Vec<Number>)> {
+    let is_cause = diagnosis.causes.iter().any(|cause| cause.effect == EffectId::MotorGain);
+    let is_named = diagnosis.answer.verdict == Verdict::Effect && !is_cause;
+    diagnosis.effect_parameters.iter().find(|(effect, _)| is_named && *effect == EffectId::MotorGain)
+}
+
 /// Causes with all joints that have them, the one that closes most first.
 fn shared(groups: &BTreeMap<String, Vec<String>>, joints: &[JointAnswer]) -> Vec<SharedCause> {
     let found: Vec<(&str, &Diagnosis)> =
@@ -337,23 +344,18 @@ fn shared(groups: &BTreeMap<String, Vec<String>>, joints: &[JointAnswer]) -> Vec
     let all: f64 = found.iter().map(|(_, d)| d.gap.calibrated.powi(2)).sum();
     let mut causes: Vec<SharedCause> = Vec::new();
     for (joint, diagnosis) in &found {
-        for (cause, squares) in steps(diagnosis) {
+        let causes_of = steps(diagnosis).map(|(cause, squares)| (cause.effect, squares));
+        let gain = gain_as_number(diagnosis).map(|(effect, _)| (*effect, 0.0));
+        for (effect, squares) in causes_of.chain(gain) {
             let share = if all > 0.0 { squares / all } else { 0.0 };
-            match causes.iter_mut().find(|known| known.effect == cause.effect) {
+            match causes.iter_mut().find(|known| known.effect == effect) {
                 Some(known) => {
                     known.joints.push((*joint).to_owned());
                     known.share += share;
                 }
                 None => {
                     let joints = vec![(*joint).to_owned()];
-                    causes.push(SharedCause {
-                        effect: cause.effect,
-                        joints,
-                        group: None,
-                        size: None,
-                        share,
-                        common: false,
-                    });
+                    causes.push(SharedCause { effect, joints, group: None, size: None, share, common: false });
                 }
             }
         }
@@ -364,7 +366,9 @@ fn shared(groups: &BTreeMap<String, Vec<String>>, joints: &[JointAnswer]) -> Vec
         let is_all = cause.joints.len() == found.len() && found.len() > 1;
         cause.group = is_all.then(|| "all".to_owned()).or(group);
         let own = |(_, d): &(&str, &Diagnosis)| {
-            d.causes.iter().find(|own| own.effect == cause.effect)?.parameters.first().cloned()
+            let found = d.causes.iter().find(|own| own.effect == cause.effect).map(|own| &own.parameters);
+            let as_number = || Some(&gain_as_number(d).filter(|(effect, _)| *effect == cause.effect)?.1);
+            found.or_else(as_number)?.first().cloned()
         };
         let sizes: Vec<Number> = found.iter().filter_map(own).collect();
         cause.size = one_size(&sizes.iter().collect::<Vec<_>>());
@@ -386,20 +390,25 @@ pub(super) fn sentence(
     let [given, calibrated, after] = [gap.before, gap.calibrated, gap.after].map(size);
     let what = if gap.unit == "rad" { "error" } else { "torque error" };
     let has_none = bodies.is_empty() && causes.is_empty() && found().all(|(_, d)| d.law.is_none());
+    let is_number = |cause: &SharedCause| {
+        found().all(|(_, d)| d.causes.iter().all(|own| own.effect != cause.effect))
+            && cause.effect == EffectId::MotorGain
+    };
+    let only_numbers = bodies.is_empty() && causes.iter().all(is_number) && found().all(|(_, d)| d.law.is_none());
     let mut text = format!(
         "{robot}: over {} joints the {what} is {given} as given, {}.",
         found().count(),
-        if has_none {
-            format!("and {calibrated} with {REFITTED}; no cause was found beside them")
-        } else {
-            format!("{calibrated} with {REFITTED} and {after} with the causes that were found")
+        match (has_none, only_numbers) {
+            (true, _) => format!("and {calibrated} with {REFITTED}; no cause was found beside them"),
+            (_, true) => format!("and {calibrated} with {REFITTED}, the drive's gain among them"),
+            _ => format!("{calibrated} with {REFITTED} and {after} with the causes that were found"),
         }
     );
     for body in bodies {
         let rivals = body.rivals_words().map(|others| format!(": these logs cannot tell it from {others}"));
         text += &format!(" {}{}.", capital(&body.words()), rivals.unwrap_or_default());
     }
-    for cause in causes.iter().filter(|cause| cause.share > 0.0).take(SAID) {
+    for cause in causes.iter().filter(|cause| cause.share > 0.0 || is_number(cause)).take(SAID) {
         let on = cause.group.clone().unwrap_or_else(|| cause.joints.join(", "));
         let size = cause.size.as_ref().map(|n| format!(" ({} = {})", n.name, quantity(n.value, n.interval, &n.unit)));
         text += &format!(" {} on {on}{}.", capital(words(cause.effect)), size.unwrap_or_default());

@@ -1,4 +1,8 @@
 use super::along::Along;
+use super::diagnose::{JointAnswer, concluded};
+use crate::gap::{Answer, Diagnosis, Gap, Number, Verdict};
+use crate::identify::Directives;
+use crate::joint::EffectId;
 use crate::log::{JointColumns, RobotLog};
 use crate::robot::description::Description;
 use crate::robot::tree::{Tree, TreeBase, TreeDynamics, TreeState};
@@ -74,4 +78,74 @@ fn a_joint_of_a_robot_is_a_pendulum_with_a_load_that_time_changes() {
             assert_relative_eq!(made, needed[j], epsilon = 0.02);
         }
     }
+}
+
+/// A joint whose answer is the gain of its drive, as a number.
+fn of_another_gain(joint: &str) -> Diagnosis {
+    let gain = Number {
+        name: "gain".to_owned(),
+        value: 1.3,
+        unit: String::new(),
+        interval: Some([1.2, 1.4]),
+        interval_naive: None,
+    };
+    Diagnosis {
+        joint: joint.to_owned(),
+        answer: Answer {
+            verdict: Verdict::Effect,
+            effect: Some("motor_gain".to_owned()),
+            second: None,
+            equivalent: vec![EffectId::MotorGain],
+            probability: None,
+            probability_source: String::new(),
+            standing: String::new(),
+            sentence: String::new(),
+            partial: None,
+            intervals_trusted: true,
+        },
+        gap: Gap {
+            unit: "rad",
+            before: 0.05,
+            calibrated: 0.001,
+            after_first: 0.001,
+            after: 0.001,
+            floor: 0.001,
+            closed: Some(1.0),
+            closed_interval: None,
+            outer: true,
+            held_out: String::new(),
+            per_log: Vec::new(),
+        },
+        effect_parameters: vec![(EffectId::MotorGain, vec![gain])],
+        location: Default::default(),
+        ranking: Vec::new(),
+        detectable: Vec::new(),
+        parameters: Vec::new(),
+        causes: Vec::new(),
+        beliefs: Vec::new(),
+        law: None,
+        differs: Vec::new(),
+        undetermined: Vec::new(),
+        next: None,
+        confusion: None,
+        traces: Vec::new(),
+        notes: Vec::new(),
+        withheld: Vec::new(),
+        demands: Directives::default(),
+        budget: None,
+    }
+}
+
+#[test]
+fn a_gain_that_a_joint_has_as_a_number_is_the_robots_cause() {
+    let joint = JointAnswer { joint: "elbow".to_owned(), diagnosis: Some(of_another_gain("elbow")) };
+    let found = concluded("arm", &Default::default(), vec![joint], Vec::new(), None, Vec::new());
+    assert_eq!((found.answer.verdict, found.answer.effect), (Verdict::Effect, Some("motor_gain")));
+    let cause = &found.causes[0];
+    assert_eq!((cause.joints.as_slice(), cause.share), (&["elbow".to_owned()][..], 0.0));
+    assert_eq!(cause.size.as_ref().map(|size| size.name.as_str()), Some("gain"));
+    let said = &found.answer.sentence;
+    assert!(said.contains("delivers more or less") && !said.contains("no cause"), "{said}");
+    // It is a number of the servo already.
+    assert!(crate::gap::whole::placed_causes(&found).is_empty());
 }
