@@ -75,6 +75,7 @@ pub fn diagnose_robot(
     let (leading, other) = (part(decision.leading), part(1 - decision.leading));
     let is_named = matches!(decision.verdict, Verdict::Effect | Verdict::Calibration);
     let (first, second) = if is_named { (leading.clone(), other) } else { (None, None) };
+    let is_refitted = first.is_none();
     let first = first.or_else(|| off(&bench, &decision).filter(|_| decision.verdict == Verdict::Calibration));
     let partial = if decision.verdict == Verdict::Unexplained { leading } else { None };
     let beliefs = beliefs(&bench, &decision);
@@ -88,6 +89,7 @@ pub fn diagnose_robot(
         robot: case.robot(),
         verdict: decision.verdict,
         first: first.as_ref(),
+        is_refitted,
         second: second.as_ref(),
         partial: partial.as_ref(),
         equivalent: &equivalent,

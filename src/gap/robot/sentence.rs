@@ -42,6 +42,8 @@ pub(super) struct Said<'a> {
     pub robot: &'a str,
     pub verdict: Verdict,
     pub first: Option<&'a Found>,
+    /// Whether `first`, if there is one, was only refitted with all other numbers, and is no cause that was searched.
+    pub is_refitted: bool,
     pub second: Option<&'a Found>,
     pub partial: Option<&'a Found>,
     pub equivalent: &'a [Cause],
@@ -52,7 +54,7 @@ pub(super) struct Said<'a> {
 
 /// The sentence of an answer.
 pub(super) fn sentence(said: &Said<'_>, gap: &RobotGap) -> String {
-    let Said { robot, verdict, first, second, partial, equivalent, places, broken } = said;
+    let Said { robot, verdict, first, is_refitted, second, partial, equivalent, places, broken } = said;
     let figures = [gap.before, gap.calibrated, gap.after, gap.floor];
     match (verdict, first) {
         (Verdict::None, _) => format!(
@@ -60,7 +62,8 @@ pub(super) fn sentence(said: &Said<'_>, gap: &RobotGap) -> String {
             mrad(gap.calibrated),
             mrad(gap.floor)
         ),
-        (Verdict::Calibration, _) if !broken.is_empty() => format!(
+        // A number that was searched on all its joints is the answer, not those that it bent.
+        (Verdict::Calibration, _) if !broken.is_empty() && *is_refitted => format!(
             "{robot}: the structure is right and numbers of the study are off: {}; refitting them takes the error from {} to {} (noise {}).",
             moved(broken),
             mrad(gap.before),
@@ -97,5 +100,54 @@ pub(super) fn sentence(said: &Said<'_>, gap: &RobotGap) -> String {
                 mrad(gap.floor)
             )
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_that_was_searched_is_told_and_not_the_masses_that_it_bent() {
+        let first =
+            Found { cause: Cause::Coulomb, joints: vec!["lf1".to_owned(), "rf1".to_owned()], parameters: Vec::new() };
+        let bent = BeliefFound {
+            name: "trunk.mass".to_owned(),
+            believed: 1.0,
+            sd: 0.1,
+            found: 1.6,
+            moved_sd: 6.0,
+            unit: "kg".to_owned(),
+        };
+        let gap = RobotGap {
+            unit: "rad",
+            before: 0.02,
+            calibrated: 0.01,
+            after_first: 0.001,
+            after: 0.001,
+            floor: 0.001,
+            closed: Some(1.0),
+            closed_interval: None,
+            held_out: String::new(),
+            per_log: Vec::new(),
+            per_joint: Vec::new(),
+            displacement: Vec::new(),
+        };
+        let said = |is_refitted| {
+            let said = Said {
+                robot: "dog",
+                verdict: Verdict::Calibration,
+                first: Some(&first),
+                is_refitted,
+                second: None,
+                partial: None,
+                equivalent: &[],
+                places: &[],
+                broken: &[&bent],
+            };
+            sentence(&said, &gap)
+        };
+        assert!(said(false).contains("Coulomb friction") && !said(false).contains("trunk.mass"), "{}", said(false));
+        assert!(said(true).contains("trunk.mass"), "{}", said(true));
     }
 }

@@ -93,13 +93,7 @@ fn shares(was: &[(String, f64)], now: &[(String, f64)]) -> Vec<(String, f64)> {
 }
 
 /// `links`: how many times the inertia of what the joint carries is that described, by the masses that were found.
-fn of_joint(
-    setup: &ClampedSetup,
-    at: MoverId,
-    own: Option<&Diagnosis>,
-    links: Option<f64>,
-    found: &mut FoundRobot,
-) {
+fn of_joint(setup: &ClampedSetup, at: MoverId, own: Option<&Diagnosis>, links: Option<f64>, found: &mut FoundRobot) {
     let mover = &setup.description.joints[at.0];
     let said = setup.beliefs(at);
     let estimate = |name: &str| own?.parameters.iter().find(|p| p.name == name);
