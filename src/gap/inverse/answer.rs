@@ -91,7 +91,7 @@ pub(super) fn diagnosis(
         floor,
         closed: (before > floor).then(|| 1.0 - (after - floor) / (before - floor)),
         closed_interval: None,
-        outer: found.has_outer() && found.refuted.is_empty(),
+        outer: found.has_outer() && !found.asked_outer(),
         held_out: held_out(found),
         per_log: per_log(logs, floor, &[before_logs, calibrated_logs, after_logs]),
     };
@@ -225,14 +225,19 @@ fn verdict(causes: &[CauseShare], has_law: bool, rms: [f64; 4], most: Option<&Be
 
 fn held_out(found: &Found) -> String {
     if found.has_outer() {
-        let said = if found.refuted.is_empty() { "on which no choice was made" } else { "which refuted a cause" };
+        let said = match (found.asked_outer(), found.refuted.is_empty()) {
+            (false, _) => "on which no choice was made",
+            (true, false) => "which refuted a cause",
+            (true, true) => "which refuted a law",
+        };
         return format!("the validate logs, {said}");
     }
     "each fitted log, or part of the only one, predicted from the others; these also had a say in the causes".to_owned()
 }
 
 fn refuted(found: &Found) -> Vec<String> {
-    let names: Vec<&str> = found.refuted.iter().map(|k| found.design.families[*k].effect.id()).collect();
+    let law = found.is_curve_refuted.then_some("a law");
+    let names: Vec<&str> = found.refuted.iter().map(|k| found.design.families[*k].effect.id()).chain(law).collect();
     if names.is_empty() {
         return Vec::new();
     }

@@ -32,6 +32,8 @@ pub(super) struct Found {
     pub solved: Solved,
     /// Families that the fitted logs asked for and the others refuted.
     pub refuted: Vec<usize>,
+    /// The same of a curve.
+    pub is_curve_refuted: bool,
 }
 
 /// Columns of a choice.
@@ -96,7 +98,8 @@ pub(super) fn search(joint: &JointData, logs: &[LogData], allows: &dyn Fn(Effect
     }
     let (state, solved) = found.expect("there is at least one round");
     let State { design, system, .. } = state;
-    let mut found = Found { design, system, causes: choice.causes, curve: choice.curve, solved, refuted: Vec::new() };
+    let Choice { causes, curve } = choice;
+    let mut found = Found { design, system, causes, curve, solved, refuted: Vec::new(), is_curve_refuted: false };
     found.refute();
     found
 }
@@ -245,25 +248,38 @@ fn rms(design: &Design, logs: &[LogData], x: &[f64]) -> f64 {
 }
 
 impl Found {
-    /// Takes away what logs that were not fitted are predicted better without.
+    /// Takes away what logs that were not fitted are predicted clearly better without.
     fn refute(&mut self) {
         while self.has_outer() {
             let choice = self.choice();
-            let with = self.figure(&choice).0;
+            let with = self.outer(&choice);
             let mut less: Vec<(Choice, Option<usize>)> =
                 choice.causes.iter().map(|family| (choice.without(*family), Some(*family))).collect();
             if choice.curve.is_some() {
                 less.push((Choice { curve: None, ..choice.clone() }, None));
             }
-            let figures = less.into_iter().map(|(less, family)| (self.figure(&less).0, less, family));
-            let Some((left, less, family)) = figures.min_by(|a, b| a.0.total_cmp(&b.0)) else { return };
-            if left >= with {
-                return;
+            let saves = less.into_iter().map(|(less, family)| (saved(&with, &self.outer(&less)), less, family));
+            let clearly = saves.filter(|((_, sds), ..)| *sds >= STAYS);
+            let Some((_, less, family)) = clearly.max_by(|a, b| a.0.0.total_cmp(&b.0.0)) else { return };
+            match family {
+                Some(family) => self.refuted.push(family),
+                None => self.is_curve_refuted = true,
             }
-            self.refuted.extend(family);
             (self.causes, self.curve) = (less.causes.clone(), less.curve);
             self.solved = self.fit(&less);
         }
+    }
+
+    /// Weighed squares that a choice leaves on each block that is not fitted.
+    fn outer(&self, choice: &Choice) -> Vec<f64> {
+        let solved = self.fit(choice);
+        let outer = self.system.blocks.iter().filter(|block| !block.is_fit);
+        outer.map(|block| block.squares(&solved.x)).collect()
+    }
+
+    /// Whether logs that were not fitted had a say in the choice.
+    pub fn asked_outer(&self) -> bool {
+        !self.refuted.is_empty() || self.is_curve_refuted
     }
 
     /// What was chosen.
@@ -344,5 +360,48 @@ impl Found {
             all.push(EffectId::Delay);
         }
         all
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::system::{Block, Unknown};
+    use super::*;
+    use nalgebra::DMatrix;
+
+    /// A cause of size 1 on the fitted log, and of these sizes on stretches of the one that is not.
+    fn refuted(outer: &[f64]) -> Found {
+        let block = |k: usize, is_fit: bool, size: f64| {
+            let column = DMatrix::from_fn(20, 1, |i, _| ((i + 7 * k) as f64 * 0.7).sin());
+            Block::new([usize::from(!is_fit), k], is_fit, &column, &(&column * size).column(0).into_owned(), 1.0)
+        };
+        let fitted = (0..4).map(|k| block(k, true, 1.0));
+        let blocks = fitted.chain(outer.iter().enumerate().map(|(k, size)| block(k, false, *size))).collect();
+        let unknowns = vec![Unknown { sd: 10.0, bounds: [f64::NEG_INFINITY, f64::INFINITY] }];
+        let family = Family { effect: EffectId::JointSpring, shape: Vec::new(), columns: vec![0] };
+        let design = Design {
+            numbers: Vec::new(),
+            families: vec![family],
+            curves: Vec::new(),
+            unknowns: unknowns.clone(),
+            logs: Vec::new(),
+            is_held: Vec::new(),
+        };
+        let system = System { unknowns, blocks };
+        let solved = system.fit(&[0], |block| block.is_fit);
+        let (causes, refuted) = (vec![0], Vec::new());
+        let mut found = Found { design, system, causes, curve: None, solved, refuted, is_curve_refuted: false };
+        found.refute();
+        found
+    }
+
+    #[test]
+    fn held_out_logs_refute_what_they_clearly_do_without_and_nothing_by_chance() {
+        let chance = refuted(&[2.0, -1.5, 2.0, -1.5]);
+        let left = |choice: &Choice| chance.outer(choice).iter().sum::<f64>();
+        assert!(left(&Choice::default()) < left(&chance.choice()));
+        assert!(chance.causes == [0] && !chance.asked_outer());
+        let clear = refuted(&[0.0, 0.05, 0.0, -0.05]);
+        assert!(clear.causes.is_empty() && clear.asked_outer() && clear.solved.x[0] == 0.0);
     }
 }
