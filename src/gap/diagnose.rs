@@ -400,7 +400,7 @@ fn traces(
 }
 
 /// What it means that held-out logs were asked before the answer stood; `what` is what they had a say in.
-fn flattered(what: &str) -> String {
+pub(super) fn flattered(what: &str) -> String {
     format!("{what} The held-out logs had a say in that, so their figures flatter the answer a little.")
 }
 

@@ -5,7 +5,7 @@ use super::case::{ClampedCase, ClampedJoint};
 use super::pooled::{PooledNumber, one_size, pooled};
 use crate::deadline::{Deadline, Spent};
 use crate::gap::as_given::AsGiven;
-use crate::gap::diagnose::{Beside, diagnose_from};
+use crate::gap::diagnose::{Beside, diagnose_from, flattered};
 use crate::gap::sentence::{REFITTED, words};
 use crate::gap::{CauseShare, Diagnosis, GapError, GapOptions, Number, Verdict};
 use crate::joint::EffectId;
@@ -260,6 +260,22 @@ impl ClampedDiagnosis {
             ));
         }
         self.weighed = weighed;
+        self
+    }
+
+    /// The same where held-out logs chose something of the whole robot, as `what` says: their figures are of no outer logs.
+    pub(in crate::gap) fn chosen_by_held_out(mut self, what: &str) -> Self {
+        let outer = self.joints.iter_mut().filter_map(|joint| joint.diagnosis.as_mut()).filter(|own| own.gap.outer);
+        let outer: Vec<&mut Diagnosis> = outer.collect();
+        if outer.is_empty() {
+            return self;
+        }
+        for own in outer {
+            own.gap.outer = false;
+            own.notes.push(flattered(what));
+        }
+        self.gap.outer = false;
+        self.notes.push(flattered(what));
         self
     }
 

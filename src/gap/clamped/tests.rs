@@ -149,3 +149,16 @@ fn a_gain_that_a_joint_has_as_a_number_is_the_robots_cause() {
     // It is a number of the servo already.
     assert!(crate::gap::whole::placed_causes(&found).is_empty());
 }
+
+#[test]
+fn figures_of_logs_that_chose_masses_or_bodies_are_not_called_outer() {
+    let joint = JointAnswer { joint: "elbow".to_owned(), diagnosis: Some(of_another_gain("elbow")) };
+    let found = concluded("arm", &Default::default(), vec![joint], Vec::new(), None, Vec::new());
+    assert!(found.gap.outer && found.notes.is_empty());
+    let found = found.chosen_by_held_out("Bodies have other masses.").chosen_by_held_out("A body is another.");
+    let own = found.found().next().unwrap();
+    assert!(!found.gap.outer && !own.gap.outer);
+    for notes in [&found.notes, &own.notes] {
+        assert!(notes.len() == 1 && notes[0].contains("had a say"), "{notes:?}");
+    }
+}

@@ -51,8 +51,12 @@ fn searched_within(
     progress: &dyn Progress,
 ) -> Result<(ClampedCase, ClampedDiagnosis), TorqueError> {
     let (case, masses) = weighed_case(setup, options, progress)?;
+    let are_chosen = !masses.is_empty();
     let first = diagnose_clamped(&case, options, progress)?.with_weighed(masses);
     let (case, mut first) = followed(setup, options, progress, (case, first))?;
+    if are_chosen {
+        first = first.chosen_by_held_out("Joints predict the held-out logs better where bodies have other masses.");
+    }
     // Beside what all joints have, as the whole robot tells it, no body is looked for.
     let has_common = first.causes.iter().any(|cause| cause.common);
     let may_ask = options.only.is_empty() && !has_common && first.found().any(asks);
@@ -152,7 +156,11 @@ fn with_body(
     let [without, with] = [first, &second].map(|d| d.gap.after);
     // The body is one more.
     let is_worth = with <= CLOSES * without || needs(&second) + 1 < needs(first);
-    Ok((with <= NO_WORSE * without && is_worth).then_some((with_it, second)))
+    Ok((with <= NO_WORSE * without && is_worth).then(|| {
+        let what =
+            format!("With {} in place joints predict the held-out logs better, or with fewer causes.", body.words());
+        (with_it, second.chosen_by_held_out(&what))
+    }))
 }
 
 /// The body with which the whole robot leaves only noise of every joint, if there is one; else, of those that the torques

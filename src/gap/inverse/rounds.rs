@@ -18,6 +18,9 @@ const ROUNDS: usize = 2;
 const WORTH_A_ROUND: f64 = 0.9;
 /// What is left out where that is not.
 const AS_FOUND: &str = "joints along the robot as found";
+/// What held-out logs had a say in where it is.
+const FOLLOWED: &str =
+    "Joints are followed along the robot as found, with which they predict the held-out logs better, or no worse.";
 /// With something changed about the robot the joints' error may be so much larger, relative.
 pub(super) const NO_WORSE: f64 = 1.02;
 
@@ -32,7 +35,7 @@ pub(super) fn followed(
     let allows = |effect: EffectId| {
         !options.without.contains(&effect) && (options.only.is_empty() || options.only.contains(&effect))
     };
-    let (mut rounds, mut may_be_common) = (0, true);
+    let (mut rounds, mut may_be_common, mut is_chosen) = (0, true, false);
     while rounds < ROUNDS {
         let is_sound = found.answer.verdict == Verdict::None;
         if is_sound || options.deadline.leaves_out(AS_FOUND) {
@@ -62,7 +65,7 @@ pub(super) fn followed(
             if second.gap.after < NO_WORSE * found.gap.after
                 && second.unexplained().all(|joint| is_unexplained(&found, joint))
             {
-                return Ok((again.unwrap_or(case), second));
+                return Ok((again.unwrap_or(case), second.chosen_by_held_out(FOLLOWED)));
             }
             may_be_common = false;
             continue;
@@ -84,11 +87,12 @@ pub(super) fn followed(
             break;
         };
         (case, found) = better;
+        is_chosen = true;
         if robot.explains && found.accused().len() <= robot.joints.len() {
             break;
         }
     }
-    Ok((case, found))
+    Ok((case, if is_chosen { found.chosen_by_held_out(FOLLOWED) } else { found }))
 }
 
 fn is_unexplained(diagnosis: &ClampedDiagnosis, joint: &str) -> bool {
