@@ -52,6 +52,8 @@ pub struct Carriage {
     rate_1_s: f64,
     /// The longest step that follows what is known of the load.
     longest_step_s: f64,
+    /// Stiffness \[N m/rad\] and rest angle \[rad\] of a spring on the joint, which is known.
+    spring: Option<[f64; 2]>,
 }
 
 impl Carriage {
@@ -66,13 +68,24 @@ impl Carriage {
         let span_s = t_s.last().zip(t_s.first()).map_or(0.0, |(last, first)| last - first);
         let rate_1_s = if span_s > 0.0 { (t_s.len() - 1) as f64 / span_s } else { 0.0 };
         let longest_step_s = f64::INFINITY;
-        sound.then(|| Self { t_s: t_s.into(), carried: carried.into(), rate_1_s, longest_step_s })
+        sound.then(|| Self { t_s: t_s.into(), carried: carried.into(), rate_1_s, longest_step_s, spring: None })
     }
 
     /// The same known at every one of its instants, not as smoothed readings tell: no step may pass over two of them, so that
     /// Runge and Kutta's stages are at them.
     pub(crate) fn known_throughout(self) -> Self {
         Self { longest_step_s: 2.0 / self.rate_1_s, ..self }
+    }
+
+    /// The same with a spring on the joint as a description has it.
+    pub(crate) fn with_spring(self, stiffness_nm_rad: f64, rest_rad: f64) -> Self {
+        Self { spring: (stiffness_nm_rad != 0.0).then_some([stiffness_nm_rad, rest_rad]), ..self }
+    }
+
+    /// Torque of that spring \[N m\] at an angle; `None` without one.
+    #[inline]
+    pub(super) fn spring_nm<T: Real>(&self, angle_rad: T) -> Option<T> {
+        self.spring.map(|[stiffness_nm_rad, rest_rad]| (angle_rad - rest_rad) * -stiffness_nm_rad)
     }
 
     /// The longest step that follows what is known of the load \[s\].

@@ -174,6 +174,9 @@ impl<T: Real> Chain<T> {
         if let Some(pushed_nm) = pushed_nm {
             torque_nm += pushed_nm;
         }
+        if let Some(spring_nm) = self.carriage.as_ref().and_then(|carriage| carriage.spring_nm(angle_rad)) {
+            torque_nm += spring_nm;
+        }
         if self.is_elastic() {
             torque_nm += self.elastic_nm(angle_rad, rate_rad_s, gravity_nm);
         }

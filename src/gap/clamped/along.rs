@@ -4,7 +4,7 @@ use super::followed::{Followed, SimulatedMotion};
 use crate::joint::{Carriage, Carried};
 use crate::log::{Nominal, RobotLog};
 use crate::number::math;
-use crate::robot::description::{Description, JointKind};
+use crate::robot::description::{Description, JointKind, Mover};
 use crate::robot::tree::{Tree, TreeDynamics, TreeState};
 use nalgebra::DMatrix;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -38,15 +38,13 @@ struct AlongLog {
 /// The joints of a robot along its logs.
 pub(super) struct Along<'t> {
     tree: &'t Tree,
-    /// Whether each of the tree's joints turns.
-    turns: Vec<bool>,
+    /// Each of the tree's joints as described.
+    movers: Vec<&'t Mover>,
 }
 
 impl<'t> Along<'t> {
-    pub fn new(description: &Description, tree: &'t Tree) -> Self {
-        let turns =
-            tree.joints().iter().map(|joint| description.joints[joint.0].kind != JointKind::Prismatic).collect();
-        Self { tree, turns }
+    pub fn new(description: &'t Description, tree: &'t Tree) -> Self {
+        Self { tree, movers: tree.joints().iter().map(|joint| &description.joints[joint.0]).collect() }
     }
 
     /// The nominal link of each joint of the tree, and what it carries along each log: means of its inertia, and the
@@ -58,7 +56,7 @@ impl<'t> Along<'t> {
     ) -> Vec<Option<(Nominal, Vec<Carriage>)>> {
         let followed = logs.iter().zip(simulated).map(|(log, simulated)| Followed::new(log, simulated.as_ref()));
         let along: Vec<AlongLog> = followed.map(|followed| self.of_log(&followed)).collect();
-        (0..self.turns.len()).map(|joint| self.link(joint, &along)).collect()
+        (0..self.movers.len()).map(|joint| self.link(joint, &along)).collect()
     }
 
     fn link(&self, joint: usize, along: &[AlongLog]) -> Option<(Nominal, Vec<Carriage>)> {
@@ -74,8 +72,10 @@ impl<'t> Along<'t> {
                 pushed_rad_s2: now.pushed_nm / inertia_kg_m2,
             }
         };
+        let mover = self.movers[joint];
         let carriage = |along: &AlongLog| {
             let carriage = Carriage::new(&along.t_s, &along.joints[joint].iter().map(carried).collect::<Vec<_>>())?;
+            let carriage = carriage.with_spring(mover.stiffness[0], mover.spring_rest_rad);
             Some(if along.is_known_throughout { carriage.known_throughout() } else { carriage })
         };
         let carriages = along.iter().map(carriage).collect::<Option<_>>()?;
@@ -91,7 +91,7 @@ impl<'t> Along<'t> {
 
     /// Each joint of the tree along a log. Joints without readings stand as drawn.
     fn of_log(&self, log: &Followed<'_>) -> AlongLog {
-        let joints = self.turns.len();
+        let joints = self.movers.len();
         let mut state = TreeState::drawn(self.tree);
         let motions: Vec<Option<Vec<[f64; 3]>>> = self.tree.joint_names().map(|name| log.joint(name)).collect();
         let t_s: Vec<f64> = log.t_s().iter().map(|t| t - log.t_s()[0]).collect();
@@ -118,7 +118,7 @@ impl<'t> Along<'t> {
             for j in 0..joints {
                 let now =
                     Instant { inertia_kg_m2: matrix[(j, j)], gravity_nm: 0.0, hanging_rad: 0.0, pushed_nm: -needed[j] };
-                let now = if self.turns[j] {
+                let now = if self.movers[j].kind != JointKind::Prismatic {
                     let angle_rad = state.position[j];
                     state.position[j] = angle_rad + FRAC_PI_2;
                     dynamics.bias(&state, &mut turned);

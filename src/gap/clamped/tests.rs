@@ -27,7 +27,11 @@ fn a_joint_of_a_robot_is_a_pendulum_with_a_load_that_time_changes() {
     let dir = tempfile::tempdir().unwrap();
     let file = dir.path().join("arm.urdf");
     std::fs::write(&file, ARM).unwrap();
-    let description = Description::read(&file).unwrap();
+    let mut description = Description::read(&file).unwrap();
+    // A spring on the elbow, which the tree does not have.
+    let [stiffness_nm_rad, rest_rad] = [0.8, 0.25];
+    let elbow = description.joints.iter_mut().find(|joint| joint.name == "elbow").unwrap();
+    (elbow.stiffness[0], elbow.spring_rest_rad) = (stiffness_nm_rad, rest_rad);
     let tree = Tree::new(&description, TreeBase::Fixed).unwrap();
     let t_s: Vec<f64> = (0..400).map(|k| 0.005 * f64::from(k)).collect();
     let at = |t: f64| {
@@ -74,6 +78,7 @@ fn a_joint_of_a_robot_is_a_pendulum_with_a_load_that_time_changes() {
             state.rate.copy_from_slice(&dq);
             let mut needed = [0.0; 2];
             dynamics.inverse(&state, &ddq, &mut needed);
+            needed[1] += stiffness_nm_rad * (q[1] - rest_rad);
             let made = chain.inertia_at_kg_m2(t) * ddq[j] - chain.acting_nm(t, q[j], dq[j]);
             assert_relative_eq!(made, needed[j], epsilon = 0.02);
         }

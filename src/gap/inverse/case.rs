@@ -96,7 +96,7 @@ impl TorqueCase {
         let cutoff_hz = cutoff_hz(logs);
         let motions: Vec<Motion> = logs.iter().map(|log| Motion::new(&bare, log, cutoff_hz)).collect();
         let mut signals: Vec<Vec<Option<Signals>>> =
-            (0..logs.len()).map(|k| motions[k].signals(&bare, &logs[k], &*torques(k))).collect();
+            (0..logs.len()).map(|k| motions[k].signals((description, &bare), &logs[k], &*torques(k))).collect();
         let gravity_m_s2 = Some(bare.gravity_m_s2().norm()).filter(|g| *g > 0.0).unwrap_or(STANDARD_M_S2);
         let mut joints = Vec::new();
         for (j, at) in bare.joints().iter().enumerate() {

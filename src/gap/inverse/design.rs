@@ -406,6 +406,7 @@ fn compared(
         }
         signals.inertial_nm[k]
             + signals.gravity_nm[k]
+            + signals.spring_nm[k]
             + values[Which::Armature as usize] * signals.acceleration_rad_s2[k]
             + values[Which::Coulomb as usize] * asked_now.used[k]
             + values[Which::Viscous as usize] * signals.rate_rad_s[k]

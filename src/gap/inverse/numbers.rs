@@ -101,6 +101,7 @@ impl Asked {
         let rigid = |k: usize| {
             of_inertia * signals.inertial_nm[k]
                 + of_moment * signals.gravity_nm[k]
+                + signals.spring_nm[k]
                 + armature * signals.acceleration_rad_s2[k]
         };
         let used: Vec<f64> = signals.rate_rad_s.iter().map(|rate| rate.signum()).collect();

@@ -156,7 +156,9 @@ pub(super) struct Signals {
     pub inertial_nm: Vec<f64>,
     /// What holds it up \[N m\].
     pub gravity_nm: Vec<f64>,
-    /// How that changes with the joint's own angle \[N m/rad\].
+    /// What holds the joint against the spring that it is described with \[N m\].
+    pub spring_nm: Vec<f64>,
+    /// How both change with the joint's own angle \[N m/rad\].
     pub slope_nm_rad: Vec<f64>,
     /// `M_jj` of the links, mean over the log \[kg m^2\].
     pub own_inertia_kg_m2: f64,
@@ -211,8 +213,14 @@ impl Motion {
         all
     }
 
-    /// Every joint of the tree; `bare` is the tree without armatures. `None` for joints that the log does not show.
-    pub fn signals(&self, bare: &Tree, log: &RobotLog, torque_of: &TorqueOf<'_>) -> Vec<Option<Signals>> {
+    /// Every joint of the tree; `bare` is the tree of the description without armatures. `None` for joints that the log does not
+    /// show.
+    pub fn signals(
+        &self,
+        (description, bare): (&Description, &Tree),
+        log: &RobotLog,
+        torque_of: &TorqueOf<'_>,
+    ) -> Vec<Option<Signals>> {
         let joints = self.joints.len();
         let needed = self.needed(bare);
         let mut dynamics = TreeDynamics::new(bare);
@@ -242,6 +250,8 @@ impl Motion {
             let of = |k: usize| motion.iter().map(|now| now[k]).collect::<Vec<f64>>();
             let [angle_rad, rate_rad_s, acceleration_rad_s2] = [of(0), of(1), of(2)];
             let torque = torque_of(columns, &angle_rad, &rate_rad_s, &self.grid);
+            let mover = &description.joints[bare.joints()[j].0];
+            let stiffness_nm_rad = mover.stiffness[0];
             let step_rad = step_rad(columns);
             let of_encoder = inertia[j] * step_rad * self.grid.encoder_unit();
             let torque = torque.map(|torque| (self.grid.white(&torque), self.grid.smooth(&torque)));
@@ -249,12 +259,13 @@ impl Motion {
             Some(Signals {
                 noise_nm: math::hypot(torque.as_ref().map_or(0.0, noise), of_encoder),
                 resting_rad_s: resting_rad_s(step_rad, &rate_rad_s, self.grid.period_s),
+                spring_nm: angle_rad.iter().map(|angle| stiffness_nm_rad * (angle - mover.spring_rest_rad)).collect(),
                 angle_rad,
                 rate_rad_s,
                 acceleration_rad_s2,
                 inertial_nm: needed[j].iter().zip(&gravity[j]).map(|(all, gravity)| all - gravity).collect(),
                 gravity_nm: gravity[j].clone(),
-                slope_nm_rad: slope[j].clone(),
+                slope_nm_rad: slope[j].iter().map(|of_gravity| of_gravity + stiffness_nm_rad).collect(),
                 own_inertia_kg_m2: inertia[j],
                 torque_nm: torque.map(|(_, torque)| torque),
             })
@@ -296,4 +307,39 @@ pub(super) fn without_armature(description: &Description) -> Description {
     let mut bare = description.clone();
     bare.joints.iter_mut().for_each(|joint| joint.armature_kg_m2 = 0.0);
     bare
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::tree::TreeBase;
+    use std::path::Path;
+
+    #[test]
+    fn a_described_spring_is_held_against_with_a_torque_of_its_own() {
+        let description = Description::read(Path::new("data/examples/robots/three-link.toml")).unwrap();
+        let tree = Tree::new(&description, TreeBase::Fixed).unwrap();
+        let wrist = tree.joint_names().position(|name| name == "wrist").unwrap();
+        let t_s: Vec<f64> = (0..400).map(|k| 0.01 * f64::from(k)).collect();
+        let q_rad = t_s.iter().map(|t| 0.4 * (2.0 * t).sin()).collect();
+        let joint = JointColumns { name: "wrist".to_owned(), q_rad, ..JointColumns::default() };
+        let log = RobotLog {
+            file: "made".into(),
+            t_s,
+            joints: vec![joint],
+            base: None,
+            acceleration_m_s2: None,
+            ignored_columns: Vec::new(),
+            notes: Vec::new(),
+        };
+        let motion = Motion::new(&tree, &log, 5.0);
+        let mut free = description.clone();
+        free.joints.iter_mut().for_each(|joint| joint.stiffness = [0.0; 3]);
+        let [sprung, free] = [&description, &free]
+            .map(|description| motion.signals((description, &tree), &log, &|_, _, _, _| None)[wrist].clone().unwrap());
+        for k in [50, 150, 250] {
+            assert!((sprung.spring_nm[k] - 0.5 * sprung.angle_rad[k]).abs() < 1e-12 && free.spring_nm[k] == 0.0);
+            assert!((sprung.slope_nm_rad[k] - free.slope_nm_rad[k] - 0.5).abs() < 1e-12);
+        }
+    }
 }
