@@ -16,7 +16,7 @@ pub(super) const FEWEST_SAMPLES: usize = 8;
 ///
 /// A hole is a step beyond three periods. Stamps that come in bursts, and a log that changes its rate, have none: the
 /// period is the upper quartile of all steps, or the median of those about the step where that is longer.
-pub(super) fn ends_of_holes(t_s: &[f64]) -> Vec<f64> {
+pub(crate) fn ends_of_holes(t_s: &[f64]) -> Vec<f64> {
     let steps: Vec<f64> = t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     if steps.is_empty() {
         return Vec::new();

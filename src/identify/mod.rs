@@ -32,6 +32,7 @@ pub use conclude::{Estimate, Fitted, Status, conclude};
 pub use directives::{DirectiveError, Directives};
 pub use drop::{DropError, DropFit, DropOptions, SimpleFit, fit_drop};
 pub use experiment::{Body, Experiment, Load, Signal};
+pub(crate) use holes::ends_of_holes;
 pub use leg::LegCase;
 pub use model::{BodyMass, ExtensiveModel, JointModel, LinkBy, SimpleModel};
 pub use named::Named;

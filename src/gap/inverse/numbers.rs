@@ -82,7 +82,7 @@ pub(super) struct Asked {
     pub raw_nm: Vec<f64>,
     /// The direction of the motion. Not filtered.
     pub used: Vec<f64>,
-    /// Where the joint is at rest: friction may be anything between plus and minus Coulomb's, so the drive's torque is the
+    /// Where the joint is at rest, or nothing is known of it: friction may be anything between plus and minus Coulomb's, so the drive's torque is the
     /// right one. (Whoever would count the torques beyond it would let friction grow to hide turning points.)
     pub is_held: Vec<bool>,
 }
@@ -105,7 +105,9 @@ impl Asked {
                 + armature * signals.acceleration_rad_s2[k]
         };
         let used: Vec<f64> = signals.rate_rad_s.iter().map(|rate| rate.signum()).collect();
-        let is_held: Vec<bool> = signals.rate_rad_s.iter().map(|rate| rate.abs() <= signals.resting_rad_s).collect();
+        let rests = |rate: &f64| rate.abs() <= signals.resting_rad_s;
+        let is_held = signals.rate_rad_s.iter().zip(&grid.is_hole).map(|(rate, is_hole)| *is_hole || rests(rate));
+        let is_held: Vec<bool> = is_held.collect();
         let friction = |k: usize| used[k] * coulomb_nm + viscous * signals.rate_rad_s[k];
         let given = |k: usize| signals.torque_nm.as_ref().map_or(0.0, |torque| torque[k]);
         let all = |k: usize| if is_held[k] { given(k) } else { (rigid(k) + friction(k)) / gain };

@@ -1,7 +1,7 @@
 //! What every joint needs along the measured motion of all of them, by inverse dynamics.
 
 use super::low_pass::LowPass;
-use crate::identify::smooth_along;
+use crate::identify::{ends_of_holes, smooth_along};
 use crate::log::{JointColumns, RobotLog};
 use crate::number::math;
 use crate::robot::description::Description;
@@ -21,6 +21,10 @@ const NUDGE_RAD: f64 = 1e-5;
 /// Stamps that stray by more than this share of the period are no grid.
 const UNEVEN: f64 = 0.01;
 
+/// Samples and time to either side of a hole in which a smoothed motion knows of both its ends.
+const BESIDE_HOLE: f64 = 3.0;
+const BESIDE_HOLE_S: f64 = 0.02;
+
 /// Even samples of one log.
 #[derive(Clone, Debug)]
 pub(super) struct Grid {
@@ -28,6 +32,8 @@ pub(super) struct Grid {
     pub period_s: f64,
     /// Whether the log's own stamps are uneven, so that readings lie between samples.
     pub is_resampled: bool,
+    /// Samples of which nothing is known, in holes of the log and beside them.
+    pub is_hole: Vec<bool>,
     cutoff_hz: f64,
     filter: LowPass,
     stride: usize,
@@ -43,6 +49,7 @@ impl Grid {
         let uneven = |(k, t): (usize, &f64)| (t - start - period_s * k as f64).abs() > UNEVEN * period_s;
         let stride = ((1.0 / (KEPT * cutoff_hz * period_s)).floor() as usize).max(count / MOST_KEPT).max(1);
         Self {
+            is_hole: in_holes(&log.t_s, &t_s, (BESIDE_HOLE * period_s).max(BESIDE_HOLE_S)),
             is_resampled: count != log.len() || log.t_s.iter().enumerate().any(uneven),
             t_s,
             period_s,
@@ -132,6 +139,18 @@ impl Grid {
     pub fn passed(&self, signal: &[f64]) -> Vec<f64> {
         self.kept(&self.smooth(signal))
     }
+}
+
+/// Which instants lie in holes of a log, or so near to one \[s\].
+fn in_holes(log_s: &[f64], at_s: &[f64], near_s: f64) -> Vec<bool> {
+    let mut is_hole = vec![false; at_s.len()];
+    for end_s in ends_of_holes(log_s) {
+        let begin_s = log_s[log_s.partition_point(|t| *t < end_s).saturating_sub(1)];
+        let from = at_s.partition_point(|t| *t < begin_s - near_s);
+        let to = at_s.partition_point(|t| *t <= end_s + near_s);
+        is_hole[from..to].fill(true);
+    }
+    is_hole
 }
 
 /// The middle of a log's steps \[s\].
@@ -314,6 +333,16 @@ mod tests {
     use super::*;
     use crate::robot::tree::TreeBase;
     use std::path::Path;
+
+    #[test]
+    fn holes_and_what_is_beside_them_are_not_known() {
+        let even: Vec<f64> = (0..200).map(|k| 0.01 * f64::from(k)).collect();
+        let log_s: Vec<f64> = even.iter().filter(|t| !(0.505..1.495).contains(*t)).copied().collect();
+        let is_hole = in_holes(&log_s, &even, 0.035);
+        assert_eq!(is_hole.iter().filter(|is_hole| **is_hole).count(), 107);
+        assert!(is_hole[47] && !is_hole[46] && is_hole[153] && !is_hole[154]);
+        assert!(in_holes(&even, &even, 0.035).iter().all(|is_hole| !is_hole));
+    }
 
     #[test]
     fn a_described_spring_is_held_against_with_a_torque_of_its_own() {

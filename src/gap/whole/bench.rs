@@ -1,6 +1,7 @@
 //! A clamped robot and its causes on the logs that setpoints drive, simulated at sizes of what is never quite right about them, and
 //! made linear there.
 
+use super::parts::{append, parts, period_s};
 use super::robot::{PlacedCause, Stretch, WholeRobot};
 use super::unknown::{Quantity, Unknown, believed, is_body};
 use crate::gap::clamped::ClampedSetup;
@@ -186,14 +187,19 @@ impl<'a> Bench<'a> {
     pub fn left(&self, robot: &mut WholeRobot, logs: &[&RobotLog], until_s: f64) -> Option<Vec<Vec<f64>>> {
         let mut left: Vec<Vec<f64>> = Vec::new();
         for log in logs {
-            let period_s = (log.t_s[log.len() - 1] - log.t_s[0]) / (log.len() - 1) as f64;
             let until_s = log.t_s[0] + until_s;
-            let recording = robot.motion(self.setup, log, &Stretch { period_s, step_s: STEP_S, until_s }).ok()?;
-            let samples = log.t_s.partition_point(|t| *t <= until_s);
-            let of_joint = |(joint, read): (&JointColumns, Vec<f64>)| {
-                joint.q_rad.iter().zip(read).take(samples).map(|(measured, read)| measured - read).collect()
-            };
-            left.extend(log.joints.iter().zip(robot.read(&recording, log).ok()?).map(of_joint));
+            let mut of_log: Vec<Vec<f64>> = Vec::new();
+            for part in parts(log).iter().take_while(|part| part.t_s[0] <= until_s) {
+                let stretch = Stretch { period_s: period_s(part), step_s: STEP_S, until_s };
+                let recording = robot.motion(self.setup, part, &stretch).ok()?;
+                let samples = part.t_s.partition_point(|t| *t <= until_s);
+                let of_joint = |(joint, read): (&JointColumns, Vec<f64>)| {
+                    joint.q_rad.iter().zip(read).take(samples).map(|(measured, read)| measured - read).collect()
+                };
+                let read = robot.read(&recording, part).ok()?;
+                append(&mut of_log, part.joints.iter().zip(read).map(of_joint).collect());
+            }
+            left.extend(of_log);
         }
         left.iter().flatten().all(|left: &f64| left.is_finite()).then_some(left)
     }

@@ -3,6 +3,7 @@
 
 use super::common::{Common, in_common, misfit};
 use super::numbers::found_robot;
+use super::parts::{append, parts, period_s};
 use super::robot::{Stretch, WholeRobot, placed_causes};
 use super::settled::{Settled, settled};
 use super::simulated::simulated;
@@ -180,7 +181,21 @@ fn motions(setup: &ClampedSetup, robot: Result<WholeRobot, String>) -> Vec<Optio
 }
 
 fn motion(robot: &mut WholeRobot, setup: &ClampedSetup, log: &RobotLog) -> Option<SimulatedMotion> {
-    let period_s = (log.t_s.last()? - log.t_s[0]) / (log.len() - 1) as f64;
+    if log.len() < 2 {
+        return None;
+    }
+    let mut all = SimulatedMotion { t_s: Vec::new(), joints: Vec::new(), readings: Vec::new() };
+    for part in parts(log) {
+        let own = motion_of_part(robot, setup, &part)?;
+        all.t_s.extend(own.t_s);
+        append(&mut all.joints, own.joints);
+        append(&mut all.readings, own.readings);
+    }
+    Some(all)
+}
+
+fn motion_of_part(robot: &mut WholeRobot, setup: &ClampedSetup, log: &RobotLog) -> Option<SimulatedMotion> {
+    let period_s = period_s(log);
     let per_sample = (period_s / DENSE_S).ceil().min(MOST_PER_SAMPLE);
     let recording = robot.motion(setup, log, &Stretch::whole(period_s / per_sample)).ok()?;
     let t_s = &recording.t_s;

@@ -7,6 +7,7 @@ mod common;
 mod followed;
 mod masses;
 mod numbers;
+mod parts;
 mod robot;
 mod settled;
 mod simulated;

@@ -1,5 +1,6 @@
 //! A described robot as something to simulate: with what study and description believe, numbers that are others, and causes.
 
+use super::parts::{append, parts, period_s};
 use crate::gap::clamped::{ClampedDiagnosis, ClampedSetup};
 use crate::gap::{CauseShare, Number};
 use crate::joint::{EffectForm, EffectId, Knee, Motor, TorqueLimit};
@@ -110,17 +111,20 @@ impl WholeRobot {
         Ok(Self { model, joints })
     }
 
-    /// The readings of a log's joints at its samples \[rad\], from its start under its setpoints.
+    /// The readings of a log's joints at its samples \[rad\], from its start, and from the end of each hole, under its setpoints.
     ///
     /// # Errors
     /// Why it cannot be, in words.
     pub fn readings(&mut self, setup: &ClampedSetup, log: &RobotLog) -> Result<Vec<Vec<f64>>, String> {
-        let period_s = (log.t_s[log.len() - 1] - log.t_s[0]) / (log.len() - 1) as f64;
-        let recording = self.motion(setup, log, &Stretch::whole(period_s))?;
-        self.read(&recording, log)
+        let mut readings = Vec::new();
+        for part in parts(log) {
+            let recording = self.motion(setup, &part, &Stretch::whole(period_s(&part)))?;
+            append(&mut readings, self.read(&recording, &part)?);
+        }
+        Ok(readings)
     }
 
-    /// The whole robot along a stretch of a log, from the log's start under its setpoints.
+    /// The whole robot along a stretch of a log without holes, from the log's start under its setpoints.
     pub(super) fn motion(
         &mut self,
         setup: &ClampedSetup,

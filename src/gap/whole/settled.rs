@@ -224,9 +224,7 @@ role = "validate"
 duration = 6.0
 "#;
 
-    /// Made by another integrator, with masses and friction that are off.
-    #[test]
-    fn a_sound_arm_at_its_best_leaves_noise_in_logs_that_no_step_saw() {
+    fn made() -> ClampedSetup {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("arm.urdf"), ARM).unwrap();
         let spec = AnySpec::from_toml(&folder.path().join("study.toml"), SPEC).unwrap();
@@ -234,7 +232,43 @@ duration = 6.0
         for (name, text) in make_described(&spec, None).unwrap().files() {
             std::fs::write(folder.path().join(name), text).unwrap();
         }
-        let setup = ClampedSetup::read(&folder.path().join("study.toml")).unwrap();
+        ClampedSetup::read(&folder.path().join("study.toml")).unwrap()
+    }
+
+    #[test]
+    fn after_a_hole_the_robot_begins_where_it_is_read() {
+        let setup = made();
+        let whole = &setup.logs[0];
+        let off_rad = |k: &usize| (whole.joints[0].q_rad[*k] - whole.joints[0].q_rad[99]).abs();
+        let far = (200..900).max_by(|a, b| off_rad(a).total_cmp(&off_rad(b))).unwrap();
+        assert!(off_rad(&far) > 0.05);
+        let samples: Vec<usize> = (0..100).chain(far..far + 100).collect();
+        let mut log = whole.clone();
+        log.t_s = samples.iter().enumerate().map(|(k, _)| 0.01 * k as f64 + if k < 100 { 0.0 } else { 1.0 }).collect();
+        for (joint, of) in log.joints.iter_mut().zip(&whole.joints) {
+            let those = |column: &Vec<f64>| samples.iter().map(|k| column[*k]).collect::<Vec<f64>>();
+            joint.q_rad = those(&of.q_rad);
+            joint.q_ref_rad = of.q_ref_rad.as_ref().map(those);
+            joint.tau_nm = of.tau_nm.as_ref().map(those);
+            joint.drive = of.drive.as_ref().map(|on| samples.iter().map(|k| on[*k]).collect());
+        }
+        let bench = Bench::new(&setup, &[], &[], Vec::new()).unwrap();
+        let none = vec![0.0; bench.unknowns.len()];
+        let (numbers, _) = bench.robot(&none, &vec![1.0; none.len()]);
+        let mut robot = WholeRobot::of(&setup, &numbers, &[]).unwrap();
+        let read = robot.readings(&setup, &log).unwrap();
+        for (read, joint) in read.iter().zip(&log.joints) {
+            assert_eq!(read.len(), 200);
+            assert!((read[100] - joint.q_rad[100]).abs() < 2e-3, "{}: {}", read[100], joint.q_rad[100]);
+        }
+        let left = bench.left(&mut robot, &[&log], f64::INFINITY).unwrap();
+        assert!(left.iter().all(|row| row.len() == 200 && row[100].abs() < 2e-3));
+    }
+
+    /// Made by another integrator, with masses and friction that are off.
+    #[test]
+    fn a_sound_arm_at_its_best_leaves_noise_in_logs_that_no_step_saw() {
+        let setup = made();
         let logs = driven(&setup, |role| role == Role::Validate);
         let bench = Bench::new(&setup, &[], &[], Vec::new()).unwrap();
         let (numbers, _) = bench.robot(&vec![0.0; bench.unknowns.len()], &vec![1.0; bench.unknowns.len()]);
