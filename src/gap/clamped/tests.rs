@@ -143,11 +143,12 @@ fn of_another_gain(joint: &str) -> Diagnosis {
 
 #[test]
 fn a_gain_that_a_joint_has_as_a_number_is_the_robots_cause() {
-    let joint = JointAnswer { joint: "elbow".to_owned(), diagnosis: Some(of_another_gain("elbow")) };
-    let found = concluded("arm", &Default::default(), vec![joint], Vec::new(), None, Vec::new());
+    let joint = |name: &str| JointAnswer { joint: name.to_owned(), diagnosis: Some(of_another_gain(name)) };
+    let joints = ["shoulder", "elbow"].map(joint).to_vec();
+    let found = concluded("arm", &Default::default(), joints, Vec::new(), None, Vec::new());
     assert_eq!((found.answer.verdict, found.answer.effect), (Verdict::Effect, Some("motor_gain")));
     let cause = &found.causes[0];
-    assert_eq!((cause.joints.as_slice(), cause.share), (&["elbow".to_owned()][..], 0.0));
+    assert_eq!((cause.joints.join(" "), cause.share), ("shoulder elbow".to_owned(), 0.0));
     assert_eq!(cause.size.as_ref().map(|size| size.name.as_str()), Some("gain"));
     let said = &found.answer.sentence;
     assert!(said.contains("delivers more or less") && !said.contains("no cause"), "{said}");
