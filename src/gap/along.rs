@@ -174,7 +174,8 @@ impl<'a> Along<'a> {
                 memory.integral_rad_s = moving.integral_rad_s;
                 let (next_s, command) = self.tick(law, moving.t_s, &moving.y, memory).unwrap_or((to_s, law));
                 (moving.law, moving.command) = (law, command);
-                moving.advance(next_s.min(to_s));
+                // A tick that falls on a sample sees what the sample brings.
+                moving.advance(if next_s < to_s - SAME_INSTANT_S { next_s } else { to_s });
             }
         }
         memory.integral_rad_s = moving.integral_rad_s;
