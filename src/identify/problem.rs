@@ -48,8 +48,8 @@ impl<'a, M: JointModel> Problem<'a, M> {
             coordinates.push(Coordinate {
                 name: format!("start angle of log {k}"),
                 // What is guessed of where a log begins may miss what it reads there.
-                lower: e.start.angle_rad.min(e.measured_rad[0]) - reach,
-                upper: e.start.angle_rad.max(e.measured_rad[0]) + reach,
+                lower: (e.start.angle_rad - reach).min(e.measured_rad[0] - 0.5 * reach),
+                upper: (e.start.angle_rad + reach).max(e.measured_rad[0] + 0.5 * reach),
                 scale: 0.5 * reach,
             });
             coordinates.push(match e.release_window_s {
