@@ -346,8 +346,8 @@ impl Attribution {
             return false;
         }
         let [held, fitted] = self.excess_apart(evidence, self.told());
-        // What noise may do, and what is less than a step of the encoder, shows nothing.
-        if held < WORTH_A_LAW || (1.0 + held).sqrt() * self.noise_rad < evidence.reach.resolution_rad {
+        // Noise alone may do as much.
+        if held < WORTH_A_LAW {
             return false;
         }
         let more = held / (fitted.max(0.0) + LEFT_OVER);

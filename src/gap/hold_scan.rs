@@ -9,7 +9,7 @@ use super::held_response::{HeldJoint, HeldResponse, LANES, WORTH, best_apart, fi
 use super::model::GapModel;
 use super::projector::{Projector, Seen};
 use crate::identify::{Experiment, JointModel, Signal};
-use crate::joint::Driven;
+use crate::joint::{Driven, Motor};
 use crate::log::{Derivative, Hold};
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -92,9 +92,7 @@ fn response<'a>(e: &'a Experiment, model: &GapModel, values: &[f64]) -> Option<H
     let law = e.motor?;
     let chain = model.chain(values, e);
     let mean_rad = e.measured_rad.iter().sum::<f64>() / e.measured_rad.len() as f64;
-    let motor = chain.motor.as_ref()?;
-    let (kp_nm_rad, kd_nm_s_rad) = motor.stiffness_and_damping(Driven::ByLaw);
-    let per_rate_nm_s_rad = motor.gain * law.nm_per_answer() * law.kd_nm_s_rad * motor.derivative_share;
+    let (kp_nm_rad, kd_nm_s_rad) = Motor::<f64>::new(law).stiffness_and_damping(Driven::ByLaw);
     let aside_rad = 1e-3;
     let passive = |q: f64| chain.passive_nm(q, 0.0);
     let gravity_nm_rad = (passive(mean_rad - aside_rad) - passive(mean_rad + aside_rad)) / (2.0 * aside_rad);
@@ -104,7 +102,7 @@ fn response<'a>(e: &'a Experiment, model: &GapModel, values: &[f64]) -> Option<H
         setpoint_rad,
         hold: *hold,
         kp_nm_rad,
-        of_rate_nm_s_rad: if asks_for_rate { per_rate_nm_s_rad } else { 0.0 },
+        of_rate_nm_s_rad: if asks_for_rate { law.nm_per_answer() * law.kd_nm_s_rad } else { 0.0 },
         inertia_kg_m2: chain.inertia_kg_m2(),
         stiffness_nm_rad: kp_nm_rad + gravity_nm_rad,
         damping_nm_s_rad: kd_nm_s_rad + chain.friction.viscous_nm_s_rad,
