@@ -66,10 +66,7 @@ impl Asked {
     /// Reads study and logs.
     pub fn read(&self) -> Result<Subject, Failed> {
         Ok(match self {
-            Self::Study(path) => of_file(path).map_err(|error| match error.is_io() {
-                true => Failed::Unreadable(error.to_string()),
-                false => Failed::of(error),
-            })?,
+            Self::Study(path) => of_file(path)?,
             Self::Text { text, logs } => at_hand(text, logs)?,
             Self::LogOf { log, robot } => {
                 let draft = draft_study(std::slice::from_ref(log), Some(robot), None, Path::new(""))?;
@@ -79,15 +76,21 @@ impl Asked {
     }
 }
 
-fn of_file(path: &Path) -> Result<Subject, CliError> {
-    Ok(match study_kind(path)? {
-        StudyKind::Joint => Subject::Joint(Box::new(Case::of_study(path)?)),
+fn of_file(path: &Path) -> Result<Subject, Failed> {
+    Ok(match study_kind(path).map_err(unread)? {
+        StudyKind::Joint => Subject::Joint(Box::new(Case::of_study(path).map_err(unread)?)),
         StudyKind::Clamped => {
-            let setup = ClampedSetup::read(path).map_err(|error| CliError::ClampedCase(Box::new(error)))?;
-            Subject::Clamped(Box::new(setup))
+            let boxed = |error| unread(CliError::ClampedCase(Box::new(error)));
+            Subject::Clamped(Box::new(ClampedSetup::read(path).map_err(boxed)?))
         }
-        StudyKind::Robot => Subject::Robot(Box::new(RobotCase::of_study(path)?)),
+        StudyKind::Robot => Subject::Robot(Box::new(RobotCase::of_study(path).map_err(unread)?)),
     })
+}
+
+/// Why a study in a file is not to be had; what cannot be read now may be later.
+fn unread(error: impl Into<CliError>) -> Failed {
+    let error = error.into();
+    if error.is_io() { Failed::Unreadable(error.to_string()) } else { Failed::of(error) }
 }
 
 fn at_hand(text: &str, logs: &[Source]) -> Result<Subject, Failed> {

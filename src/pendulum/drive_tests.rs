@@ -66,7 +66,7 @@ fn a_sampled_law_sees_the_setpoint_of_its_tick_wherever_the_clock_begins() {
     let joint =
         Chain::new(Link::new(0.02, 0.05, 0.0, 9.81), Friction::coulomb_viscous(0.01, 0.02), Some(Motor::new(spec)));
     let t = times(250, 0.008);
-    let setpoint: Vec<f64> = t.iter().map(|t| 0.5 * (6.28 * t).sin()).collect();
+    let setpoint: Vec<f64> = t.iter().map(|t| 0.5 * (6.0 * t).sin()).collect();
     let input = Input::Position { setpoint_rad: &setpoint, hold: Hold::Step, on: None };
     let angles = |from_s: f64| -> Vec<f64> {
         let t_s: Vec<f64> = t.iter().map(|t| from_s + t).collect();

@@ -247,7 +247,7 @@ duration = 6.0
         log.t_s = samples.iter().enumerate().map(|(k, _)| 0.01 * k as f64 + if k < 100 { 0.0 } else { 1.0 }).collect();
         for (joint, of) in log.joints.iter_mut().zip(&whole.joints) {
             let those = |column: &Vec<f64>| samples.iter().map(|k| column[*k]).collect::<Vec<f64>>();
-            joint.q_rad = those(&of.q_rad);
+            joint.q_rad = samples.iter().map(|k| of.q_rad[*k]).collect();
             joint.q_ref_rad = of.q_ref_rad.as_ref().map(those);
             joint.tau_nm = of.tau_nm.as_ref().map(those);
             joint.drive = of.drive.as_ref().map(|on| samples.iter().map(|k| on[*k]).collect());
