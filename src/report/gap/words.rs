@@ -209,13 +209,15 @@ pub(in crate::report) fn parameter(number: &Number) -> String {
 
 /// `mu_st 0.0031 N m`, or that the logs cannot show it.
 pub(super) fn threshold(detectable: &Detectable) -> String {
-    size(detectable.name, detectable.value, detectable.unit)
+    // A gain differs from one, not from nothing.
+    let digits = if detectable.effect == EffectId::MotorGain { 3 } else { 2 };
+    size(detectable.name, detectable.value, detectable.unit, digits)
 }
 
 /// The smallest size of a parameter that would have been seen; `None`: none would.
-pub(in crate::report) fn size(name: &str, value: Option<f64>, unit: &str) -> String {
+pub(in crate::report) fn size(name: &str, value: Option<f64>, unit: &str, digits: i32) -> String {
     match value {
-        Some(value) => format!("{name} {} {}", significant(value, 2), spoken(unit)).trim_end().to_owned(),
+        Some(value) => format!("{name} {} {}", significant(value, digits), spoken(unit)).trim_end().to_owned(),
         None => "not at any size".to_owned(),
     }
 }

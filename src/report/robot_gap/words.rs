@@ -154,7 +154,7 @@ pub(super) fn location(location: &RobotWhere) -> String {
 
 /// `mu_st 0.0031 N m`, or that the logs cannot show it.
 pub(super) fn threshold(detectable: &RobotDetectable) -> String {
-    size(detectable.name, detectable.value, detectable.unit)
+    size(detectable.name, detectable.value, detectable.unit, 2)
 }
 
 /// What the changes of the answer alone leave over the held-out samples, masses and friction as the study has them
