@@ -37,11 +37,11 @@ def on_ray(
 ) -> Tuple[str, bool]:
     """Answers studies as tasks on a Ray cluster, one CPU each, and writes table and page on this machine.
 
-    ``patterns`` are paths, or have ``*`` and ``**``; one may stand alone. The cluster's nodes need
-    this package, and the studies and logs under the same paths as here. ``address`` is the cluster's (``auto``: the one that runs here or that ``RAY_ADDRESS`` names);
-    where Ray is initialised already it is left as it is. A task whose worker dies is tried once more by Ray; if that dies
-    too the study is a row with its error. Each answer is kept as it comes; another run answers what is missing or has
-    changed. Gives the text that the program prints, and whether all studies are answered.
+    ``patterns`` are paths, or have ``*`` and ``**``; one may stand alone. The cluster's nodes need this package, and the
+    studies and logs under the same paths as here. ``address`` is the cluster's (``auto``: the one that runs here or that
+    ``RAY_ADDRESS`` names); where Ray is initialised already it is left as it is. A task whose worker dies is tried once
+    more by Ray; if that dies too the study is a row with its error. Each answer is kept as it comes; another run answers
+    what is missing or has changed. Gives the text that the program prints, and whether all studies are answered.
     """
     import ray
 

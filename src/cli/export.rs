@@ -220,7 +220,7 @@ fn read(file: &Path, document: &Value) -> Result<Found, CliError> {
     let ids = effects.filter_map(|effect| effect["id"].as_str()).map(|id| format!("{name}: {id}"));
     let law = document["law"]["looks_like"].as_str().map(|like| format!("{name}: a law ({like})"));
     let links = ["inertia", "moment"].map(|of| format!("{name}: {of} as found (masses of the links are as described)"));
-    let others = ["gain", "kd", "ki", "rest"].into_iter().filter_map(|of| unsaid(document, name, of));
+    let others = ["gain", "kd", "ki", "rest", "armature"].into_iter().filter_map(|of| unsaid(document, name, of));
     Ok(Found { model: None, numbers, cannot_say: ids.chain(law).chain(links).chain(others).collect() })
 }
 
@@ -229,7 +229,7 @@ fn read(file: &Path, document: &Value) -> Result<Found, CliError> {
 fn unsaid(document: &Value, name: &str, of: &str) -> Option<String> {
     let found: Quantity = serde_json::from_value(document["joint"].get(of)?.clone()).ok()?;
     let value = found.value?;
-    let is_factor = of != "rest";
+    let is_factor = !["rest", "armature"].contains(&of);
     let given = document["beliefs"][of]["believed"].as_f64().or(is_factor.then_some(1.0));
     let is_as_given = given.map_or(!found.identifiable, |given| given == value);
     (!is_as_given).then(|| format!("{name}: {of} = {}", quantity(value, found.interval, &found.unit)))

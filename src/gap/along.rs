@@ -4,7 +4,7 @@ use super::diagnosis::ResidualTorque;
 use super::smoother::State;
 use crate::integrate::rk4;
 use crate::joint::{Chain, Driven};
-use crate::pendulum::{Command, Input, Schedule};
+use crate::pendulum::{Command, Input, SAME_INSTANT_S, Schedule};
 
 /// A chain with what acts on it along a log. Its play or spring is not followed: motor side and link move as one; and its
 /// controller sees a late reading to first order in the delay.
@@ -45,8 +45,6 @@ pub(super) struct Passage {
 const STRETCH: f64 = 2.5;
 /// Integration steps between two events, at most.
 const MOST_STEPS: f64 = 60.0;
-/// Two instants that are no further apart are one \[s\].
-const SAME_INSTANT_S: f64 = 1e-9;
 
 impl<'a> Along<'a> {
     pub(super) fn new(chain: &'a Chain<f64>, input: Input<'_>, t_s: &'a [f64]) -> Self {
@@ -127,7 +125,7 @@ impl<'a> Along<'a> {
             let motor = self.chain.motor.as_ref()?;
             let answer = motor.command(setpoint, angle_rad, rate_rad_s, memory.integral_rad_s);
             memory.held = Some(command.held(answer, t_s));
-            memory.ticks = ((t_s + SAME_INSTANT_S - self.t_s[0]) / period_s).floor() as u64 + 1;
+            memory.ticks = memory.ticks.max(((t_s + SAME_INSTANT_S - self.t_s[0]) / period_s) as u64) + 1;
         }
         memory.held.map(|held| (at(memory.ticks), held))
     }

@@ -84,7 +84,7 @@ mod tests {
         let found = check(&case).unwrap();
         let shows = |effect| found.detectable.iter().find(|d| d.effect == effect).unwrap().value;
         let coulomb_nm = found.parameters.iter().find(|p| p.name == "coulomb").unwrap().value;
-        assert!(shows(EffectId::Stribeck).is_none_or(|nm| nm > coulomb_nm), "{:?}", shows(EffectId::Stribeck));
+        assert!(shows(EffectId::Stribeck).is_some_and(|nm| nm > coulomb_nm), "{:?}", shows(EffectId::Stribeck));
         assert!(shows(EffectId::MotorGain).is_some_and(|c| c > 1.0), "{:?}", shows(EffectId::MotorGain));
     }
 }

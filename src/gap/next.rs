@@ -183,8 +183,10 @@ fn proposals(evidence: &Evidence) -> Vec<Proposal> {
             let motion = Some((t_s.clone(), setpoint_rad.clone()));
             let hold = example.motor.map(|m| m.hold).unwrap_or_default();
             let signal = Signal::Position { setpoint_rad, apart: None, hold, on: None };
+            // No middle is minus nothing.
+            let about_rad = (100.0 * middle_rad).round() / 100.0 + 0.0;
             let what = format!(
-                "Drive it along the sweep in next.csv: {amplitude:.2} rad about {middle_rad:.2} rad, from {from_hz} to {to_hz} Hz in {DURATION_S:.0} s"
+                "Drive it along the sweep in next.csv: {amplitude:.2} rad about {about_rad:.2} rad, from {from_hz} to {to_hz} Hz in {DURATION_S:.0} s"
             );
             all.push(Proposal { what, experiment: log(signal, middle_rad, None, example.motor), motion });
         }

@@ -70,9 +70,8 @@ impl Searched {
             Some(set) => (search.carried_on(set), Looked::default(), false),
             None => search.grown()?,
         };
-        let noise_rad = search.noise_rad(&grown);
-        let enough = search.growth(noise_rad).enough;
         let (judged, known) = search.judged(grown, looked, set_refuted)?;
+        let enough = search.growth(known.noise_rad).enough;
         let as_given = search.given.found.values;
         Ok(Self { coarse, as_given, enough, judged, known })
     }

@@ -88,6 +88,11 @@ impl Carriage {
         self.spring.map(|[stiffness_nm_rad, rest_rad]| (angle_rad - rest_rad) * -stiffness_nm_rad)
     }
 
+    /// Stiffness of that spring \[N m/rad\]; 0 without one.
+    pub(super) fn stiffness_nm_rad(&self) -> f64 {
+        self.spring.map_or(0.0, |[stiffness_nm_rad, _]| stiffness_nm_rad.abs())
+    }
+
     /// The longest step that follows what is known of the load \[s\].
     pub(super) fn longest_step_s(&self) -> f64 {
         self.longest_step_s

@@ -295,8 +295,9 @@ impl<T: Real> Chain<T> {
     pub(crate) fn fastest_rad_s(&self, driven: Driven) -> f64 {
         let (kp, _) = self.stiffness_and_damping(driven);
         let spring = self.spring.as_ref().map_or(0.0, |spring| spring.stiffness_nm_rad.re().abs());
+        let described = self.carriage.as_ref().map_or(0.0, Carriage::stiffness_nm_rad);
         let [by_laws, _] = self.stiffness_and_damping_of_laws(driven, 0.0);
-        ((self.link.peak_gravity_nm() + kp + spring + by_laws) / self.inertia_kg_m2().re()).sqrt()
+        ((self.link.peak_gravity_nm() + kp + spring + described + by_laws) / self.inertia_kg_m2().re()).sqrt()
     }
 
     /// The step \[s\] that keeps the fourth-order Runge-Kutta error far below a sensor step.

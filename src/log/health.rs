@@ -111,7 +111,7 @@ pub fn health(log: &Log, sensor: &SensorSpec, mode: DriveMode) -> Health {
     };
     let held_samples = held.len();
     let held = match start {
-        Start::Held(_) => at_last(held, (1.5 * step).max(4.0 * noise_rad) + SAME_LEVEL),
+        Start::Held(_) => at_last(held, (1.5 * step).max(4.0 * noise_rad).max(8.0 * read_noise_rad) + SAME_LEVEL),
         _ => held,
     };
     let (mean, std) = mean_std(held);

@@ -78,6 +78,20 @@ fn a_sampled_law_sees_the_setpoint_of_its_tick_wherever_the_clock_begins() {
     }
 }
 
+/// Whatever the rounding of their quotient, a tick that has come is over.
+#[test]
+fn samples_a_nanosecond_before_their_ticks_do_not_hold_up_the_clock() {
+    for period_s in [0.003, 0.0053, 0.008] {
+        let spec = MotorSpec { sample_period_s: Some(period_s), ..MotorSpec::pd(5.0, 0.1) };
+        let friction = Friction::coulomb_viscous(0.01, 0.02);
+        let joint = Chain::new(Link::new(0.02, 0.05, 0.0, 9.81), friction, Some(Motor::new(spec)));
+        let t_s: Vec<f64> = (0..500).map(|k| if k > 0 { k as f64 * period_s - 1e-9 } else { 0.0 }).collect();
+        let setpoint = vec![0.3; t_s.len()];
+        let input = Input::Position { setpoint_rad: &setpoint, hold: Hold::Step, on: None };
+        assert_eq!(states(&joint, input, &t_s, free(0.0)).len(), t_s.len());
+    }
+}
+
 #[test]
 fn a_sampled_law_adds_nothing_to_its_integral_while_the_motor_is_off() {
     let spec = MotorSpec { sample_period_s: Some(0.008), ki_nm_rad_s: 2.0, ..MotorSpec::pd(1.0, 0.1) };

@@ -28,5 +28,5 @@ pub use ratios::{
 };
 pub use rollout::{Diverged, Start, State, readings, rollout, rollout_refined};
 pub use schedule::Input;
-pub(crate) use schedule::{Command, Schedule};
+pub(crate) use schedule::{Command, SAME_INSTANT_S, Schedule};
 pub use simple::SimplePendulum;

@@ -203,7 +203,7 @@ fn walk<T: Real>(
                 if next_tick <= now.re() + SAME_INSTANT_S {
                     held = command.held(sampled_command(&mut body, setpoint, period_s), now);
                     // Ticks that have passed while the motor was off are over.
-                    ticks = ((now.re() + SAME_INSTANT_S - t_s[0]) / period_s) as u64 + 1;
+                    ticks = ticks.max(((now.re() + SAME_INSTANT_S - t_s[0]) / period_s) as u64) + 1;
                     continue;
                 }
                 if next_tick < until.re() - SAME_INSTANT_S {

@@ -170,7 +170,7 @@ pub(crate) struct Schedule<'a, T> {
 /// A hold shorter than this \[s\] is none.
 const SHORTEST_HOLD_S: f64 = 1e-4;
 /// What is no further apart is the same instant: a reading of the setpoint just before a sample takes that sample \[s\].
-pub(super) const SAME_INSTANT_S: f64 = 1e-9;
+pub(crate) const SAME_INSTANT_S: f64 = 1e-9;
 /// A hold so near to a whole number of sampling periods that its last reading in the log is off by less than this share
 /// of a period is that number: a hair less would be a hold that reads the sample before, which is a delay.
 const WHOLE: f64 = 0.2;

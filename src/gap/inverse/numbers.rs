@@ -82,8 +82,9 @@ pub(super) struct Asked {
     pub raw_nm: Vec<f64>,
     /// The direction of the motion. Not filtered.
     pub used: Vec<f64>,
-    /// Where the joint is at rest, or nothing is known of it: friction may be anything between plus and minus Coulomb's, so the drive's torque is the
-    /// right one. (Whoever would count the torques beyond it would let friction grow to hide turning points.)
+    /// Where the joint is at rest, or nothing is known of it: friction may be anything between plus and minus Coulomb's, so
+    /// the drive's torque is the right one. (Whoever would count the torques beyond it would let friction grow to hide turning
+    /// points.)
     pub is_held: Vec<bool>,
 }
 

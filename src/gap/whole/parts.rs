@@ -47,7 +47,7 @@ fn part(log: &RobotLog, samples: Range<usize>) -> RobotLog {
     }
 }
 
-/// The middle of what a log's samples are apart \[s\], so that its last sample ends a whole number of them.
+/// What a log's samples are apart on average \[s\], so that its last sample ends a whole number of them.
 pub(super) fn period_s(log: &RobotLog) -> f64 {
     (log.t_s[log.len() - 1] - log.t_s[0]) / (log.len() - 1) as f64
 }

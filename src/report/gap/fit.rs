@@ -36,8 +36,13 @@ pub(super) fn stated_armature_kg_m2(case: &Case) -> Option<f64> {
     stated_kg_m2.all(|other_kg_m2| other_kg_m2 == first_kg_m2).then_some(first_kg_m2)
 }
 
+/// The joint's numbers as they were fitted.
+pub(super) fn joint(report: &GapReport) -> JointFit {
+    JointFit { armature: armature(report), ..JointFit::of(&joint_rows(&report.diagnosis)) }
+}
+
 /// The armature with which a diagnosis was fitted: it has the share of what is stated that the inertia has.
-pub(super) fn armature(report: &GapReport) -> Option<Quantity> {
+fn armature(report: &GapReport) -> Option<Quantity> {
     let stated_kg_m2 = report.armature_kg_m2?;
     let rows = joint_rows(&report.diagnosis);
     let inertia = rows.iter().find(|row| row.name == "inertia")?;
@@ -56,7 +61,7 @@ impl FitFile {
     /// The file of a diagnosis: the joint's parameters and those of the effects of the answer, fitted together.
     pub fn of_diagnosis(report: &GapReport) -> Self {
         let GapReport { diagnosis, provenance, .. } = report;
-        let mut joint = JointFit { armature: armature(report), ..JointFit::of(&joint_rows(diagnosis)) };
+        let mut joint = joint(report);
         // A gain that is named as an effect stands there alone: what simulates the file would have it twice.
         if diagnosis.effect_parameters.iter().any(|(effect, _)| *effect == EffectId::MotorGain) {
             joint.gain = None;

@@ -1,8 +1,7 @@
 //! `gap --json`: the contract of the specification's section 6, every key always there, and what goes beyond it.
 
 use super::GapReport;
-use super::fit::{armature, quantities};
-use super::rows::joint_rows;
+use super::fit::{joint, quantities};
 use super::waterfall::{Step, steps};
 use crate::deadline::Spent;
 use crate::gap::{
@@ -19,7 +18,7 @@ use std::collections::BTreeMap;
 /// The diagnosis for programs. A number that is not finite becomes null.
 pub fn gap_json(report: &GapReport) -> impl Serialize + '_ {
     let GapReport { diagnosis, options, health, provenance, .. } = report;
-    let joint = JointFit { armature: armature(report), ..JointFit::of(&joint_rows(diagnosis)) };
+    let joint = joint(report);
     let answer = &diagnosis.answer;
     Document {
         schema: SCHEMA,

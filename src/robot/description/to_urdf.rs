@@ -151,7 +151,7 @@ fn kind(mover: &Mover) -> JointKind {
 /// What limits a joint; where URDF has to have a number and there is none, one that nothing reaches: 0 would lock it.
 fn limit(description: &Description, joint: MoverId, mover: &Mover) -> String {
     let servo = description.actuators.iter().find(|actuator| actuator.joint == joint);
-    let of_servo = servo.and_then(|servo| Some(servo.force_range_nm?[1] * servo.gear.abs()));
+    let of_servo = servo.and_then(super::Actuator::torque_range_nm).map(|[_, high]| high);
     let effort = of_servo.or(mover.actuator_range_nm.map(|[_, high]| high)).or(mover.effort_nm);
     let velocity = mover.rate_limit_rad_s;
     let ends = match (kind(mover), mover.limit_rad) {

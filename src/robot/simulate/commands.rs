@@ -1,7 +1,7 @@
 //! What acts on each joint's motor at each instant.
 
 use super::Scenario;
-use crate::pendulum::{Command, Input, Schedule};
+use crate::pendulum::{Command, Input, SAME_INSTANT_S, Schedule};
 
 /// Commands of all joints, stepped through the table of setpoints.
 pub(super) struct Commands<'a> {
@@ -55,7 +55,7 @@ impl<'a> Commands<'a> {
 
     /// Takes over what has changed until now.
     pub(super) fn update(&mut self, now_s: f64) {
-        let reached = now_s + 1e-12;
+        let reached = now_s + SAME_INSTANT_S;
         while self.t_s.get(self.next).is_some_and(|t| *t <= reached) && self.next + 1 < self.t_s.len() {
             self.next += 1;
         }
@@ -71,7 +71,7 @@ impl<'a> Commands<'a> {
     /// Where the law is evaluated in frames and one begins now: evaluates it with `law`, and holds its answer.
     pub(super) fn tick(&mut self, now_s: f64, mut law: impl FnMut(usize, Command<f64>, f64) -> f64) {
         let Some(period_s) = self.period_s() else { return };
-        let is_due = self.t_s[0] + self.ticks as f64 * period_s <= now_s + 1e-12;
+        let is_due = self.t_s[0] + self.ticks as f64 * period_s <= now_s + SAME_INSTANT_S;
         self.ticks += u64::from(is_due);
         for (k, held) in self.held.iter_mut().enumerate() {
             let Some((period_s, answer)) = held else { continue };
