@@ -16,9 +16,9 @@
 //! # Layers, each using only those above it
 //! [`log`] reads and checks · [`geometry`] lumps a leg into a pendulum · [`joint`] has the stages · [`integrate`] and
 //! [`pendulum`] move them · [`fit`] minimises and says how sure it is · [`identify`] brings logs and models together ·
-//! [`robot`] moves a whole tree of bodies · [`blind`] tests the diagnosis on sealed studies · [`synth`] makes logs from a known truth · [`thesis`] repeats the
-//! thesis's chapter 3 · `report` draws (feature `report`) · `fleet` puts many studies
-//! together (feature `fleet`) · the program (feature `cli`) is on top.
+//! [`robot`] moves a whole tree of bodies · [`gap`] says what the model lacks · [`synth`] makes logs from a known truth ·
+//! [`blind`] tests the diagnosis on sealed studies · [`thesis`] repeats the thesis's chapter 3 · `report` draws (feature
+//! `report`) · `fleet` puts many studies together (feature `fleet`) · the program (feature `cli`) is on top.
 //!
 //! With `default-features = false` there are neither robots, pages, exams nor the program, and none of what they depend on:
 //! logs of a joint as arrays or files go in, diagnoses come out, which serialise (`examples/from_arrays.rs`). The feature

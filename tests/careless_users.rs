@@ -259,6 +259,35 @@ fn a_log_that_is_commanded_is_no_free_swing_unless_something_says_so() {
 }
 
 #[test]
+fn a_log_in_the_place_of_a_study_is_called_a_log_first() {
+    let dir = bench();
+    for words in [
+        &["gap", "good.csv", "--out", "out"][..],
+        &["drop", "--study", "good.csv", "--out", "out"],
+        &["simulate", "good.csv", "--out", "out"],
+    ] {
+        let said = "error: good.csv is a log, not a study; write one with `aibo-fit init good.csv`";
+        refused("a log", dir.path(), words, DATA, &[said]);
+    }
+}
+
+#[test]
+fn lines_that_do_not_read_a_log_are_not_offered() {
+    let dir = bench();
+    let arm = |t: f64| format!("{t:.3},{0:.4},{0:.4},{0:.4},{0:.4}", 30.0 * decaying(t));
+    fs::write(dir.path().join("arm.csv"), log_of("time,A1_act,A1_cmd,A2_act,A2_cmd", 200, 0.008, arm)).unwrap();
+    let dates = |t: f64| format!("2024-05-01T12:00:{t:06.3},{:.4}", decaying(t));
+    fs::write(dir.path().join("dates.csv"), log_of("time,q", 200, 0.008, dates)).unwrap();
+    let naming = ["`time` looks like it", "{ name = \"A1_act\", unit = \"deg\" }", "`aibo-fit init`"];
+    for (log, parts) in [("arm.csv", &naming[..]), ("dates.csv", &["a date or a time of day"])] {
+        let words = ["init", log, "--study", "new.toml"];
+        refused(log, dir.path(), &words, DATA, parts);
+        let said = stderr(&run_in(dir.path(), &words));
+        assert!(!said.contains("as it is"), "{said}");
+    }
+}
+
+#[test]
 fn sidecars_and_studies_that_cannot_be_are_refused_as_data() {
     let dir = bench();
     const NOMINAL: &str = "inertia = 9.0e-4\nmoment = 5.0e-3\ncoulomb = 0.001\nviscous = 0.001\n";

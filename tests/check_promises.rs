@@ -4,6 +4,8 @@ mod support;
 
 use serde_json::Value;
 use std::fs;
+use std::path::Path;
+use support::arm::{JOINTS, Truth};
 use support::*;
 
 fn checked(path: &str) -> (String, Value) {
@@ -97,6 +99,75 @@ fn what_the_text_says_of_a_log_the_document_says_too() {
     let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
     let remarks = json(&dir.path().join("one.json"))["health"][0]["remarks"].to_string();
     assert!(said.contains("columns not used: lamp") && remarks.contains("columns not used: lamp"), "{said}\n{remarks}");
+}
+
+/// An example's study in a folder, with other words in it and other readings.
+fn changed(folder: &Path, example: &str, words: [&str; 2], reading: impl Fn(&str) -> String) {
+    for entry in fs::read_dir(root().join("data/examples").join(example)).unwrap() {
+        let path = entry.unwrap().path();
+        let text = fs::read_to_string(&path).unwrap();
+        let text = match path.extension().is_some_and(|ending| ending == "toml") {
+            true => text.replace(words[0], words[1]),
+            false => text.lines().map(&reading).collect(),
+        };
+        fs::write(folder.join(path.file_name().unwrap()), text).unwrap();
+    }
+}
+
+/// What a check questions, in its text and in its document.
+fn questioned(folder: &Path) -> String {
+    let said = expect_code(folder, &["check", "study.toml", "--json", "check.json"], 0);
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    let document = json(&folder.join("check.json"));
+    let doubts = document["doubts"].as_array().unwrap().iter();
+    let doubts: Vec<&str> = doubts.map(|doubt| doubt.as_str().unwrap()).collect();
+    assert!(!said.contains("Nothing to remark") && doubts.iter().all(|doubt| said.contains(*doubt)), "{said}");
+    doubts.join("\n")
+}
+
+/// A servo's firmware gain was once taken for N m/rad without a word, though refitted it is a fiftieth of it.
+#[test]
+fn a_firmware_gain_in_the_place_of_newton_metres_is_questioned() {
+    let dir = tempfile::tempdir().unwrap();
+    changed(dir.path(), "delay", ["kp = 8.0", "kp = 400.0"], |line| format!("{line}\n"));
+    let doubts = questioned(dir.path());
+    assert!(doubts.contains("in place of 400: is kp in N m/rad?") && doubts.contains("servo.md"), "{doubts}");
+}
+
+/// The same of a joint that was simulated upside down, because its ticks count from the other side.
+#[test]
+fn a_zero_at_which_the_link_does_not_hang_is_questioned() {
+    let dir = tempfile::tempdir().unwrap();
+    let half_a_turn_on = |line: &str| match line.split_once(',') {
+        Some((t, q)) => q.parse::<f64>().map_or(format!("{line}\n"), |q| format!("{t},{}\n", q + std::f64::consts::PI)),
+        None => format!("{line}\n"),
+    };
+    changed(dir.path(), "ambiguous", ["rest = 0.0\n", ""], half_a_turn_on);
+    let doubts = questioned(dir.path());
+    assert!(doubts.contains("At rest = 3.14 rad") && doubts.contains("state `rest` in [joint]"), "{doubts}");
+}
+
+/// The motion of an arm under its torques was once simulated where no study asks for it, and was many turns off.
+#[test]
+fn a_study_that_predicts_torques_is_told_no_errors_of_a_motion() {
+    let dir = tempfile::tempdir().unwrap();
+    support::arm::study(dir.path(), &Truth { by_torque: true, period_s: 0.004, ..Truth::default() }, 3.0);
+    let words = ["check", "study.toml", "--json", "check.json", "--out", "out"];
+    let said = expect_code(dir.path(), &words, 0);
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    for part in ["This study predicts torques", "`gap` compares", "next: aibo-fit gap study.toml", "log0.csv"] {
+        assert!(said.contains(part), "`{part}` is missing in\n{said}");
+    }
+    for part in ["as given", "calibrated", "Smallest size", "give a study", "they tell nothing of its numbers"] {
+        assert!(!said.contains(part), "`{part}` is in\n{said}");
+    }
+    let document = json(&dir.path().join("check.json"));
+    for joint in JOINTS {
+        let own = &document["joints"][joint];
+        assert!(own["health"].is_array() && own.get("gap").is_none() && own.get("detectable").is_none(), "{own}");
+    }
+    let page = fs::read_to_string(dir.path().join("out/check.html")).unwrap();
+    assert!(page.contains("This study predicts torques") && !page.contains("they tell nothing of its numbers"));
 }
 
 #[test]

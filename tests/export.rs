@@ -87,6 +87,22 @@ fn slow_an_exported_robot_moves_in_mujoco_as_predicted() {
     }
 }
 
+/// What `gap --json` writes of a robot that walks was once told that its `joint` has no friction.
+#[test]
+fn a_walking_robots_diagnosis_is_refused_with_where_its_robot_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let found = serde_json::json!({ "schema": 1, "name": "ers7", "scenario": "air", "joint": {}, "effects": [],
+        "repaired": { "file": "repaired.toml", "rms": 0.01 } });
+    std::fs::write(folder.path().join("gap.json"), found.to_string()).unwrap();
+    for format in ["mjcf", "table", "json"] {
+        let run = run_in(folder.path(), &["export", "gap.json", "--to", format, "--out", "exported"]);
+        assert_eq!(run.status.code(), Some(3), "{format}");
+        let said = stderr(&run);
+        assert!(said.contains("walking robot cannot be exported") && said.contains("`repaired.toml`"), "{said}");
+        assert!(!folder.path().join("exported").exists());
+    }
+}
+
 #[test]
 fn what_urdf_cannot_say_is_listed_and_what_does_not_fit_is_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -6,7 +6,7 @@ mod support;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use support::arm::{JOINTS, Truth};
+use support::arm::{JOINTS, KD_NM_S_RAD, KP_NM_RAD, Truth};
 
 fn study(folder: &Path, late_s: f64) {
     support::arm::study(folder, &Truth { late_s, ..Truth::default() }, 5.0);
@@ -38,8 +38,8 @@ fn gap(folder: &Path) -> serde_json::Value {
     serde_json::from_str(&std::fs::read_to_string(json).unwrap()).unwrap()
 }
 
-/// The elbow's jolts reach the shoulder through accelerations that are smoothed: on 8 s with a delay of 27.5 ms that was once taken
-/// for four causes of the shoulder, and the delay of 25 ms was told 0.45 ms off.
+/// The elbow's jolts reach the shoulder through accelerations that are smoothed: on 8 s with a delay of 27.5 ms that was
+/// once taken for four causes of the shoulder, and the delay of 25 ms was told 0.45 ms off.
 #[test]
 #[ignore = "slow"]
 fn slow_a_late_setpoint_of_the_elbow_is_found_on_the_elbow_and_told_to_what_its_interval_says() {
@@ -153,6 +153,45 @@ fn slow_light_links_in_steps_of_the_encoder_are_weighed_and_nothing_is_accused()
     }
 }
 
+/// Ids of the causes that are found in a study, of which so much is asked.
+fn ids_of(folder: &Path, asked: &[&str]) -> Vec<String> {
+    let words = ["gap", "study.toml", "--quiet", "--json", "gap.json", "--out", "out"];
+    support::expect_code(folder, &[&words[..], asked].concat(), 0);
+    let found = support::json(&folder.join("gap.json"));
+    found["effects"].as_array().unwrap().iter().map(|cause| cause["id"].as_str().unwrap().to_owned()).collect()
+}
+
+/// Bodies could once be named in `--without` only: `--only payload` was refused as a cause of another kind of study.
+#[test]
+fn bodies_of_an_arm_can_be_looked_for_alone_and_beside_effects() {
+    let folder = tempfile::tempdir().unwrap();
+    let truth = Truth { payload_kg: 0.2, by_torque: true, period_s: 0.004, ..Truth::default() };
+    support::arm::study(folder.path(), &truth, 12.0);
+    let of = |asked: &[&str]| ids_of(folder.path(), asked);
+    assert_eq!(of(&["--only", "payload"]), ["payload"]);
+    assert_eq!(of(&["--only", "quadratic_drag,payload"]), ["payload"]);
+    let other = of(&["--only", "body_com"]);
+    assert!(other.iter().all(|id| id == "body_com"), "{other:?}");
+    let effects = of(&["--only", "quadratic_drag"]);
+    assert!(effects.iter().all(|id| id == "quadratic_drag"), "{effects:?}");
+}
+
+#[test]
+fn what_is_no_cause_of_an_arm_is_refused_with_what_is_true_of_it() {
+    let folder = tempfile::tempdir().unwrap();
+    study(folder.path(), 0.0);
+    for (words, expected) in [
+        (["--without", "coulomb"], "`coulomb` is a number of each joint"),
+        (["--only", "floor_slope"], "`floor_slope` is a cause of a robot that walks"),
+        (["--only", "gremlins"], "body_com"),
+    ] {
+        let run = support::run_in(folder.path(), &[&["gap", "study.toml", "--out", "refused"][..], &words].concat());
+        let said = support::stderr(&run);
+        assert!(run.status.code() == Some(2) && said.contains(expected), "{words:?}\n{said}");
+        assert!(!said.contains("study of a joint") && !folder.path().join("refused").exists(), "{said}");
+    }
+}
+
 /// Writes `data/examples/arm` anew: `cargo test --release --test gap_arm -- --ignored`.
 #[test]
 #[ignore = "writes files of the repository"]
@@ -163,6 +202,66 @@ fn the_example_is_written() {
 }
 
 /// Names that do not fit are one error that says what there is.
+/// The study states four fifths of all masses, friction and gains, which moves the arm in the same way.
+fn scaled(folder: &Path) {
+    support::arm::study(folder, &Truth::default(), 5.0);
+    let change = |file: &str, numbers: &[(&str, &str)]| {
+        let path = folder.join(file);
+        let text = std::fs::read_to_string(&path).unwrap();
+        let text = numbers.iter().fold(text, |text, (was, is)| {
+            assert!(text.contains(was), "{was}");
+            text.replace(was, is)
+        });
+        std::fs::write(path, text).unwrap();
+    };
+    let masses = [("mass value=\"0.8\"", "mass value=\"0.64\""), ("mass value=\"0.5\"", "mass value=\"0.4\"")];
+    let inertias = [("\"0.006\"", "\"0.0048\""), ("\"0.0008\"", "\"0.00064\"")];
+    let of_lower = [("\"0.003\"", "\"0.0024\""), ("\"0.0004\"", "\"0.00032\"")];
+    let friction = [("friction=\"0.06\"", "friction=\"0.048\""), ("friction=\"0.04\"", "friction=\"0.032\"")];
+    let damping = [("damping=\"0.08\"", "damping=\"0.064\""), ("damping=\"0.05\"", "damping=\"0.04\"")];
+    change("arm.urdf", &[masses, inertias, of_lower, friction, damping].concat());
+    change("study.toml", &[("= 25.0", "= 20.0"), ("= 12.0", "= 9.6"), ("= 0.5", "= 0.4"), ("= 0.2", "= 0.16")]);
+}
+
+/// Puts what the servos gave beside the setpoints of a log.
+fn with_torques(path: &Path) {
+    let text = std::fs::read_to_string(path).unwrap();
+    let cells = |row: &str| row.split(',').map(|cell| cell.parse().unwrap()).collect::<Vec<f64>>();
+    let rows: Vec<Vec<f64>> = text.lines().skip(1).map(cells).collect();
+    let torque_nm = |k: usize, j: usize| {
+        let (from, to) = (&rows[k.saturating_sub(1)], &rows[(k + 1).min(rows.len() - 1)]);
+        let (angle, setpoint) = (1 + 2 * j, 2 + 2 * j);
+        let rate_rad_s = (to[angle] - from[angle]) / (to[0] - from[0]);
+        KP_NM_RAD[j] * (rows[k][setpoint] - rows[k][angle]) - KD_NM_S_RAD[j] * rate_rad_s
+    };
+    let mut lines = text.lines().map(str::to_owned);
+    let header = format!("{},{}.tau,{}.tau", lines.next().unwrap(), JOINTS[0], JOINTS[1]);
+    let row = |(k, row): (usize, String)| format!("{row},{:.5},{:.5}", torque_nm(k, 0), torque_nm(k, 1));
+    let all: Vec<String> = std::iter::once(header).chain(lines.enumerate().map(row)).collect();
+    std::fs::write(path, all.join("\n") + "\n").unwrap();
+}
+
+/// A motion alone cannot tell gains from masses; torques beside the setpoints do.
+#[test]
+#[ignore = "slow"]
+fn slow_torques_of_servos_tell_their_gains_where_the_study_says_what_they_are() {
+    let folder = tempfile::tempdir().unwrap();
+    scaled(folder.path());
+    (0..3).for_each(|k| with_torques(&folder.path().join(format!("log{k}.csv"))));
+    let gains = |found: &serde_json::Value| {
+        JOINTS.map(|joint| found["joints"][joint]["joint"]["gain"]["value"].as_f64().unwrap())
+    };
+    let untold = gains(&gap(folder.path()));
+    assert!(untold.iter().all(|gain| (gain - 1.0).abs() < 0.05), "{untold:?}");
+    let study = folder.path().join("study.toml");
+    let text = std::fs::read_to_string(&study).unwrap();
+    std::fs::write(&study, text.replace("[sensor]", "[joints.default]\ntau_is = \"applied\"\n[sensor]")).unwrap();
+    let told = gap(folder.path());
+    for gain in gains(&told) {
+        assert!((gain - 1.25).abs() < 0.03, "{gain}: {}", told["sentence"]);
+    }
+}
+
 #[test]
 fn a_joint_that_the_robot_does_not_have_is_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();

@@ -53,6 +53,17 @@ fn a_held_number_is_never_the_finding() {
     assert!(withheld.contains(&"motor_gain".into()), "who knows the gain has no wrong one: {withheld:?}");
 }
 
+/// Refitted it is a fiftieth of what is stated; nothing was said of that once.
+#[test]
+fn a_gain_in_another_unit_is_questioned() {
+    let dir = delay();
+    let study = dir.path().join("study.toml");
+    fs::write(&study, fs::read_to_string(&study).unwrap().replace("kp = 8.0", "kp = 400.0")).unwrap();
+    let (found, _) = diagnosed(dir.path(), &["--only", "end_stop"]);
+    let doubts = found["doubts"].to_string();
+    assert!(doubts.contains("in place of 400: is kp in N m/rad?"), "{doubts}");
+}
+
 #[test]
 fn freed_numbers_have_no_belief_and_bounds_hold() {
     let dir = delay();

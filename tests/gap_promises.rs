@@ -267,8 +267,9 @@ fn slow_a_cause_that_hides_another_does_not_end_the_search() {
     assert!(gap("calibrated") > 0.02 && gap("after") < 1.5 * gap("floor"), "{found}");
 }
 
-/// Causes that held-out logs refute one by one, because a set that lacks a cause predicts them by chance: all logs together ask for
-/// three, which leave their noise. With the whole catalogue the answer is the same, and takes five times as long.
+/// Causes that held-out logs refute one by one, because a set that lacks a cause predicts them by chance: all logs
+/// together ask for three, which leave their noise. With the whole catalogue the answer is the same, and takes five times
+/// as long.
 #[test]
 #[ignore = "slow"]
 fn slow_a_cause_that_held_out_logs_refute_for_want_of_another_is_found_with_it() {

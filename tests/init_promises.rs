@@ -65,6 +65,52 @@ fn a_study_that_was_filled_in_is_not_written_over_by_the_log_that_it_came_of() {
 }
 
 #[test]
+fn joints_under_a_users_own_names_in_degrees_come_to_a_check() {
+    let dir = tempfile::tempdir().unwrap();
+    arm(dir.path());
+    let text = fs::read_to_string(root().join("data/examples/arm/log0.csv")).unwrap();
+    let in_degrees = |row: &str| {
+        let cells: Vec<f64> = row.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let angles: String = cells[1..].iter().map(|angle| format!(",{:.4}", angle.to_degrees())).collect();
+        format!("{:.4}{angles}\n", cells[0])
+    };
+    let (header, rows) = text.split_once('\n').unwrap();
+    let header = header.replace("arm/shoulder", "A1").replace("arm/elbow", "A2");
+    let rows: String = rows.lines().map(in_degrees).collect();
+    fs::write(dir.path().join("own.csv"), format!("{header}\n{rows}")).unwrap();
+    let said = expect_code(dir.path(), &["init", "own.csv", "--robot", "arm.urdf"], 0);
+    assert!(said.contains("A1 is shoulder, A2 is elbow") && said.contains("fill in kp, kd, armature in"), "{said}");
+    fill_in(&dir.path().join("study.toml"), &[("kp", 25.0), ("kd", 0.5)]);
+    let said = expect_code(dir.path(), &["check", "study.toml"], 0);
+    assert!(said.contains("shoulder") && said.contains("elbow"), "{said}");
+}
+
+#[test]
+fn a_sidecar_tells_init_and_convert_what_the_columns_are() {
+    let dir = tempfile::tempdir().unwrap();
+    let row = |k: u32| {
+        let t = 0.01 * f64::from(k);
+        format!("{t:.2},{:.3},{:.3}\n", 30.0 * (5.0 * t - 0.1).sin(), 30.0 * (5.0 * t).sin())
+    };
+    let rows: String = (0..200).map(row).collect();
+    fs::write(dir.path().join("raw.csv"), format!("zeit,winkel,soll\n{rows}")).unwrap();
+    let untold = run_in(dir.path(), &["init", "raw.csv"]);
+    assert!(stderr(&untold).contains("in NAME.toml beside the log"), "{}", stderr(&untold));
+    let sidecar = "schema = 1\n[columns]\nt = { name = \"zeit\" }\nq = { name = \"winkel\", unit = \"deg\" }\n\
+                   q_ref = { name = \"soll\", unit = \"deg\" }\n";
+    fs::write(dir.path().join("raw.toml"), sidecar).unwrap();
+    expect_code(dir.path(), &["init", "raw.csv"], 0);
+    let study = fs::read_to_string(dir.path().join("study.toml")).unwrap();
+    assert!(study.contains("q = { name = \"winkel\", unit = \"deg\" }"), "{study}");
+    expect_code(dir.path(), &["convert", "raw.csv", "log.csv"], 0);
+    let log = aibo_fit::log::read_log(&dir.path().join("log.csv")).unwrap();
+    assert!(log.q_rad.iter().all(|q| q.abs() < 0.53) && log.q_ref_rad.is_some());
+    // What tells the columns is not written over.
+    expect_code(dir.path(), &["init", "raw.csv", "--study", "raw.toml", "--force"], 2);
+    assert_eq!(fs::read_to_string(dir.path().join("raw.toml")).unwrap(), sidecar);
+}
+
+#[test]
 fn a_csv_of_plotjuggler_comes_to_a_verdict_in_two_commands() {
     let dir = tempfile::tempdir().unwrap();
     expect_code(dir.path(), &["init", &log("plotjuggler.csv"), "--joint", "elbow", "--study", "study.toml"], 0);

@@ -51,7 +51,21 @@ fn malformed_logs_are_refused_with_line_column_and_fix() {
         ("capital T", log_of("T,q", swing), &["column `t`", "`T` looks like it"]),
         ("capital Q", log_of("t,Q", swing), &["column `q`", "`Q` looks like it", "in rad"]),
         ("angle by its name", log_of("t,angle", swing), &["column `q`", "`angle` looks like it", "`t`, `angle`"]),
-        ("no angle at all", log_of("t,volts", swing), &["column `q` is missing", "`t`, `volts`"]),
+        (
+            "no angle at all",
+            log_of("t,volts", swing),
+            &["column `q` is missing", "`t`, `volts`", "name them in a study", "{ name = \"volts\", unit = \"deg\" }"],
+        ),
+        (
+            "names that tell nothing",
+            log_of("time,A1,A2", |t| format!("{},0.1,0.2", t * 0.008)),
+            &["`time` looks like it", "\"joint_1.q\" = { name = \"A1\", unit = \"deg\" }", "\nt = { name = \"time\" }"],
+        ),
+        (
+            "dates",
+            log_of("t,q", |t| format!("2024-05-01T12:00:{t:02},0.1")),
+            &["line 2, column `t`", "a date or a time of day", "write stamps in seconds", "39 more of this kind"],
+        ),
         ("doubled time", log_of("t,t,q", |t| format!("{t},{t},0.1")), &["column `t`", "twice", "cells 1 and 2"]),
         ("doubled angle", log_of("t,q,q", |t| format!("{t},0.1,0.1")), &["column `q`", "twice", "rename or delete"]),
         ("doubled drive", log_of("t,q,drive,drive", |t| format!("{t},0.1,0,0")), &["`drive`", "twice"]),
@@ -409,7 +423,8 @@ fn malformed_studies_are_refused_with_key_and_fix() {
     fs::write(&path, b"schema = 1 # \xE4\n").unwrap();
     check("Latin-1", "study.toml", read_study(&path).err(), &["line 1", "0xe4", "UTF-8"]);
     check("not there", "none.toml", read_study(&dir.path().join("none.toml")).err(), &["could not be read"]);
-    check("a log as study", "a.csv", read_study(&dir.path().join("a.csv")).err(), &["looks like a log"]);
+    let as_study = ["a.csv is a log, not a study", "write one with `aibo-fit init ", "a.csv`"];
+    check("a log as study", "a.csv", read_study(&dir.path().join("a.csv")).err(), &as_study);
     check("a study as log", "study.toml", read_log(&path).err(), &["study.toml", "UTF-8"]);
 }
 

@@ -7,16 +7,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use support::*;
 
-/// The folder of shared data, or a printed reason why there is none.
-fn shared() -> Option<PathBuf> {
-    let folder = std::env::var_os("AIBO_FIT_SHARED").map(PathBuf::from);
-    if folder.as_ref().is_none_or(|folder| !folder.join("real").is_dir()) {
-        println!("skipped: AIBO_FIT_SHARED does not name a folder that holds real/");
-        return None;
-    }
-    folder
-}
-
 /// Study, and RMS of `benches/scipy_fit.py` over its fit logs \[rad\].
 const FLOORS: [(&str, f64); 6] = [
     ("xl330-bam/free", 0.00555),
@@ -45,9 +35,9 @@ fn drop_study(study: &Path, out: &Path, more: &[&str]) -> Value {
 
 #[test]
 fn real_logs_are_followed_as_closely_as_by_the_independent_baseline() {
-    let Some(shared) = shared() else { return };
+    let Some(real) = shared("real") else { return };
     for (name, floor) in FLOORS {
-        let study = shared.join("real").join(name).join("study.toml");
+        let study = real.join(name).join("study.toml");
         let dir = tempfile::tempdir().unwrap();
         let believed = drop_study(&study, dir.path(), &[]);
         let mut far = 0;
@@ -99,8 +89,8 @@ fn the_simulation_reproduces(name: &str, study: &Path, fitted: &Path, fit: &Valu
 
 #[test]
 fn one_drop_of_the_xl330_predicts_the_other() {
-    let Some(shared) = shared() else { return };
-    let folder = shared.join("real/xl330-bam/free");
+    let Some(real) = shared("real") else { return };
+    let folder = real.join("xl330-bam/free");
     let text = fs::read_to_string(folder.join("study.toml")).unwrap();
     for held_back in ["drop-kp100.csv", "drop-kp400.csv"] {
         let dir = tempfile::tempdir().unwrap();
@@ -126,8 +116,7 @@ fn one_drop_of_the_xl330_predicts_the_other() {
 
 #[test]
 fn every_sample_study_is_fitted() {
-    let Some(shared) = shared() else { return };
-    let folder = shared.join("samples");
+    let Some(folder) = shared("samples") else { return };
     let mut studies: Vec<PathBuf> =
         fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path().join("study.toml")).collect();
     studies.retain(|study| study.is_file());
@@ -146,8 +135,8 @@ fn every_sample_study_is_fitted() {
 #[test]
 #[ignore = "slow"]
 fn slow_limits_of_a_motor_are_told_apart_by_a_motion_of_the_motor() {
-    let Some(shared) = shared() else { return };
-    let study = shared.join("real/sts3250-bam/driven/study.toml");
+    let Some(real) = shared("real") else { return };
+    let study = real.join("sts3250-bam/driven/study.toml");
     let dir = tempfile::tempdir().unwrap();
     let study = study.to_str().unwrap();
     expect_code(dir.path(), &["gap", study, "--out", "out", "--json", "gap.json", "--quiet"], 0);

@@ -4,8 +4,9 @@
 
 mod support;
 
+use aibo_fit::gap::BodyKind;
 use aibo_fit::gap::robot::Cause;
-use aibo_fit::joint::{EffectId, Stage};
+use aibo_fit::joint::{EffectForm, EffectId, Named, Stage};
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -46,6 +47,24 @@ fn number(value: f64) -> String {
     if value != 0.0 && value.abs() < 0.001 { format!("{value:.1e}") } else { format!("{value:.3}") }
 }
 
+/// Parameters of all forms in the order in which they come up, each with the forms that have it, in brackets, unless all do.
+fn parameters(effect: EffectId) -> Vec<(&'static Named, String)> {
+    let forms: Vec<EffectForm> = effect.forms().collect();
+    let mut all: Vec<&'static Named> = Vec::new();
+    for named in forms.iter().flat_map(|form| form.named_parameters()) {
+        if !all.contains(&named) {
+            all.push(named);
+        }
+    }
+    let with_forms = |named: &'static Named| {
+        let having = forms.iter().filter(|form| form.named_parameters().contains(named));
+        let names: Vec<&str> = having.map(|form| form.name()).collect();
+        let in_brackets = format!(" ({})", names.join(", "));
+        (named, if names.len() < forms.len() { in_brackets } else { String::new() })
+    };
+    all.into_iter().map(with_forms).collect()
+}
+
 fn section(effect: EffectId, alike: &Alike) -> String {
     let picture = picture(effect);
     let svg = root().join(format!("docs/reference/effects/{effect}.svg"));
@@ -56,10 +75,10 @@ fn section(effect: EffectId, alike: &Alike) -> String {
         let _ = writeln!(text, "Forms by name, the first by default: `{}`.\n", forms.join("`, `"));
     }
     text += "| parameter | unit | absent at | values |\n|---|---|---|---|\n";
-    for named in effect.named_parameters() {
+    for (named, of_forms) in parameters(effect) {
         let unit = if named.unit.is_empty() { "-" } else { named.unit };
         let zero = if named.zero.is_finite() { named.zero.to_string() } else { "infinity".to_owned() };
-        let _ = writeln!(text, "| `{}` | {unit} | {zero} | {} |", named.name, named.bounds);
+        let _ = writeln!(text, "| `{}`{of_forms} | {unit} | {zero} | {} |", named.name, named.bounds);
     }
     let motion = if picture.driven { "a motion driven by setpoints" } else { "a free swing" };
     let sizes = effect.named_parameters().iter().zip(&picture.values);
@@ -90,7 +109,8 @@ fn section(effect: EffectId, alike: &Alike) -> String {
 const OPENING: &str = "# Effects
 
 What `gap` looks for: one thing that a stage of the chain from setpoint to log does and that the model leaves out. `--without` and
-`--only` take these names. This page is written by the program (`AIBO_FIT_REWRITE=1 cargo test --release --test reference`).
+`--only` take these names. A parameter that only some forms of an effect have is followed by these forms. This page is written by the
+program (`AIBO_FIT_REWRITE=1 cargo test --release --test reference`).
 
 Pictures and the figures on what looks alike come from one made joint (inertia 0.011 kg m^2, moment 0.05 kg m, Coulomb friction 0.02 N m,
 viscous friction 0.004 N m s/rad, a servo with kp 5 N m/rad and kd 0.1 N m s/rad) in a free swing and in a motion driven by setpoints, 4 s
@@ -98,6 +118,54 @@ each. They show what is easily confused, to first order and without noise; for l
 and `check` which sizes they would show.
 
 ";
+
+const BESIDE_JOINTS: &str = "## Beside joints
+
+What a robot may have beside effects of its joints, under names that `--without` and `--only` take too: of a whole robot other friction of a
+joint than the study's, a payload, another floor; of an arm, whose base is clamped, a body that is other than described.
+
+| id | where | values | what it is |
+|---|---|---|---|
+";
+
+/// The comment on a variant of an enum, which stands on a line of its own.
+fn comment(file: &str, variant: &str) -> String {
+    let source = fs::read_to_string(root().join(file)).expect("a source can be read");
+    let lines: Vec<&str> = source.lines().map(str::trim).collect();
+    let end = lines.iter().position(|line| line.strip_suffix(',') == Some(variant)).expect("the enum has the variant");
+    let begin = lines[..end].iter().rposition(|line| !line.starts_with("///")).map_or(0, |before| before + 1);
+    let words: Vec<&str> = lines[begin..end].iter().map(|line| line.trim_start_matches('/').trim_start()).collect();
+    assert!(!words.is_empty(), "{file}: {variant} has no comment");
+    words.join(" ").replace('\\', "")
+}
+
+fn row(id: &str, place: &str, values: &[(&str, &str)], what: &str) -> String {
+    let with_unit = |(name, unit): &(&str, &str)| {
+        if unit.is_empty() { format!("`{name}`") } else { format!("`{name}` in {unit}") }
+    };
+    let values: Vec<String> = values.iter().map(with_unit).collect();
+    format!("| `{id}` | {place} | {} | {what} |\n", values.join(", "))
+}
+
+/// The causes that are no effects of the catalogue.
+fn beside_joints() -> String {
+    let causes = [Cause::Coulomb, Cause::Viscous].into_iter().chain(Cause::OF_ROBOT);
+    let of_robots = causes.map(|cause| {
+        let what = comment("src/gap/robot/cause.rs", &format!("{cause:?}"));
+        row(cause.id(), cause.stage().name(), &cause.named(), &what)
+    });
+    let (mass, place) = (("mass", "kg"), [("x", "m"), ("y", "m"), ("z", "m")]);
+    let kinds = [
+        (BodyKind::Payload, [&[mass][..], &place].concat()),
+        (BodyKind::BodyMass, vec![mass]),
+        (BodyKind::BodyCom, place.to_vec()),
+    ];
+    let of_arms = kinds.map(|(kind, values)| {
+        let what = comment("src/gap/body_kind.rs", &format!("{kind:?}"));
+        row(kind.id(), "a body of an arm", &values, &what)
+    });
+    BESIDE_JOINTS.to_owned() + &of_robots.chain(of_arms).collect::<String>()
+}
 
 #[test]
 fn the_page_of_the_effects_is_what_the_catalogue_says() {
@@ -112,6 +180,7 @@ fn the_page_of_the_effects_is_what_the_catalogue_says() {
             page += &section(*effect, alike);
         }
     }
+    page += &beside_joints();
     expect_file(&root().join(EFFECTS), &(page.trim_end().to_owned() + "\n"));
 }
 

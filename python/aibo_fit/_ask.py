@@ -15,6 +15,9 @@ PathLike = Union[str, "os.PathLike[str]"]
 Study = Union[PathLike, Mapping[str, Any], None]
 Logs = Mapping[str, Mapping[str, Any]]
 Progress = Callable[[str, int, int], Any]
+Fixed = Union[Mapping[str, Optional[float]], Iterable[str]]
+
+_NOTHING: Mapping[str, Any] = {}
 
 _Arrays = Tuple[str, List[np.ndarray], List[Tuple[str, int, np.ndarray]]]
 
@@ -28,6 +31,11 @@ def gap(
     only: Iterable[str] = (),
     twins: int = 0,
     seed: int = 0,
+    fix: Fixed = (),
+    free: Iterable[str] = (),
+    bound: Mapping[str, Tuple[float, float]] = _NOTHING,
+    start: Mapping[str, float] = _NOTHING,
+    budget: Optional[float] = None,
     progress: Optional[Progress] = None,
 ) -> Gap:
     """Diagnoses the gap between what is believed of a joint or robot and its logs, as ``aibo-fit gap`` does.
@@ -44,18 +52,25 @@ def gap(
     ``q_ref`` is taken as driven by position, one with ``tau`` alone by torque, else as a free swing, all of them to be
     fitted. Files that the study names are read as ever.
 
-    ``without`` and ``only`` name effects, ``twins`` and ``seed`` are those of the program. ``progress(stage, done, of)``
-    is called as the work goes on; what it raises ends it, and so does Ctrl-C.
+    ``without`` and ``only`` name effects, ``twins`` and ``seed`` are those of the program. ``fix`` holds numbers at values,
+    ``{"moment": 0.05}``, or names those that are held as stated; ``free`` names what is searched without a belief; ``bound``
+    has two values by name, ``start`` where a search begins; names are those of ``gap --help``, units SI. ``budget`` is the
+    time for an answer [s]. ``progress(stage, done, of)`` is called as the work goes on; what it raises ends it, and so does
+    Ctrl-C.
 
     Raises ``aibo_fit.Error`` with the program's words; ``aibo_fit.NeverMoved`` where nothing moves.
     """
     return Gap(
         _core.gap(
             _asked(study, logs, robot),
-            without=_names(without),
-            only=_names(only),
-            twins=twins,
-            seed=seed,
+            {
+                "without": _names(without),
+                "only": _names(only),
+                "twins": twins,
+                "seed": seed,
+                "demands": _demands(fix, free, bound, start),
+                "budget_s": budget,
+            },
             progress=progress,
         )
     )
@@ -83,12 +98,16 @@ def drop(
     method: str = "lm",
     stribeck: bool = False,
     lump: bool = False,
+    fix: Fixed = (),
+    free: Iterable[str] = (),
+    bound: Mapping[str, Tuple[float, float]] = _NOTHING,
+    start: Mapping[str, float] = _NOTHING,
     progress: Optional[Progress] = None,
 ) -> Drop:
     """Fits the simple and the extensive pendulum to swings of a joint, as ``aibo-fit drop`` does.
 
     ``paths`` are logs with their sidecars; or ``study`` and ``logs`` are those of ``gap``. ``method`` is ``lm``, ``bfgs``
-    or ``dfp``.
+    or ``dfp``. ``fix``, ``free``, ``bound`` and ``start`` are those of ``gap``.
 
     Raises ``aibo_fit.Error`` with the program's words; ``aibo_fit.NeverMoved`` where nothing moves.
     """
@@ -99,13 +118,27 @@ def drop(
         _core.drop(
             names,
             (None, None, [], None) if names else _asked(study, logs, None),
-            joint=joint,
-            method=method,
-            stribeck=stribeck,
-            lump=lump,
+            {
+                "joint": joint,
+                "method": method,
+                "stribeck": stribeck,
+                "lump": lump,
+                "demands": _demands(fix, free, bound, start),
+            },
             progress=progress,
         )
     )
+
+
+def _demands(
+    fix: Fixed,
+    free: Iterable[str],
+    bound: Mapping[str, Tuple[float, float]],
+    start: Mapping[str, float],
+) -> Dict[str, Any]:
+    """What is demanded of numbers, as lists of names and values."""
+    held = list(fix.items()) if isinstance(fix, Mapping) else [(name, None) for name in _names(fix)]
+    return {"fix": held, "free": _names(free), "bound": list(bound.items()), "start": list(start.items())}
 
 
 def _names(ids: Iterable[str]) -> List[str]:

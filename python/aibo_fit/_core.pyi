@@ -1,4 +1,4 @@
-from typing import Any, Callable, List, Optional, Sequence, Tuple
+from typing import Any, Callable, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -24,20 +24,14 @@ _Base = Optional[Tuple[List[float], List[float], List[float], List[float]]]
 def main(program: Sequence[str], words: Sequence[str]) -> int: ...
 def gap(
     question: _Question,
-    without: Sequence[str] = (),
-    only: Sequence[str] = (),
-    twins: int = 0,
-    seed: int = 0,
+    keywords: Mapping[str, Any],
     progress: _Progress = None,
 ) -> Answer: ...
 def check(question: _Question, progress: _Progress = None) -> Answer: ...
 def drop(
     paths: Sequence[str],
     question: _Question,
-    joint: Optional[str] = None,
-    method: str = "lm",
-    stribeck: bool = False,
-    lump: bool = False,
+    keywords: Mapping[str, Any],
     progress: _Progress = None,
 ) -> Answer: ...
 

@@ -7,8 +7,11 @@ use crate::run::{Listener, run};
 use aibo_fit::gap::clamped::{ClampedCase, ClampedSetup};
 use aibo_fit::gap::{GapError, check as checked};
 use aibo_fit::identify::Case;
+use aibo_fit::log::Predict;
 use aibo_fit::progress::{Progress, Step};
-use aibo_fit::report::{CheckReport, Provenance, check_html, check_json, check_text, checks_json, checks_text};
+use aibo_fit::report::{
+    CheckReport, PREDICTS_TORQUES, Provenance, check_html, check_json, check_text, checks_json, checks_text,
+};
 use pyo3::prelude::*;
 
 #[pyfunction]
@@ -29,13 +32,14 @@ fn moves(case: &Case) -> bool {
     case.items.iter().any(|item| !item.experiments.is_empty())
 }
 
-fn report(case: &Case, provenance: Provenance) -> Result<CheckReport, Failed> {
+fn report(case: &Case, predict: Predict, provenance: Provenance) -> Result<CheckReport, Failed> {
+    let predicts_torques = predict == Predict::Torque;
     // A joint that moved in none of the logs to be fitted has no model to check.
-    let checkup = match checked(case) {
-        Err(GapError::NeverMoved) => None,
-        checkup => Some(checkup?),
+    let checkup = match (!predicts_torques).then(|| checked(case)) {
+        None | Some(Err(GapError::NeverMoved)) => None,
+        Some(checkup) => Some(checkup?),
     };
-    Ok(CheckReport::new(case, checkup, provenance))
+    Ok(CheckReport { predicts_torques, ..CheckReport::new(case, checkup, provenance) })
 }
 
 fn answer(json: String, html: String, text: String) -> Answer {
@@ -47,18 +51,20 @@ fn joint(case: &Case, provenance: Provenance, listener: &Listener) -> Result<Ans
         return Err(Failed::NeverMoved(format!("{}: nothing to check: the joint never moves", case.joint.name)));
     }
     listener.go_on(Step::stage("what the logs can tell"))?;
-    let report = report(case, provenance)?;
+    let report = report(case, Predict::Motion, provenance)?;
     let (json, text) = (json_text(&check_json(&report))?, check_text(&report));
     let name = report.joint.clone();
     Ok(answer(json, check_html(&name, &[report], &[])?, text))
 }
 
 fn joints(setup: &ClampedSetup, provenance: &Provenance, listener: &Listener) -> Result<Answer, Failed> {
-    let ClampedCase { robot, joints, notes, .. } = ClampedCase::of(setup)?;
+    let ClampedCase { robot, joints, mut notes, .. } = ClampedCase::of(setup)?;
+    let predict = setup.study.predict;
+    notes.extend((predict == Predict::Torque).then(|| PREDICTS_TORQUES.to_owned()));
     let mut found = Vec::with_capacity(joints.len());
     for (done, joint) in joints.iter().enumerate() {
         listener.go_on(Step { stage: "what the logs can tell", done, of: joints.len() })?;
-        let report = moves(&joint.case).then(|| report(&joint.case, provenance.clone())).transpose()?;
+        let report = moves(&joint.case).then(|| report(&joint.case, predict, provenance.clone())).transpose()?;
         found.push((joint.name.as_str(), report));
     }
     if found.iter().all(|(_, report)| report.is_none()) {

@@ -2,31 +2,41 @@
 
 use crate::answer::{Answer, json_text};
 use crate::ask::{Asked, Question, Subject, provenance};
+use crate::demands::{self, Demands};
 use crate::errors::Failed;
 use crate::run::run;
-use aibo_fit::cli::full_drop;
 use aibo_fit::fit::Method;
+use aibo_fit::gap::neighbours::Repeated;
 use aibo_fit::identify::{Case, DropError, DropOptions, fit_drop};
 use aibo_fit::progress::{Progress, Step};
-use aibo_fit::report::{FitFile, drop_report, drop_text, render_html};
+use aibo_fit::report::{FitFile, FullDrop, drop_report, drop_text, render_html};
 use aibo_fit::robot::Model;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
+/// Keywords of the Python half.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Keywords {
+    joint: Option<String>,
+    method: String,
+    stribeck: bool,
+    lump: bool,
+    demands: Demands,
+}
+
 #[pyfunction]
-#[pyo3(signature = (paths, question, joint=None, method="lm", stribeck=false, lump=false, progress=None))]
-#[expect(clippy::too_many_arguments, reason = "keywords of the Python half")]
+#[pyo3(signature = (paths, question, keywords, progress=None))]
 pub fn drop(
     py: Python<'_>,
     paths: Vec<PathBuf>,
     question: Question<'_>,
-    joint: Option<String>,
-    method: &str,
-    stribeck: bool,
-    lump: bool,
+    keywords: Keywords,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Answer> {
-    let search = match method {
+    let Keywords { joint, method, stribeck, lump, demands } = keywords;
+    let directives = demands.directives()?;
+    let search = match method.as_str() {
         "lm" => Method::Lm,
         "bfgs" => Method::Bfgs,
         "dfp" => Method::Dfp,
@@ -43,9 +53,10 @@ pub fn drop(
         (method != "lm", format!(" --method {method}")),
         (stribeck, " --stribeck".to_owned()),
         (lump, " --lump".to_owned()),
+        (!directives.is_empty(), demands::words(&directives)),
     ];
     command.extend(more.into_iter().filter(|(is_asked, _)| *is_asked).map(|(_, words)| words));
-    let options = DropOptions { method: search, stribeck, lump, ..DropOptions::default() };
+    let options = DropOptions { method: search, stribeck, lump, directives, ..DropOptions::default() };
     run(py, progress, move |listener| {
         let case = match &asked {
             None => Case::of_logs(&paths, joint.as_deref())?,
@@ -59,9 +70,9 @@ pub fn drop(
             error => Failed::of(error),
         })?;
         listener.step(Step::stage("the same drop in the whole robot"));
-        let full = full_drop(&case, &fit, Model::ers7())?;
+        let repeated = Repeated::of(&case, &fit, Model::ers7())?;
         let mut report = drop_report(&case, &fit, provenance(command, case.inputs())?);
-        report.full = full;
+        report.full = repeated.map(FullDrop::of);
         Ok(Answer {
             verdict: None,
             sentence: Some(report.sentence.clone()),

@@ -2,20 +2,33 @@
 
 use crate::answer::{Answer, json_text};
 use crate::ask::{Asked, Question, Subject, provenance};
+use crate::demands::{self, Demands};
 use crate::errors::Failed;
 use crate::run::{Listener, run};
-use aibo_fit::gap::clamped::{BodyKind, ClampedSetup};
-use aibo_fit::gap::inverse::{TorqueError, diagnose_motion, diagnose_torques};
-use aibo_fit::gap::robot::{Cause, RobotCase, RobotGapError, RobotOptions, diagnose_robot};
+use aibo_fit::deadline::Deadline;
+use aibo_fit::gap::clamped::{ClampedSetup, NamedCause};
+use aibo_fit::gap::inverse::{TorqueError, diagnose_setup};
+use aibo_fit::gap::robot::{Cause, RobotCase, RobotGapError, RobotOptions, UnknownCause, diagnose_robot};
 use aibo_fit::gap::{GapError, GapOptions, diagnose};
-use aibo_fit::identify::Case;
-use aibo_fit::joint::EffectId;
-use aibo_fit::log::Predict;
+use aibo_fit::identify::{Case, Directives};
 use aibo_fit::report::{
     ClampedGapReport, GapReport, RobotGapReport, clamped_gap_html, clamped_gap_json, clamped_gap_text, gap_json,
     gap_text, render_gap_html, robot_gap_html, robot_gap_json, robot_gap_text,
 };
 use pyo3::prelude::*;
+use std::time::Duration;
+
+/// Keywords of the Python half.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Keywords {
+    without: Vec<String>,
+    only: Vec<String>,
+    twins: u32,
+    seed: u64,
+    demands: Demands,
+    budget_s: Option<f64>,
+}
 
 /// What is asked beside the study.
 struct Options {
@@ -23,20 +36,22 @@ struct Options {
     only: Vec<String>,
     twins: u32,
     seed: u64,
+    demands: Directives,
+    deadline: Deadline,
     command: String,
 }
 
 #[pyfunction]
-#[pyo3(signature = (question, without=vec![], only=vec![], twins=0, seed=0, progress=None))]
+#[pyo3(signature = (question, keywords, progress=None))]
 pub fn gap(
     py: Python<'_>,
     question: Question<'_>,
-    without: Vec<String>,
-    only: Vec<String>,
-    twins: u32,
-    seed: u64,
+    keywords: Keywords,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Answer> {
+    let Keywords { without, only, twins, seed, demands, budget_s } = keywords;
+    let demands = demands.directives()?;
+    let deadline = budget_s.map(deadline).transpose()?.unwrap_or_default();
     let asked = Asked::new(question)?;
     let named = |option: &str, ids: &[String]| match ids {
         [] => String::new(),
@@ -44,14 +59,16 @@ pub fn gap(
     };
     let number = |option: &str, value: u64| if value == 0 { String::new() } else { format!(" --{option} {value}") };
     let command = format!(
-        "aibo-fit gap {}{}{}{}{}",
+        "aibo-fit gap {}{}{}{}{}{}{}",
         asked.words(),
         named("without", &without),
         named("only", &only),
         number("twins", u64::from(twins)),
-        number("seed", seed)
+        number("seed", seed),
+        demands::words(&demands),
+        budget_s.map_or_else(String::new, |time_s| format!(" --budget {time_s}s"))
     );
-    let options = Options { without, only, twins, seed, command };
+    let options = Options { without, only, twins, seed, demands, deadline, command };
     run(py, progress, move |listener| {
         if let Some(both) = options.only.iter().find(|id| options.without.contains(id)) {
             return Err(Failed::of(format!("`{both}` stands in without and in only; leave it out of one")));
@@ -64,39 +81,33 @@ pub fn gap(
     })
 }
 
-fn effects(ids: &[String]) -> Result<Vec<EffectId>, Failed> {
-    let effect = |id: &String| match id.parse::<Cause>()? {
-        Cause::Effect(effect) => Ok(effect),
-        other => {
-            Err(Failed::of(format!("`{}` is a cause of a whole robot, and this is the study of a joint", other.id())))
-        }
-    };
-    ids.iter().map(effect).collect()
+/// So many seconds from now on.
+fn deadline(time_s: f64) -> Result<Deadline, Failed> {
+    let time = Duration::try_from_secs_f64(time_s).ok().filter(|time| !time.is_zero());
+    time.map(Deadline::within).ok_or_else(|| Failed::of(format!("budget: {time_s} s, expected more than 0 s")))
+}
+
+fn named(ids: &[String]) -> Result<Vec<NamedCause>, UnknownCause> {
+    ids.iter().map(|id| id.parse()).collect()
+}
+
+fn of_whole_robot(ids: &[String]) -> Result<Vec<Cause>, Failed> {
+    named(ids)?.into_iter().map(|cause| Ok(cause.of_whole_robot()?)).collect()
 }
 
 impl Options {
     fn of_joint(&self) -> Result<GapOptions, Failed> {
-        Ok(GapOptions {
-            without: effects(&self.without)?,
-            only: effects(&self.only)?,
-            twins: self.twins as usize,
-            seed: self.seed,
-            ..GapOptions::default()
-        })
+        Ok(self.with(GapOptions::of_joint(&named(&self.without)?, &named(&self.only)?)?))
     }
 
     fn of_clamped(&self) -> Result<GapOptions, Failed> {
-        let kinds = [BodyKind::Payload, BodyKind::BodyMass, BodyKind::BodyCom];
-        let body = |id: &String| kinds.into_iter().find(|kind| kind.id() == id);
-        let without: Vec<String> = self.without.iter().filter(|id| body(id).is_none()).cloned().collect();
-        Ok(GapOptions {
-            without: effects(&without)?,
-            only: effects(&self.only)?,
-            without_bodies: self.without.iter().filter_map(body).collect(),
-            twins: self.twins as usize,
-            seed: self.seed,
-            ..GapOptions::default()
-        })
+        Ok(self.with(GapOptions::of_arm(&named(&self.without)?, &named(&self.only)?)?))
+    }
+
+    /// The rest of what is asked, beside the causes that are looked for.
+    fn with(&self, causes: GapOptions) -> GapOptions {
+        let (demands, deadline) = (self.demands.clone(), self.deadline.clone());
+        GapOptions { twins: self.twins as usize, seed: self.seed, demands, deadline, ..causes }
     }
 }
 
@@ -119,16 +130,8 @@ fn clamped(setup: &ClampedSetup, options: &Options, listener: &Listener) -> Resu
         TorqueError::Gap(GapError::NeverMoved) => Failed::NeverMoved(error.to_string()),
         error => Failed::of(error),
     };
-    let report = match setup.study.predict {
-        Predict::Motion => {
-            let (case, diagnosis) = diagnose_motion(setup, &asked, listener).map_err(failed)?;
-            ClampedGapReport::new(setup, &case, diagnosis, &asked, &provenance)
-        }
-        Predict::Torque => {
-            let diagnosis = diagnose_torques(setup, &asked, listener).map_err(failed)?;
-            ClampedGapReport::of_torques(setup, diagnosis, &asked, &provenance)
-        }
-    };
+    let found = diagnose_setup(setup, &asked, listener).map_err(failed)?;
+    let report = ClampedGapReport::new(setup, found, &asked, &provenance);
     let answer = &report.diagnosis.answer;
     let said = (answer.verdict.name(), answer.sentence.as_str(), answer.probability);
     Ok(Answer::of_diagnosis(
@@ -143,9 +146,11 @@ fn whole(case: &RobotCase, options: &Options, listener: &Listener) -> Result<Ans
     if options.twins > 0 {
         return Err(Failed::of("twins are for the study of a joint; leave them out"));
     }
-    let causes = |ids: &[String]| ids.iter().map(|id| Ok(id.parse::<Cause>()?)).collect::<Result<Vec<_>, Failed>>();
-    let asked =
-        RobotOptions { without: causes(&options.without)?, only: causes(&options.only)?, ..RobotOptions::default() };
+    if !options.demands.is_empty() {
+        return Err(Failed::of("fix, free, bound and start are for the study of a joint; leave them out"));
+    }
+    let (without, only) = (of_whole_robot(&options.without)?, of_whole_robot(&options.only)?);
+    let asked = RobotOptions { without, only, deadline: options.deadline.clone() };
     let diagnosis = diagnose_robot(case, &asked, &|what| listener.say(what)).map_err(|error| match error {
         RobotGapError::NeverMoved => Failed::NeverMoved(format!("{}: no diagnosis: {error}.", case.robot())),
         error => Failed::of(error),

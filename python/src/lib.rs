@@ -6,6 +6,7 @@
 mod answer;
 mod ask;
 mod check;
+mod demands;
 mod drop;
 mod errors;
 mod fleet;

@@ -7,6 +7,8 @@ import aibo_fit
 GAPS = [
     ("data/examples/delay/study.toml", {}, []),
     ("data/examples/delay/study.toml", {"without": ["delay", "backlash"]}, ["--without", "delay,backlash"]),
+    ("data/examples/delay/study.toml", {"fix": {"moment": 0.05}, "bound": {"delay.T": (0.0, 0.1)}},
+     ["--fix", "moment=0.05", "--bound", "delay.T=0:0.1"]),
     ("data/examples/arm/study.toml", {}, []),
 ]
 

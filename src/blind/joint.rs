@@ -1,8 +1,8 @@
 //! Joints and sensors to draw from: small leg joints, hobby servos, quasi-direct drives, and anything between.
 
 use super::dice::{Dice, significant};
-use super::plan::GRAVITY_M_S2;
 use super::sensor::Sensor;
+use crate::number::STANDARD_GRAVITY_M_S2;
 use serde::Serialize;
 
 /// What kind of joint.
@@ -64,7 +64,7 @@ pub(super) const DIGITS: i32 = 4;
 impl Joint {
     /// Largest gravity torque of the bare link \[N m\].
     pub(super) fn peak_gravity_nm(&self) -> f64 {
-        GRAVITY_M_S2 * self.moment_kg_m
+        STANDARD_GRAVITY_M_S2 * self.moment_kg_m
     }
 
     /// Draws a joint.
@@ -88,18 +88,18 @@ impl Joint {
         // the joint swings at 4.5 to 9 rad/s whatever its size
         let m = loop {
             let m = if family == Family::Between {
-                i * dice.uniform(22.0, 75.0) / GRAVITY_M_S2
+                i * dice.uniform(22.0, 75.0) / STANDARD_GRAVITY_M_S2
             } else {
                 dice.log_uniform(moment[0], moment[1])
             };
-            let w = (GRAVITY_M_S2 * m / i).sqrt();
+            let w = (STANDARD_GRAVITY_M_S2 * m / i).sqrt();
             if (3.5..10.0).contains(&w) {
                 break m;
             }
         };
         // half of the encoders are their family's, the others anything that is built
         let step = if dice.chance(0.5) { step } else { dice.log_uniform(FINEST_RAD, COARSEST_RAD) };
-        let peak_nm = GRAVITY_M_S2 * m;
+        let peak_nm = STANDARD_GRAVITY_M_S2 * m;
         let kp = peak_nm * dice.uniform(3.0, 12.0);
         let viscous = 2.0 * dice.log_uniform(0.02, 0.5) * (i * peak_nm).sqrt();
         let round = |value| significant(value, DIGITS);

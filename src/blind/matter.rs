@@ -6,13 +6,14 @@ use super::dice::Dice;
 use super::make::Draft;
 use super::mechanism::servo::{self, Part};
 use super::mechanism::{self, Scene, Typical};
-use super::plan::{GRAVITY_M_S2, LogPlan};
+use super::plan::LogPlan;
 use super::sim::{Machine, Trace};
 use super::size::{Yardstick, coarse, rms_rad};
 use super::together::{Limits, Together};
 use super::truth::{FourNumbers, Gains, Nearest, TrueMechanism, TrueWhere};
 use crate::gap::Verdict;
 use crate::joint::EffectId;
+use crate::number::STANDARD_GRAVITY_M_S2;
 
 /// What every effect of the catalogue leaves of a mechanism outside it, over the noise: else the effect is the answer.
 const LEAST_BEYOND: f64 = 1.5;
@@ -144,7 +145,7 @@ impl Draft {
         let rms = |numbers: FourNumbers, gains: Gains| {
             let mut machine = self.plain.clone();
             machine.inertia_kg_m2 = numbers.inertia;
-            machine.peak_gravity_nm = GRAVITY_M_S2 * numbers.moment;
+            machine.peak_gravity_nm = STANDARD_GRAVITY_M_S2 * numbers.moment;
             machine.friction.coulomb_nm = numbers.coulomb;
             machine.friction.viscous_nm_s_rad = numbers.viscous;
             (machine.drive.kp, machine.drive.kd) = (gains.kp, gains.kd);

@@ -1,4 +1,4 @@
-//! Layer 7b: sealed trials. Studies whose cause is drawn at random, and how well a diagnosis finds it.
+//! Layer 7c: sealed trials. Studies whose cause is drawn at random, and how well a diagnosis finds it.
 //!
 //! Which question: can the diagnosis be believed? A trial makes a study, seals what is true of it, diagnoses the study
 //! from its files alone, and only then opens the answer.

@@ -3,7 +3,7 @@
 use super::dice::{Dice, significant};
 use super::joint::Joint;
 use super::motion::motion;
-use crate::number::math;
+use crate::number::{STANDARD_GRAVITY_M_S2, math};
 
 /// A mass hung on the link: a thin-walled hollow cylinder.
 #[derive(Clone, Copy, Debug)]
@@ -21,14 +21,14 @@ pub(super) struct Load {
     pub peak_gravity_nm: f64,
 }
 
-/// Gravity in all studies \[m/s^2\].
-pub(super) const GRAVITY_M_S2: f64 = 9.81;
-
 impl Extra {
     /// `M (R^2/2 + L^2/12) + M D^2`, and `g M D`.
     pub(super) fn load(&self) -> Load {
         let (m, d, r, l) = (self.mass_kg, self.distance_m, self.radius_m, self.length_m);
-        Load { inertia_kg_m2: m * (r * r / 2.0 + l * l / 12.0) + m * d * d, peak_gravity_nm: GRAVITY_M_S2 * m * d }
+        Load {
+            inertia_kg_m2: m * (r * r / 2.0 + l * l / 12.0) + m * d * d,
+            peak_gravity_nm: STANDARD_GRAVITY_M_S2 * m * d,
+        }
     }
 }
 

@@ -3,10 +3,11 @@
 use super::belief::Belief;
 use super::dice::{Dice, significant};
 use super::joint::Joint;
-use super::plan::{GRAVITY_M_S2, LogPlan};
+use super::plan::LogPlan;
 use super::sensor::Reader;
 use super::sim::Trace;
 use super::truth::FourNumbers;
+use crate::number::STANDARD_GRAVITY_M_S2;
 use std::fmt::Write;
 use std::ops::Range;
 
@@ -37,7 +38,7 @@ fn study(joint: &Joint, belief: &Belief, plans: &[LogPlan], states_rest: bool) -
     for (name, value) in FourNumbers::NAMES.iter().zip(belief.nominal.list()) {
         let _ = writeln!(text, "{name} = {value:?}");
     }
-    let _ = writeln!(text, "gravity = {GRAVITY_M_S2:?}");
+    let _ = writeln!(text, "gravity = {STANDARD_GRAVITY_M_S2:?}");
     if states_rest {
         text.push_str("rest = 0.0\n");
     }

@@ -7,12 +7,14 @@ use super::progress::Progress;
 use super::provenance::provenance;
 use super::still::never_moved;
 use crate::gap::clamped::{ClampedCase, ClampedSetup};
-use crate::gap::{GapError, check};
+use crate::gap::{Checkup, GapError, check};
 use crate::identify::Case;
 use crate::log::{
-    ArrayLog, Columns, JointSpec, Outputs, SensorSpec, Source, StudyKind, Uncertain, read_source, study_kind,
+    ArrayLog, Columns, JointSpec, Outputs, Predict, SensorSpec, Source, StudyKind, Uncertain, read_source, study_kind,
 };
-use crate::report::{CheckReport, Provenance, check_html, check_json, check_text, checks_json, checks_text};
+use crate::report::{
+    CheckReport, PREDICTS_TORQUES, Provenance, check_html, check_json, check_text, checks_json, checks_text,
+};
 use clap::Args;
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -45,9 +47,9 @@ pub(super) struct CheckArgs {
 /// What is checked.
 enum Checked {
     /// One joint; with a study what the logs can tell, too.
-    Joint { case: Box<Case>, inputs: Vec<PathBuf>, is_study: bool },
+    Joint { case: Box<Case>, inputs: Vec<PathBuf>, predict: Option<Predict> },
     /// The joints of a robot, and what its reader has to know.
-    Joints { name: String, cases: Vec<Case>, inputs: Vec<PathBuf>, notes: Vec<String> },
+    Joints { name: String, cases: Vec<Case>, inputs: Vec<PathBuf>, predict: Predict, notes: Vec<String> },
     /// The joints of a log, of which nothing is believed.
     Log { source: Source, names: Vec<String>, inputs: Vec<PathBuf> },
 }
@@ -63,18 +65,18 @@ pub(super) fn run(args: &CheckArgs) -> Result<u8, CliError> {
         None => log(&args.path)?,
     };
     match checked {
-        Checked::Joint { case, inputs, is_study } => Check::new(args, &progress, inputs, is_study)?.joint(&case),
-        Checked::Joints { name, cases, inputs, notes } => {
+        Checked::Joint { case, inputs, predict } => Check::new(args, &progress, inputs, predict)?.joint(&case),
+        Checked::Joints { name, cases, inputs, predict, notes } => {
             let names: Vec<String> = cases.iter().map(|case| case.joint.name.clone()).collect();
             let case = |k: usize| Ok(Cow::Borrowed(&cases[k]));
-            Check::new(args, &progress, inputs, true)?.joints(&name, &names, &case, &notes)
+            Check::new(args, &progress, inputs, Some(predict))?.joints(&name, &names, &case, &notes)
         }
         Checked::Log { source, names, inputs } => {
             let (name, notes) = (log_name(&args.path), source.notes.clone());
             // A long log is held once: each joint takes its samples out, and they are gone when it is done.
             let source = Mutex::new(source);
             let case = |k: usize| joint_of(&source, Some(&names[k])).map(|case| Cow::Owned(*case));
-            Check::new(args, &progress, inputs, false)?.joints(&name, &names, &case, &notes)
+            Check::new(args, &progress, inputs, None)?.joints(&name, &names, &case, &notes)
         }
     }
 }
@@ -91,7 +93,8 @@ struct Check<'a> {
     args: &'a CheckArgs,
     progress: &'a Progress,
     inputs: Vec<PathBuf>,
-    is_study: bool,
+    /// What the study predicts; `None`: there is no study.
+    predict: Option<Predict>,
     provenance: Provenance,
 }
 
@@ -100,11 +103,11 @@ impl<'a> Check<'a> {
         args: &'a CheckArgs,
         progress: &'a Progress,
         inputs: Vec<PathBuf>,
-        is_study: bool,
+        predict: Option<Predict>,
     ) -> Result<Self, CliError> {
         // The text on a terminal does not say what the inputs hash to.
         let hashed = if args.common.json.is_some() || args.common.out.is_some() { inputs.clone() } else { Vec::new() };
-        Ok(Self { args, progress, inputs, is_study, provenance: provenance(hashed)? })
+        Ok(Self { args, progress, inputs, predict, provenance: provenance(hashed)? })
     }
 
     fn joint(&self, case: &Case) -> Result<u8, CliError> {
@@ -127,10 +130,10 @@ impl<'a> Check<'a> {
             let still = (k == 0 && report.is_none()).then(|| case.into_owned());
             Ok((report, still))
         };
-        let looked = self.args.common.on_threads(|| match self.is_study {
+        let looked = self.args.common.on_threads(|| match self.predict {
             // The joint of a study keeps all cores busy.
-            true => (0..names.len()).map(look).collect::<Result<Vec<_>, CliError>>(),
-            false => (0..names.len()).into_par_iter().map(look).collect(),
+            Some(_) => (0..names.len()).map(look).collect::<Result<Vec<_>, CliError>>(),
+            None => (0..names.len()).into_par_iter().map(look).collect(),
         })??;
         let (found, still): (Vec<_>, Vec<_>) = looked.into_iter().unzip();
         if let Some(case) = still.into_iter().next().flatten()
@@ -149,16 +152,24 @@ impl<'a> Check<'a> {
 
     fn report(&self, case: &Case) -> Result<CheckReport, CliError> {
         self.progress.say(&format!("what the logs of {} can tell", case.joint.name));
-        let checkup = match self.is_study.then(|| check(case)).transpose() {
-            // A joint that moved in none of the logs to be fitted has no model to check.
-            Err(GapError::NeverMoved) => None,
-            checkup => checkup?,
+        let checkup = match self.predict {
+            Some(Predict::Motion) => checkup(case)?,
+            Some(Predict::Torque) | None => None,
         };
         let report = CheckReport::new(case, checkup, self.provenance.clone());
+        let predicts_torques = self.predict == Some(Predict::Torque);
         // Only the page draws the samples, and where nothing is stated nothing of it can be questioned.
         let series = if self.args.common.out.is_some() { report.series } else { Vec::new() };
-        let doubts = if self.is_study { report.doubts } else { Vec::new() };
-        Ok(CheckReport { series, doubts, ..report })
+        let doubts = if self.predict.is_some() { report.doubts } else { Vec::new() };
+        Ok(CheckReport { predicts_torques, series, doubts, ..report })
+    }
+}
+
+/// What the logs can tell; `None` where the joint moved in none of those to be fitted: it has no model to check.
+fn checkup(case: &Case) -> Result<Option<Checkup>, CliError> {
+    match check(case) {
+        Err(GapError::NeverMoved) => Ok(None),
+        checkup => Ok(Some(checkup?)),
     }
 }
 
@@ -189,7 +200,7 @@ fn next(args: &CheckArgs, reports: &[CheckReport]) -> String {
     let path = args.path.display();
     match &args.robot {
         Some(robot) => format!("gap {path} --robot {}", robot.display()),
-        None if reports.iter().any(|report| report.checkup.is_some()) => format!("gap {path}"),
+        None if reports.iter().any(CheckReport::is_of_study) => format!("gap {path}"),
         None => format!("init {path}"),
     }
 }
@@ -202,21 +213,22 @@ fn study(path: &Path) -> Result<Checked, CliError> {
             path.display()
         ))),
         StudyKind::Clamped => robot_study(path),
-        StudyKind::Joint => Ok(of_joint(Case::of_study(path)?, true)),
+        StudyKind::Joint => Ok(of_joint(Case::of_study(path)?, Some(Predict::Motion))),
     }
 }
 
-fn of_joint(case: Case, is_study: bool) -> Checked {
-    Checked::Joint { inputs: case.inputs(), case: Box::new(case), is_study }
+fn of_joint(case: Case, predict: Option<Predict>) -> Checked {
+    Checked::Joint { inputs: case.inputs(), case: Box::new(case), predict }
 }
 
 fn robot_study(path: &Path) -> Result<Checked, CliError> {
     let wrong = |error| CliError::ClampedCase(Box::new(error));
     let setup = ClampedSetup::read(path).map_err(wrong)?;
-    let ClampedCase { robot: name, joints, notes, .. } = ClampedCase::of(&setup).map_err(wrong)?;
-    let inputs = setup.inputs();
+    let ClampedCase { robot: name, joints, mut notes, .. } = ClampedCase::of(&setup).map_err(wrong)?;
+    let (inputs, predict) = (setup.inputs(), setup.study.predict);
+    notes.extend((predict == Predict::Torque).then(|| PREDICTS_TORQUES.to_owned()));
     let cases = joints.into_iter().map(|joint| joint.case).collect();
-    Ok(Checked::Joints { name, cases, inputs, notes })
+    Ok(Checked::Joints { name, cases, inputs, predict, notes })
 }
 
 /// A log with its sidecar, or each joint of a log without one.
@@ -224,16 +236,16 @@ fn log(path: &Path) -> Result<Checked, CliError> {
     let is_told = path.with_extension("toml").is_file();
     let Ok(mut source) = read_source(path, &Columns::default()) else {
         // A sidecar may say more of it than the file does.
-        return Ok(of_joint(Case::of_logs(&[path.to_path_buf()], None)?, false));
+        return Ok(of_joint(Case::of_logs(&[path.to_path_buf()], None)?, None));
     };
     let names: Vec<Option<String>> = source.joints().into_iter().map(|name| name.map(str::to_owned)).collect();
     let inputs = vec![path.to_path_buf()];
     if !is_told && matches!(names[..], [None]) {
-        return Ok(Checked::Joint { case: joint_of(&Mutex::new(source), None)?, inputs, is_study: false });
+        return Ok(Checked::Joint { case: joint_of(&Mutex::new(source), None)?, inputs, predict: None });
     }
     let names: Vec<String> = names.into_iter().flatten().collect();
     if names.is_empty() {
-        return Ok(of_joint(Case::of_logs(&inputs, None)?, false));
+        return Ok(of_joint(Case::of_logs(&inputs, None)?, None));
     }
     // What is not looked at need not be held.
     source.channels.retain(|channel| !channel.ours.as_ref().is_none_or(|ours| ours.ends_with(".dq")));

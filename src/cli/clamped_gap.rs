@@ -7,8 +7,8 @@ use super::progress::Progress;
 use super::provenance::provenance;
 use crate::deadline::Deadline;
 use crate::gap::clamped::ClampedSetup;
-use crate::gap::inverse::{TorqueError, diagnose_motion, diagnose_torques};
-use crate::log::{Outputs, Predict, mcap_bytes};
+use crate::gap::inverse::diagnose_setup;
+use crate::log::{Outputs, mcap_bytes};
 use crate::report::{
     ANIMATION_FILE, ClampedGapReport, animation_html, clamped_gap_figures, clamped_gap_html, clamped_gap_json,
     clamped_gap_text, trace_topics,
@@ -20,28 +20,14 @@ pub(super) fn run(args: &GapArgs, study: &Path, deadline: Deadline) -> Result<u8
     let options = options_of_clamped(args, deadline)?;
     let progress = Progress::within(args.common.quiet, args.budget);
     progress.say("reading");
-    let wrong = |error| CliError::ClampedCase(Box::new(error));
-    let failed = |error| match error {
-        TorqueError::Case(error) => wrong(error),
-        TorqueError::Gap(error) => error.into(),
-    };
-    let setup = ClampedSetup::read(study).map_err(wrong)?;
+    let setup = ClampedSetup::read(study)?;
     if !args.common.quiet {
         setup.description.warnings.iter().for_each(|warning| warn(warning));
     }
     let inputs = setup.inputs();
     let provenance = provenance(inputs.clone())?;
-    let report = match setup.study.predict {
-        Predict::Motion => {
-            let (case, diagnosis) =
-                args.common.on_threads(|| diagnose_motion(&setup, &options, &progress))?.map_err(failed)?;
-            ClampedGapReport::new(&setup, &case, diagnosis, &options, &provenance)
-        }
-        Predict::Torque => {
-            let diagnosis = args.common.on_threads(|| diagnose_torques(&setup, &options, &progress))?;
-            ClampedGapReport::of_torques(&setup, diagnosis.map_err(failed)?, &options, &provenance)
-        }
-    };
+    let found = args.common.on_threads(|| diagnose_setup(&setup, &options, &progress))??;
+    let report = ClampedGapReport::new(&setup, found, &options, &provenance);
     progress.say("drawing");
     let folder = args.common.folder(&study_name(study));
     let mut outputs = Outputs::default();

@@ -3,7 +3,7 @@
 use super::CliError;
 use super::common::{log_name, print, refuse_overwriting};
 use crate::log::{
-    Columns, log_files, mcap_topics, read_source, study_columns, write_atomically, write_csv, write_mcap,
+    log_files, mcap_topics, read_source, sidecar_columns, study_columns, write_atomically, write_csv, write_mcap,
 };
 use clap::Args;
 use std::path::PathBuf;
@@ -40,7 +40,7 @@ pub(super) fn run(args: &ConvertArgs) -> Result<u8, CliError> {
             return Err(CliError::Usage(format!("{}: expected a name that ends in .csv or .mcap", args.out.display())));
         }
     };
-    let columns = args.columns.as_deref().map_or_else(|| Ok(Columns::default()), study_columns)?;
+    let columns = args.columns.as_deref().map_or_else(|| sidecar_columns(&args.log), study_columns)?;
     let source = read_source(&args.log, &columns)?;
     refuse_overwriting([args.out.as_path()], &log_files(&args.log)?)?;
     let samples: usize = source.clocks.iter().map(Vec::len).max().unwrap_or(0);

@@ -3,6 +3,8 @@
 use crate::fleet::FleetError;
 use crate::gap::GapError;
 use crate::gap::clamped::ClampedCaseError;
+use crate::gap::inverse::TorqueError;
+use crate::gap::neighbours::RepeatError;
 use crate::gap::robot::RobotGapError;
 use crate::identify::{CaseError, DropError};
 use crate::log::LogError;
@@ -15,7 +17,7 @@ use crate::synth::SynthError;
 use crate::thesis::TablesError;
 use std::path::PathBuf;
 
-/// The answer is "no": the joint never moved.
+/// The answer is "no": nothing moved, or a gate failed.
 pub(super) const NO: u8 = 1;
 /// The command line cannot be understood.
 pub(super) const USAGE: u8 = 2;
@@ -145,6 +147,30 @@ impl From<SynthError> for CliError {
 impl From<DescriptionError> for CliError {
     fn from(error: DescriptionError) -> Self {
         CliError::Description(Box::new(error))
+    }
+}
+
+impl From<ClampedCaseError> for CliError {
+    fn from(error: ClampedCaseError) -> Self {
+        CliError::ClampedCase(Box::new(error))
+    }
+}
+
+impl From<TorqueError> for CliError {
+    fn from(error: TorqueError) -> Self {
+        match error {
+            TorqueError::Case(error) => error.into(),
+            TorqueError::Gap(error) => error.into(),
+        }
+    }
+}
+
+impl From<RepeatError> for CliError {
+    fn from(error: RepeatError) -> Self {
+        match error {
+            RepeatError::Simulate(error) => CliError::Simulate(error),
+            RepeatError::Rejected(error) => CliError::Drop(error.into()),
+        }
     }
 }
 

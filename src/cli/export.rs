@@ -178,6 +178,11 @@ fn read_document(file: &Path) -> Result<Value, CliError> {
     if document["schema"] != 1 {
         return Err(wrong("`schema` is not 1".to_owned()));
     }
+    if let Some(repaired) = document["repaired"]["file"].as_str() {
+        return Err(wrong(format!(
+            "the diagnosis of a walking robot cannot be exported; `{repaired}` beside its report is its robot as found"
+        )));
+    }
     Ok(document)
 }
 

@@ -9,7 +9,7 @@ use super::provenance::provenance;
 use super::still::never_moved;
 use super::{CliError, clamped_gap, robot_gap};
 use crate::deadline::Deadline;
-use crate::gap::clamped::BodyKind;
+use crate::gap::clamped::{BodyKind, NoSuchCause};
 use crate::gap::robot::{Cause, UnknownCause};
 use crate::gap::{GapError, GapOptions, diagnose};
 use crate::identify::Case;
@@ -20,6 +20,9 @@ use clap::Args;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+
+/// What `--without` and `--only` name.
+pub(super) use crate::gap::clamped::NamedCause as Named;
 
 /// Diagnose the gap between a nominal model and logs, of a joint or of the whole robot
 ///
@@ -64,10 +67,10 @@ pub(super) struct GapArgs {
 
 fn after_help() -> String {
     let ids: Vec<&str> = EffectId::ALL.iter().map(|effect| effect.id()).collect();
-    let more = Cause::all().filter(|cause| !matches!(cause, Cause::Effect(_))).map(Cause::id);
-    let more: Vec<&str> = more.chain([BodyKind::BodyMass, BodyKind::BodyCom].map(BodyKind::id)).collect();
+    let of_walking = Cause::all().filter(|cause| !matches!(cause, Cause::Effect(_))).map(Cause::id);
+    let of_arms = [BodyKind::Payload, BodyKind::BodyMass, BodyKind::BodyCom].map(BodyKind::id);
     format!(
-        "Effects: {}; of a robot also {}.\n\
+        "Effects: {}; of a robot that walks also {}, of one with a clamped base {}.\n\
          Names for --fix, --free, --bound and --start (of a joint): inertia, moment, coulomb, viscous, gain, kd, ki, rest, and \
          parameters of effects such as delay.T.\nAngles are in rad, times in s, torques in N m; the exit code is 0 for any verdict.\n\n\
          Study, all keys with units and defaults in docs/reference/study.md: schema = 1; [joint] name, inertia [kg m^2], moment [kg m], \
@@ -76,41 +79,14 @@ fn after_help() -> String {
          drive = off|position|torque, session, tau_is = applied|commanded|current, motor, extra.\n\n\
          Example: aibo-fit gap study.toml --without delay,backlash",
         ids.join(", "),
-        more.join(", ")
+        of_walking.collect::<Vec<_>>().join(", "),
+        of_arms.join(", ")
     )
 }
 
-/// What `--without` and `--only` name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Named {
-    Cause(Cause),
-    /// Another mass or centre of mass of a body; a payload is a cause of other robots too.
-    Body(BodyKind),
-}
-
-impl Named {
-    /// As it is written.
-    pub(super) fn id(self) -> &'static str {
-        match self {
-            Self::Cause(cause) => cause.id(),
-            Self::Body(kind) => kind.id(),
-        }
-    }
-
-    /// What of a body it is, on a robot whose base is clamped.
-    fn body(self) -> Option<BodyKind> {
-        match self {
-            Self::Cause(Cause::Payload) => Some(BodyKind::Payload),
-            Self::Cause(_) => None,
-            Self::Body(kind) => Some(kind),
-        }
-    }
-}
-
+/// A cause by its id, with blanks around it.
 pub(super) fn named(word: &str) -> Result<Named, UnknownCause> {
-    let word = word.trim();
-    let body = [BodyKind::BodyMass, BodyKind::BodyCom].into_iter().find(|kind| kind.id() == word);
-    body.map_or_else(|| word.parse().map(Named::Cause), |kind| Ok(Named::Body(kind)))
+    word.trim().parse()
 }
 
 /// A time with its unit: `60s`, `1.5min`.
@@ -133,49 +109,27 @@ const LONGEST_S: f64 = 365.25 * 86_400.0;
 
 /// Causes of a robot that is simulated as a whole; those of bodies are looked for along the motion of clamped ones.
 pub(super) fn causes(named: &[Named]) -> Result<Vec<Cause>, CliError> {
-    let cause = |named: &Named| match named {
-        Named::Cause(cause) => Ok(*cause),
-        Named::Body(kind) => {
-            Err(CliError::Usage(format!("`{}` is looked for in studies with scenario = \"fixed\"", kind.id())))
-        }
-    };
-    named.iter().map(cause).collect()
+    named.iter().map(|cause| cause.of_whole_robot().map_err(none_such)).collect()
 }
 
-/// Causes that a joint has; those of a robot alone are refused.
-fn effects(named: &[Named]) -> Result<Vec<EffectId>, CliError> {
-    let effect = |named: &Named| match named {
-        Named::Cause(Cause::Effect(effect)) => Ok(*effect),
-        other => {
-            let id = other.id();
-            Err(CliError::Usage(format!("`{id}` is a cause of a whole robot, and this is the study of a joint")))
-        }
-    };
-    named.iter().map(effect).collect()
+fn none_such(error: NoSuchCause) -> CliError {
+    CliError::Usage(error.to_string())
 }
 
 /// What is asked of the diagnosis of a robot with a clamped base.
 pub(super) fn options_of_clamped(args: &GapArgs, deadline: Deadline) -> Result<GapOptions, CliError> {
-    let without_bodies = args.without.iter().filter_map(|named| named.body()).collect();
-    let without: Vec<Named> = args.without.iter().copied().filter(|named| named.body().is_none()).collect();
-    Ok(GapOptions { without_bodies, ..options_without(args, &without, deadline)? })
+    Ok(asked(args, GapOptions::of_arm(&args.without, &args.only).map_err(none_such)?, deadline))
 }
 
 /// What is asked of a joint's diagnosis.
 pub(super) fn options(args: &GapArgs, deadline: Deadline) -> Result<GapOptions, CliError> {
-    options_without(args, &args.without, deadline)
+    Ok(asked(args, GapOptions::of_joint(&args.without, &args.only).map_err(none_such)?, deadline))
 }
 
-fn options_without(args: &GapArgs, without: &[Named], deadline: Deadline) -> Result<GapOptions, CliError> {
-    Ok(GapOptions {
-        without: effects(without)?,
-        only: effects(&args.only)?,
-        without_bodies: Vec::new(),
-        twins: args.twins as usize,
-        seed: args.seed,
-        demands: args.demands.directives(),
-        deadline,
-    })
+/// The rest of what is asked, beside the causes that are looked for.
+fn asked(args: &GapArgs, causes: GapOptions, deadline: Deadline) -> GapOptions {
+    let (twins, seed, demands) = (args.twins as usize, args.seed, args.demands.directives());
+    GapOptions { twins, seed, demands, deadline, ..causes }
 }
 
 /// Whether a path is a log by its ending, or a folder of one: what is read of it as text says nothing that helps.
@@ -214,8 +168,9 @@ pub(super) fn run(args: &GapArgs) -> Result<u8, CliError> {
     let progress = Progress::within(args.common.quiet, args.budget);
     progress.say("reading");
     let case = Case::of_study(&args.study)?;
+    let told = case.doubts();
     if !args.common.quiet {
-        progress.pause(|| case.doubts().iter().for_each(|doubt| warn(doubt)));
+        progress.pause(|| told.iter().for_each(|doubt| warn(doubt)));
     }
     let diagnosis = args.common.on_threads(|| diagnose(&case, &options, &progress))?;
     let diagnosis = match diagnosis {
@@ -227,6 +182,8 @@ pub(super) fn run(args: &GapArgs) -> Result<u8, CliError> {
     let page = write_report(args, &case, &report)?;
     drop(progress);
     if !args.common.quiet {
+        // The search shows more than the numbers alone.
+        report.doubts.iter().filter(|doubt| !told.contains(doubt)).for_each(|doubt| warn(doubt));
         print(&gap_text(&report));
         print(&format!("\nreport: {}\n", page.display()));
     }
@@ -284,11 +241,11 @@ mod tests {
     }
 
     #[test]
-    fn causes_of_a_robot_are_none_of_a_joint() {
-        assert_eq!(effects(&[Named::Cause(Cause::Effect(EffectId::Delay))]).unwrap(), [EffectId::Delay]);
-        let error = effects(&[Named::Cause(Cause::Payload)]).unwrap_err();
+    fn what_a_study_cannot_have_is_a_matter_of_the_command_line() {
+        assert_eq!(causes(&[Named::Cause(Cause::Payload)]).unwrap(), [Cause::Payload]);
+        let error = causes(&[Named::Body(BodyKind::BodyMass)]).unwrap_err();
         assert_eq!(error.exit_code(), crate::cli::error::USAGE);
-        assert!(error.to_string().contains("`payload` is a cause of a whole robot"), "{error}");
+        assert!(error.to_string().contains("`body_mass` is looked for in studies with scenario"), "{error}");
     }
 
     #[test]

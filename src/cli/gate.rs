@@ -6,14 +6,15 @@ use super::error::NO;
 use super::progress::Progress;
 use super::provenance::provenance;
 use crate::gap::clamped::ClampedSetup;
-use crate::gap::inverse::{TorqueError, diagnose_motion, diagnose_torques};
+use crate::gap::gate::{GateBounds, GateStudy};
+use crate::gap::inverse::diagnose_setup;
 use crate::gap::robot::{RobotCase, RobotOptions, diagnose_robot};
 use crate::gap::{GapOptions, diagnose};
 use crate::identify::Case;
-use crate::log::{LogError, Outputs, Predict, StudyKind, study_kind};
+use crate::log::{LogError, Outputs, StudyKind, study_kind};
 use crate::report::{
-    ClampedGapReport, GapReport, GateBounds, GateStudy, RobotGapReport, clamped_gap_json, gap_json, gate_baseline,
-    gate_json, gate_junit, gate_markdown, gate_text, robot_gap_json,
+    ClampedGapReport, GapReport, RobotGapReport, clamped_gap_json, gap_json, gate_baseline, gate_json, gate_junit,
+    gate_markdown, gate_study, gate_text, robot_gap_json,
 };
 use clap::Args;
 use serde_json::Value;
@@ -78,7 +79,7 @@ pub(super) fn run(args: &GateArgs) -> Result<u8, CliError> {
             of(&name).or_else(|| of(""))
         };
         match args.common.on_threads(|| document(path, &progress)).and_then(|found| found) {
-            Ok(document) => GateStudy::of(&name, &document, &bounds, &earlier),
+            Ok(document) => gate_study(&name, &document, &bounds, &earlier),
             Err(error) => GateStudy::failed(&name, error.to_string()),
         }
     };
@@ -120,24 +121,10 @@ fn document(study: &Path, progress: &Progress) -> Result<Value, CliError> {
             serde_json::to_value(gap_json(&report)).map_err(encoded)
         }
         StudyKind::Clamped => {
-            let wrong = |error| CliError::ClampedCase(Box::new(error));
-            let failed = |error| match error {
-                TorqueError::Case(error) => wrong(error),
-                TorqueError::Gap(error) => error.into(),
-            };
-            let (setup, options) = (ClampedSetup::read(study).map_err(wrong)?, GapOptions::default());
+            let (setup, options) = (ClampedSetup::read(study)?, GapOptions::default());
             let from = provenance(setup.inputs())?;
-            let report = match setup.study.predict {
-                Predict::Motion => {
-                    let (case, diagnosis) = diagnose_motion(&setup, &options, progress).map_err(failed)?;
-                    ClampedGapReport::new(&setup, &case, diagnosis, &options, &from)
-                }
-                Predict::Torque => {
-                    let diagnosis = diagnose_torques(&setup, &options, progress).map_err(failed)?;
-                    ClampedGapReport::of_torques(&setup, diagnosis, &options, &from)
-                }
-            };
-            clamped_gap_json(&report).map_err(encoded)
+            let found = diagnose_setup(&setup, &options, progress)?;
+            clamped_gap_json(&ClampedGapReport::new(&setup, found, &options, &from)).map_err(encoded)
         }
         StudyKind::Robot => {
             let case = RobotCase::of_study(study).map_err(|error| CliError::RobotCase(Box::new(error)))?;

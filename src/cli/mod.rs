@@ -11,7 +11,6 @@ mod dynamics;
 mod error;
 mod export;
 mod fleet;
-mod full_drop;
 mod gap;
 mod gate;
 mod init;
@@ -34,7 +33,6 @@ use std::io::Write;
 use std::process::ExitCode;
 
 pub use error::CliError;
-pub use full_drop::full_drop;
 
 /// What `--version` says: which logs can be read depends on how the program was built.
 const VERSION: &str = if cfg!(feature = "parquet") {
@@ -46,7 +44,7 @@ const VERSION: &str = if cfg!(feature = "parquet") {
 /// Says why a robot does not do what its simulation does, and turns logs of joints into trustworthy dynamics.
 #[derive(Parser, Debug)]
 #[command(name = "aibo-fit", version, long_version = VERSION, max_term_width = 100, propagate_version = true)]
-#[command(after_help = "Exit codes: 0 done; 1 the answer is no (the joint never moved); 2 usage; 3 bad data; \
+#[command(after_help = "Exit codes: 0 done; 1 the answer is no (nothing moved, a gate failed); 2 usage; 3 bad data; \
 4 did not converge or diverged; 5 could not read or write.\n\nExample: aibo-fit drop data/q1.csv")]
 struct Cli {
     #[command(subcommand)]

@@ -6,9 +6,9 @@ use super::progress::Progress;
 use super::provenance::provenance;
 use crate::geometry::robot_file::Base;
 use crate::log::Outputs;
-use crate::report::{SensorReport, SweepPart, sensor_figures, sensor_html, sensor_text};
+use crate::report::{SensorReport, sensor_figures, sensor_html, sensor_text};
 use crate::robot::Model;
-use crate::robot::simulate::{Joints, PositionSensor, SweepPoint, sweep};
+use crate::robot::simulate::{Joints, PositionSensor, Swept, sweep};
 use clap::Args;
 
 /// Set a joint to 312 places over a wide and a fine range and read its sensor (section B.1, Figures B.1 to B.3)
@@ -48,7 +48,7 @@ pub(super) fn run(args: &SensorTestArgs) -> Result<u8, CliError> {
     let sensor = (PositionSensor::of(&model), args.seed);
     let one = |range: &[f64; 2]| {
         let points = sweep(&model, &joints, joint, *range, usize::from(args.measurements), sensor)?;
-        Ok::<_, CliError>(part(&points))
+        Ok::<_, CliError>(Swept::of(&points))
     };
     let rest_rad = model.joints()[joint.index()].resting_rad();
     let ranges = [WIDE_RAD, FINE_RAD.map(|away_rad| rest_rad + away_rad)];
@@ -80,27 +80,4 @@ pub(super) fn run(args: &SensorTestArgs) -> Result<u8, CliError> {
         print(&format!("\nreport: {}\n", page.display()));
     }
     Ok(0)
-}
-
-fn part(points: &[SweepPoint]) -> SweepPart {
-    let rms = |of: &dyn Fn(&SweepPoint) -> f64| {
-        (points.iter().map(|p| of(p).powi(2)).sum::<f64>() / points.len().max(1) as f64).sqrt()
-    };
-    let sensor = || points.iter().map(|p| p.reading_rad - p.angle_rad);
-    let not_below = points.iter().filter(|p| p.reading_rad >= p.setpoint_rad - 1e-12).count();
-    let column = |of: fn(&SweepPoint) -> f64| points.iter().map(of).collect::<Vec<f64>>();
-    let end = |point: Option<&SweepPoint>| point.map_or(f64::NAN, |point| point.setpoint_rad);
-    SweepPart {
-        range_rad: [end(points.first()), end(points.last())],
-        measurements: points.len(),
-        rms_rad: rms(&|p| p.reading_rad - p.setpoint_rad),
-        sensor_rms_rad: rms(&|p| p.reading_rad - p.angle_rad),
-        droop_rms_rad: rms(&|p| p.angle_rad - p.setpoint_rad),
-        droop_worst_rad: points.iter().map(|p| (p.angle_rad - p.setpoint_rad).abs()).fold(0.0, f64::max),
-        sensor_range_rad: [sensor().fold(f64::INFINITY, f64::min), sensor().fold(f64::NEG_INFINITY, f64::max)],
-        not_below: not_below as f64 / points.len().max(1) as f64,
-        setpoint_rad: column(|p| p.setpoint_rad),
-        reading_rad: column(|p| p.reading_rad),
-        angle_rad: column(|p| p.angle_rad),
-    }
 }

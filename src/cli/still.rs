@@ -3,9 +3,9 @@
 use super::CliError;
 use super::common::{CommonArgs, print, write_outputs};
 use super::error::NO;
-use crate::identify::Case;
+use crate::identify::{Case, resting_gravity_nm};
 use crate::log::{Outputs, Role};
-use crate::report::{resting_gravity_nm, still};
+use crate::report::still;
 use serde_json::json;
 
 /// Says of each fitted log why nothing moves; `outcome` is what cannot be given therefore.

@@ -8,7 +8,8 @@ const LONGEST: usize = 80;
 /// Digits of the hash of the whole path.
 const DIGITS: usize = 8;
 
-/// The path with everything but letters, digits, dots and underscores as `-`, and a part of its hash: two paths never share a name.
+/// The path with everything but letters, digits, dots and underscores as `-`, and a part of its hash: two paths never
+/// share a name.
 pub(super) fn name(path: &Path) -> String {
     let stem = path.with_extension("");
     let plain = |c: char| if c.is_ascii_alphanumeric() || matches!(c, '_' | '.') { c } else { '-' };

@@ -11,8 +11,7 @@ use super::model::BASELINE;
 use super::refuted::{predicts_clearly_worse, refuted_by, refutes};
 use super::score::Measure;
 use super::searched::{FAR, Known, LEFT_OVER, Searched, counted};
-use super::trial::Trial;
-use crate::fit::Budget;
+use super::trial::{AGAIN, Trial};
 use crate::identify::Experiment;
 use crate::joint::EffectId;
 use crate::progress::{Cancelled, Progress, Step};
@@ -54,8 +53,6 @@ pub(super) struct Attribution {
 const SERIOUS: f64 = 4.0;
 /// At the most so many single effects are carried over.
 const MOST: usize = 6;
-/// Evaluations of a fit that begins near its end.
-const AGAIN: Budget = Budget { evaluations: 24 };
 /// Held-out logs show more where they exceed the noise by this many times as much as the fitted ones, and these hardly
 /// do; or by this many times as much anyway.
 const SHOWS_MORE: f64 = 6.0;

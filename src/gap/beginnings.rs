@@ -99,8 +99,8 @@ impl Growth<'_> {
         leaves_at_most(self.evidence, WITHIN, best)(&fitted).then_some(fitted)
     }
 
-    /// Motor side and link apart, which are passed over for what is cheaper to try: beside a set, and by themselves; where they can
-    /// stand beside it, only if they lower what it leaves.
+    /// Motor side and link apart, which are passed over for what is cheaper to try: beside a set, and by themselves; where
+    /// they can stand beside it, only if they lower what it leaves.
     fn parted(&self, bare: &Trial, looked: &Looked, best: &Trial) -> Vec<Trial> {
         let near = |times: f64| leaves_at_most(self.evidence, times, best);
         let alone = |times: f64| {

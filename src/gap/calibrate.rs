@@ -2,13 +2,9 @@
 
 use super::evidence::Evidence;
 use super::model::GapModel;
-use super::trial::Trial;
-use crate::fit::Budget;
+use super::trial::{AGAIN, Trial};
 use crate::identify::{JointModel, Problem, candidates, ranked};
 use rayon::prelude::*;
-
-/// Evaluations of each of its fits.
-const AGAIN: Budget = Budget { evaluations: 24 };
 
 /// The numbers refitted within their beliefs, from several starts: as given, from smoothed accelerations and short parts
 /// of the logs, and with friction and inertia changed by factors.

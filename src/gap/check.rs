@@ -5,6 +5,7 @@ use super::compare::correlation_length;
 use super::detect::detectable;
 use super::diagnose::GapError;
 use super::diagnosis::Detectable;
+use super::doubts::{doubts, share_of_gain};
 use super::evidence::{Evidence, counts};
 use super::floor::noise_rad;
 use super::numbers::numbers;
@@ -33,6 +34,8 @@ pub struct Checkup {
     pub undetermined: Vec<String>,
     /// The smallest size of each effect of the catalogue that they would show.
     pub detectable: Vec<Detectable>,
+    /// What is to be questioned of the study, beside what [`Case::doubts`] says, in sentences.
+    pub doubts: Vec<String>,
 }
 
 /// Looks at what the logs of a joint study can tell, in seconds: the joint as given and recalibrated, no effect tried.
@@ -65,11 +68,12 @@ pub fn check(case: &Case) -> Result<Checkup, GapError> {
     let (beliefs, undetermined) = (calibrated.beliefs(), calibrated.undetermined(&evidence));
     let noise = (floor_rad, correlation_length(&evidence, &calibrated));
     let detectable = detectable(&evidence, noise, &calibrated, EffectId::ALL);
-    Ok(Checkup { given_rad, calibrated_rad, floor_rad, parameters, beliefs, undetermined, detectable })
+    let doubts = doubts(case, share_of_gain(&beliefs), [given_rad, floor_rad]);
+    Ok(Checkup { given_rad, calibrated_rad, floor_rad, parameters, beliefs, undetermined, detectable, doubts })
 }
 
 /// Root of the mean counted square over the fitted logs \[rad\].
-fn rms_rad(evidence: &Evidence, trial: &Trial) -> f64 {
+pub(super) fn rms_rad(evidence: &Evidence, trial: &Trial) -> f64 {
     let samples: f64 = evidence.fit.iter().map(|e| counts(e).sum::<f64>()).sum();
     (trial.fit_loss(evidence) / samples).sqrt()
 }

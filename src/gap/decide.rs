@@ -11,9 +11,8 @@ use super::floor::rough_rad;
 use super::held_out::{HeldOut, closed};
 use super::model::{BASELINE, COULOMB, DERIVATIVE, GAIN, INTEGRAL};
 use super::numbers::{UNNAMED, includes_none, numbers, numbers_beside};
-use super::score::Measure;
-use super::trial::Trial;
-use crate::fit::Budget;
+use super::score::{EQUAL_DEVIANCE, Measure};
+use super::trial::{AGAIN, Trial};
 use crate::identify::JointModel;
 use crate::joint::EffectId;
 
@@ -21,8 +20,8 @@ use crate::joint::EffectId;
 const RECALIBRATES: f64 = 24.0;
 /// Share of the noise's square sum that it must take away.
 const MATTERS: f64 = 0.008;
-/// A held-out error below the noise times this is hardly a gap.
-const HARDLY_A_GAP: f64 = 1.1;
+/// A held-out error below the noise times this is hardly a gap: shares of it would be numbers without meaning.
+pub(crate) const HARDLY_A_GAP: f64 = 1.1;
 /// Deviance that makes something even of that.
 const OVERWHELMING: f64 = 400.0;
 /// Share by which squared residuals may exceed the noise in a joint that is explained: the noise is not known better.
@@ -31,12 +30,8 @@ pub(super) const EXPLAINED: f64 = 0.12;
 const NO_ALARM: f64 = 0.3;
 /// Share of the recalibrated gap that the causes must close to be called its causes while something is left.
 const CLOSES: f64 = 0.75;
-/// Deviance within which hypotheses count as equally good, and standard deviations of their difference.
-pub const EQUAL_DEVIANCE: f64 = 9.0;
+/// Standard deviations of their difference within which hypotheses count as equally good, beside [`EQUAL_DEVIANCE`].
 const EQUAL_Z: f64 = 1.7;
-
-/// Evaluations of a fit that begins near its end.
-const AGAIN: Budget = Budget { evaluations: 24 };
 /// Standard deviations from which on the drive's gain has clearly moved.
 const GAIN_SD: f64 = 1.5;
 
@@ -167,9 +162,9 @@ impl<'a> Judge<'a, '_> {
         self.evidence.whole.is_some_and(|whole| !leaves_something(whole.found_rad, self.a.noise_rad))
     }
 
-    /// Whether the numbers of the joint cannot do what a refitted gain of the drive does: with the gain as stated they leave what is
-    /// worth an alarm. A gain within what is believed of it is one only where it is that of the whole law: with damping and
-    /// integral shares as stated it leaves no alarm.
+    /// Whether the numbers of the joint cannot do what a refitted gain of the drive does: with the gain as stated they leave
+    /// what is worth an alarm. A gain within what is believed of it is one only where it is that of the whole law: with
+    /// damping and integral shares as stated it leaves no alarm.
     fn needs_another_gain(&self) -> bool {
         let calibrated = &self.a.calibrated;
         let (gain, value) = (&calibrated.model.parameters()[GAIN], calibrated.found.values[GAIN]);
@@ -200,9 +195,11 @@ impl<'a> Judge<'a, '_> {
         as_stated
     }
 
-    /// Whether the joint is no more than an encoder's step off, and predicts held-out logs as well as the best as it is given; or,
-    /// where other joints push it, hardly worse recalibrated, whose motion is read in such steps, or where no cause has a
-    /// size that logs agree on, and it may only have led the numbers to their place.
+    /// Whether the joint as given is no more than an encoder's step off, and predicts held-out logs as well as the best.
+    ///
+    /// Where other joints push it, whose motion is read in such steps, the recalibrated joint will do as well: it may predict
+    /// hardly worse. It may predict any worse where no cause has a size that logs agree on, for such a cause may only have
+    /// led the numbers to their place. The whole robot says the same where it needs no cause to predict the joint as well.
     fn has_hardly_a_cause(&self) -> bool {
         let stands =
             |t: &Trial, times: f64| !self.exceeds_a_step(t) && self.held_rad(t) <= times * self.held_rad(&self.a.best);

@@ -2,11 +2,11 @@
 
 use super::as_given::AsGiven;
 use super::attribute::Attribution;
-use super::decide::{Decision, decide};
+use super::decide::{Decision, EXPLAINED, HARDLY_A_GAP, decide};
 use super::demands::{in_words, resolved};
 use super::detect::detectable;
 use super::diagnosis::{
-    Answer, Candidate, Diagnosis, Gap, GapOptions, LogGap, LogTraces, Number, ResidualTorque, Verdict,
+    Answer, Candidate, Detectable, Diagnosis, Gap, GapOptions, LogGap, LogTraces, Next, Number, ResidualTorque, Verdict,
 };
 use super::differs::{Differs, differing};
 use super::evidence::{Evidence, WholeLeft};
@@ -23,7 +23,7 @@ use super::sentence::{far, followed, sentence};
 use super::together::all_together;
 use super::told::{AtBest, tell};
 use super::trial::{Trial, loss};
-use super::twins::measure;
+use super::twins::{Measured, measure};
 use super::waterfall::causes;
 use crate::deadline::NO_PROBABILITY;
 use crate::identify::{BeliefFound, Case, DirectiveError, Estimate, Experiment, JointModel, Signal};
@@ -88,20 +88,10 @@ pub(super) fn diagnose_from(
     progress: &dyn Progress,
 ) -> Result<Diagnosis, GapError> {
     let stage = |stage| progress.go_on(Step::stage(stage));
-    let nominal = case.joint.nominal.ok_or(GapError::NoNominal)?;
-    let mut evidence = Evidence::of(case, nominal).ok_or(GapError::NeverMoved)?;
     let Beside { described, whole, at_best, needs_no_cause } = beside;
-    evidence.whole = whole;
-    evidence.deadline = options.deadline.clone();
-    evidence.demands = Arc::new(resolved(&options.demands, &evidence)?);
+    let evidence = evidence_of(case, options, whole)?;
     let demands = Arc::clone(&evidence.demands);
-    // Who holds the drive's gain knows what arrives of a torque.
-    let gain_is_known = evidence.baseline().is_held_by_demand(GAIN);
-    let considered = |e: &EffectId| {
-        !(options.without.contains(e) || gain_is_known && *e == EffectId::MotorGain)
-            && (options.only.is_empty() || options.only.contains(e))
-    };
-    let effects: Vec<EffectId> = EffectId::ALL.iter().copied().filter(considered).collect();
+    let effects = considered(&evidence, options);
     let candidates = if needs_no_cause { &[][..] } else { &effects };
     let (evidence, attribution) = attributed(evidence, candidates, progress)?;
     if !attribution.calibrated.criterion().is_finite() {
@@ -114,82 +104,28 @@ pub(super) fn diagnose_from(
     if let Some(described) = described {
         described.begin(&mut gap);
     }
-    stage("what these logs could have shown")?;
-    let found = !decision.answer.effects().is_empty() || decision.answer.model.law().is_some();
-    let around = if found { decision.answer } else { &attribution.calibrated };
-    let noise = (attribution.noise_rad, attribution.correlation);
-    // Effects are added to what has a name.
-    let named = if around.model.law().is_none() {
-        around
-    } else if around.effects().is_empty() {
-        &attribution.calibrated
-    } else {
-        &attribution.best
-    };
-    let detectable = match options.deadline.leaves_aside(DETECTABLE) {
-        true => Vec::new(),
-        false => detectable(&evidence, noise, named, &effects),
-    };
-    let beside: &[EffectId] = if options.deadline.leaves_aside(UNNAMED) { &[] } else { &effects };
-    let (parameters, mut effect_parameters) = numbers_beside(&evidence, around, beside);
-    tell(at_best, around, &mut effect_parameters);
-    if decision.effects.contains(&EffectId::MotorGain) && !around.effects().contains(&EffectId::MotorGain) {
-        effect_parameters.push((EffectId::MotorGain, vec![gain_as_effect(&parameters)]));
-    }
+    let weighed = Weighed { options, evidence: &evidence, a: &attribution, decision: &decision, effects: &effects };
+    stage(DETECTABLE)?;
+    let detectable = weighed.detectable();
+    let (parameters, effect_parameters) = weighed.numbers(at_best);
     let law = law_found(&case.joint.name, &evidence, &held, &attribution, &decision);
-    let moved = decision.finding.map(|i| decision.answer.model.parameters()[i].name.clone());
-    let parameter = moved.clone().filter(|_| decision.verdict == Verdict::Calibration);
-    let is_named = matches!(decision.verdict, Verdict::Effect);
-    let intervals_trusted = decision.excess < super::decide::EXPLAINED;
-    // Causes that hold in some logs only may stand for a number that differs.
-    let restricted = attribution.best.model.only().iter().any(Option::is_some);
-    let may_differ = !intervals_trusted || restricted;
-    let differs = match may_differ && !options.deadline.leaves_out("numbers that differ between logs") {
-        true => differing(&evidence, &attribution),
-        false => Vec::new(),
-    };
-    let (parameter_moved, has_bodies) = (moved.as_deref(), described.is_some());
+    let differs = weighed.differs();
     let causes = causes(&evidence, &held, &attribution, &decision, &effect_parameters);
-    let mut sentence = sentence(
-        &case.joint.name,
-        &decision,
-        &gap,
-        parameter_moved,
-        (&effect_parameters, &causes),
-        law.as_ref(),
-        has_bodies,
-    );
-    sentence.extend(followed(decision.verdict, &gap, evidence.whole));
-    let beliefs = around.beliefs();
-    let broken = broken(&beliefs, &decision);
-    sentence.extend(far(&broken));
-    let inertia = &decision.answer.model.parameters()[INERTIA].name;
-    if broken.iter().any(|belief| belief.name == *inertia) {
-        sentence.extend(rotor::in_words(&evidence, decision.answer));
-    }
-    sentence.extend(differs.first().and_then(Differs::instead_of_causes));
+    let (beliefs, undetermined) = (weighed.around().beliefs(), weighed.around().undetermined(&evidence));
+    let moved = weighed.moved();
+    let parts = (&effect_parameters[..], &causes[..]);
+    let mut sentence = sentence(&case.joint.name, &decision, &gap, moved, parts, law.as_ref(), described.is_some());
+    sentence += &weighed.further(&gap, &beliefs, &differs);
     let mut ranking = ranking(&evidence, &held, &attribution, decision.answer, &gap);
     if let [(effect, numbers)] = &effect_parameters[..] {
         let own = ranking.iter_mut().filter(|candidate| candidate.effect == *effect);
         own.for_each(|candidate| candidate.parameters.clone_from(numbers));
     }
     stage("what would tell more")?;
-    let rivals = rivals(&attribution, &decision);
-    let next = match rivals.is_empty() || options.deadline.leaves_aside("the next experiment") {
-        true => None,
-        false => next(&evidence, &attribution, decision.answer, &rivals),
-    };
+    let next = weighed.next_experiment();
     let standing = standing(&decision);
-    let (mut probability, mut probability_source) = probability(&standing, &Rates::shipped());
-    let twins = if options.twins > 0 {
-        let answer = (decision.verdict, decision.effect().filter(|_| is_named));
-        Some(measure(&evidence, &attribution, &effects, answer, (options.twins, options.seed), progress)?)
-    } else {
-        None
-    };
-    if let Some((rate, source)) = twins.as_ref().and_then(|t| t.rate.clone()) {
-        (probability, probability_source) = (rate, source);
-    }
+    let twins = weighed.twins(progress)?;
+    let (probability, mut probability_source) = probability_of(&standing, twins.as_ref());
     stage("where the gap lies")?;
     let (location, torques) = place(&evidence, &attribution, &decision, law.as_ref());
     let mut traces = traces(&evidence, &attribution, &decision, torques);
@@ -208,20 +144,10 @@ pub(super) fn diagnose_from(
     } else {
         probability_source = NO_PROBABILITY.to_owned();
     }
+    let probability = is_finished.then_some(probability);
     Ok(Diagnosis {
         joint: case.joint.name.clone(),
-        answer: Answer {
-            verdict: decision.verdict,
-            effect: if is_named { decision.effect().map(|e| e.id().to_owned()) } else { parameter },
-            second: decision.second().filter(|_| is_named),
-            equivalent: if is_named { decision.equivalent.clone() } else { Vec::new() },
-            probability: is_finished.then_some(probability),
-            probability_source,
-            standing,
-            sentence,
-            partial: decision.effect().filter(|_| decision.verdict == Verdict::Unexplained),
-            intervals_trusted,
-        },
+        answer: weighed.answer(standing, sentence, (probability, probability_source)),
         location,
         gap,
         ranking,
@@ -230,7 +156,7 @@ pub(super) fn diagnose_from(
         causes,
         beliefs,
         law,
-        undetermined: around.undetermined(&evidence),
+        undetermined,
         effect_parameters,
         next,
         confusion: twins.map(|t| t.confusion),
@@ -241,6 +167,165 @@ pub(super) fn diagnose_from(
         demands: Arc::unwrap_or_clone(demands),
         budget,
     })
+}
+
+/// What there is to argue from; `whole` is what the whole robot leaves of the joint.
+fn evidence_of(case: &Case, options: &GapOptions, whole: Option<WholeLeft>) -> Result<Evidence, GapError> {
+    let nominal = case.joint.nominal.ok_or(GapError::NoNominal)?;
+    let mut evidence = Evidence::of(case, nominal).ok_or(GapError::NeverMoved)?;
+    evidence.whole = whole;
+    evidence.deadline = options.deadline.clone();
+    evidence.demands = Arc::new(resolved(&options.demands, &evidence)?);
+    Ok(evidence)
+}
+
+/// Effects that may be named.
+fn considered(evidence: &Evidence, options: &GapOptions) -> Vec<EffectId> {
+    // Who holds the drive's gain knows what arrives of a torque.
+    let gain_is_known = evidence.baseline().is_held_by_demand(GAIN);
+    let considered = |e: &EffectId| options.considers(*e) && !(gain_is_known && *e == EffectId::MotorGain);
+    EffectId::ALL.iter().copied().filter(considered).collect()
+}
+
+/// What was decided, and from what.
+struct Weighed<'a> {
+    options: &'a GapOptions,
+    evidence: &'a Evidence,
+    a: &'a Attribution,
+    decision: &'a Decision<'a>,
+    /// Effects that may be named.
+    effects: &'a [EffectId],
+}
+
+impl<'a> Weighed<'a> {
+    /// What numbers are told with: the answer where that has causes or a law, else the recalibrated joint.
+    fn around(&self) -> &'a Trial {
+        let answer = self.decision.answer;
+        let found = !answer.effects().is_empty() || answer.model.law().is_some();
+        if found { answer } else { &self.a.calibrated }
+    }
+
+    /// The smallest size of each effect that these logs would have shown.
+    fn detectable(&self) -> Vec<Detectable> {
+        if self.options.deadline.leaves_aside(DETECTABLE) {
+            return Vec::new();
+        }
+        let around = self.around();
+        // Effects are added to what has a name.
+        let named = if around.model.law().is_none() {
+            around
+        } else if around.effects().is_empty() {
+            &self.a.calibrated
+        } else {
+            &self.a.best
+        };
+        detectable(self.evidence, (self.a.noise_rad, self.a.correlation), named, self.effects)
+    }
+
+    /// Numbers of the joint, and of the effects of the answer.
+    fn numbers(&self, at_best: &[AtBest]) -> (Vec<Estimate>, Vec<(EffectId, Vec<Number>)>) {
+        let around = self.around();
+        let beside: &[EffectId] = if self.options.deadline.leaves_aside(UNNAMED) { &[] } else { self.effects };
+        let (parameters, mut effect_parameters) = numbers_beside(self.evidence, around, beside);
+        tell(at_best, around, &mut effect_parameters);
+        let has_gain = |effects: &[EffectId]| effects.contains(&EffectId::MotorGain);
+        if has_gain(&self.decision.effects) && !has_gain(around.effects()) {
+            effect_parameters.push((EffectId::MotorGain, vec![gain_as_effect(&parameters)]));
+        }
+        (parameters, effect_parameters)
+    }
+
+    /// Whether nothing is left that the model does not explain.
+    fn is_explained(&self) -> bool {
+        self.decision.excess < EXPLAINED
+    }
+
+    /// Numbers that are not the same in all logs.
+    fn differs(&self) -> Vec<Differs> {
+        // Causes that hold in some logs only may stand for a number that differs.
+        let restricted = self.a.best.model.only().iter().any(Option::is_some);
+        let may_differ = !self.is_explained() || restricted;
+        match may_differ && !self.options.deadline.leaves_out("numbers that differ between logs") {
+            true => differing(self.evidence, self.a),
+            false => Vec::new(),
+        }
+    }
+
+    /// The number that was moved by most of its standard deviations.
+    fn moved(&self) -> Option<&'a str> {
+        let parameters = self.decision.answer.model.parameters();
+        self.decision.finding.map(|i| parameters[i].name.as_str())
+    }
+
+    /// What is said behind the answer's first sentences: of the whole robot, and of numbers that are far from what was
+    /// believed of them or that differ between logs.
+    fn further(&self, gap: &Gap, beliefs: &[BeliefFound], differs: &[Differs]) -> String {
+        let (decision, evidence) = (self.decision, self.evidence);
+        let mut further = String::new();
+        further.extend(followed(decision.verdict, gap, evidence.whole));
+        let broken = broken(beliefs, decision);
+        further.extend(far(&broken));
+        let inertia = &decision.answer.model.parameters()[INERTIA].name;
+        if broken.iter().any(|belief| belief.name == *inertia) {
+            further.extend(rotor::in_words(evidence, decision.answer));
+        }
+        further.extend(differs.first().and_then(Differs::instead_of_causes));
+        further
+    }
+
+    /// The experiment that would tell apart what stands equally well.
+    fn next_experiment(&self) -> Option<Next> {
+        let rivals = rivals(self.a, self.decision);
+        match rivals.is_empty() || self.options.deadline.leaves_aside("the next experiment") {
+            true => None,
+            false => next(self.evidence, self.a, self.decision.answer, &rivals),
+        }
+    }
+
+    /// Whether the answer is an effect.
+    fn is_named(&self) -> bool {
+        self.decision.verdict == Verdict::Effect
+    }
+
+    /// What twins of the study say, where any are asked for.
+    fn twins(&self, progress: &dyn Progress) -> Result<Option<Measured>, Cancelled> {
+        if self.options.twins == 0 {
+            return Ok(None);
+        }
+        let answer = (self.decision.verdict, self.decision.effect().filter(|_| self.is_named()));
+        let drawn = (self.options.twins, self.options.seed);
+        measure(self.evidence, self.a, self.effects, answer, drawn, progress).map(Some)
+    }
+
+    /// The answer in short.
+    fn answer(
+        &self,
+        standing: String,
+        sentence: String,
+        (probability, probability_source): (Option<f64>, String),
+    ) -> Answer {
+        let (decision, is_named) = (self.decision, self.is_named());
+        let parameter = self.moved().filter(|_| decision.verdict == Verdict::Calibration);
+        Answer {
+            verdict: decision.verdict,
+            effect: if is_named { decision.effect().map(EffectId::id) } else { parameter }.map(str::to_owned),
+            second: decision.second().filter(|_| is_named),
+            equivalent: if is_named { decision.equivalent.clone() } else { Vec::new() },
+            probability,
+            probability_source,
+            standing,
+            sentence,
+            partial: decision.effect().filter(|_| decision.verdict == Verdict::Unexplained),
+            intervals_trusted: self.is_explained(),
+        }
+    }
+}
+
+/// The rate at which answers like this one were right, and where it was measured: on twins of the study where enough of them
+/// are alike, else as shipped.
+fn probability_of(standing: &str, twins: Option<&Measured>) -> (f64, String) {
+    let measured = twins.and_then(|twins| twins.rate.clone());
+    measured.unwrap_or_else(|| probability(standing, &Rates::shipped()))
 }
 
 /// Numbers that moved further than belief allows, beside what an answer names already.
@@ -352,7 +437,7 @@ fn ranking(evidence: &Evidence, held: &HeldOut, a: &Attribution, answer: &Trial,
                 probability: 0.0,
                 after,
                 // A share of hardly any gap would be a number without meaning.
-                closed: closed(gap.before, after, gap.floor).filter(|_| gap.before > 1.1 * gap.floor),
+                closed: closed(gap.before, after, gap.floor).filter(|_| gap.before > HARDLY_A_GAP * gap.floor),
                 behind_sd: best.map_or(0.0, |best| a.behind(evidence, t, best).max(0.0)),
                 parameters: effects.pop().map(|(_, numbers)| numbers).unwrap_or_default(),
                 refitted: true,

@@ -5,7 +5,7 @@ use super::differs::Differs;
 use super::logs::LogSet;
 use crate::deadline::{Deadline, Spent};
 use crate::identify::{BeliefFound, Directives, Estimate};
-use crate::joint::{EffectId, LawTable, Stage};
+use crate::joint::{EffectId, LawTable, LawVariable, Stage};
 use serde::Serialize;
 
 /// How to diagnose.
@@ -25,6 +25,13 @@ pub struct GapOptions {
     pub demands: Directives,
     /// Until when causes are looked for.
     pub deadline: Deadline,
+}
+
+impl GapOptions {
+    /// Whether an effect is asked for: it is not withheld, and one of the only ones where there are such.
+    pub(super) fn considers(&self, effect: EffectId) -> bool {
+        !self.without.contains(&effect) && (self.only.is_empty() || self.only.contains(&effect))
+    }
 }
 
 /// The kinds of answer.
@@ -98,6 +105,20 @@ impl Variable {
             Variable::Angle | Variable::Amplitude => "rad",
             Variable::Load | Variable::Torque => "N m",
             Variable::Time => "s",
+        }
+    }
+}
+
+/// The variable of a law as one that a gap may depend on.
+impl From<LawVariable> for Variable {
+    fn from(law: LawVariable) -> Self {
+        match law {
+            LawVariable::Angle => Variable::Angle,
+            LawVariable::Speed => Variable::Speed,
+            LawVariable::Load => Variable::Load,
+            LawVariable::MotorTorque => Variable::Torque,
+            LawVariable::Time => Variable::Time,
+            LawVariable::SetpointRate => Variable::SetpointRate,
         }
     }
 }

@@ -5,9 +5,8 @@ use super::evidence::Evidence;
 use super::logs::{By, Group, Groups};
 use super::model::{COULOMB, GAIN, REST};
 use super::score::Measure;
-use super::trial::Trial;
+use super::trial::{AGAIN, Trial};
 use super::within::predicts;
-use crate::fit::Budget;
 use crate::identify::JointModel;
 use crate::number::{mrad, quantity};
 use rayon::prelude::*;
@@ -20,8 +19,6 @@ const MAY_DIFFER: [usize; 3] = [GAIN, COULOMB, REST];
 const CLEARLY: f64 = 24.0;
 /// It has to leave less than this share of the squares.
 const LESS: f64 = 0.9;
-/// Evaluations of a fit that begins near its end.
-const AGAIN: Budget = Budget { evaluations: 24 };
 
 /// A number that is not the same in all logs.
 #[derive(Clone, Debug, PartialEq, Serialize)]

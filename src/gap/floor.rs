@@ -63,7 +63,7 @@ fn roughness(logs: &[&Experiment], models: &[Vec<&[f64]>]) -> Vec<f64> {
             let model = |i: usize| r[i] + readings[i];
             let travel = |from: usize| {
                 let range = (from..from + BLOCK).map(model);
-                let (low, high) = range.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), q| (l.min(q), h.max(q)));
+                let [low, high] = crate::number::extent(range);
                 high - low
             };
             (0..(r.len() / BLOCK) * BLOCK)

@@ -13,7 +13,7 @@ use super::model::COULOMB;
 use super::pairs::pairs;
 use super::score::Measure;
 use super::sight::Sight;
-use super::trial::Trial;
+use super::trial::{AGAIN, Trial};
 use crate::fit::Budget;
 use crate::joint::{EffectForm, EffectId};
 use crate::number::math;
@@ -22,10 +22,8 @@ use rayon::prelude::*;
 
 /// Most causes of an answer.
 pub(super) const MOST: usize = 6;
-/// Evaluations of a fit that begins near its end.
-const AGAIN: Budget = Budget { evaluations: 14 };
-/// Evaluations with which a grown set is brought to rest.
-const SETTLE: Budget = Budget { evaluations: 24 };
+/// Evaluations of a fit that begins near its end while a set still grows; a grown one is fitted [`AGAIN`].
+const GROWING: Budget = Budget { evaluations: 14 };
 /// A step has to lower the square sum to this share, and by this deviance if every so many samples count as one.
 const STEP: f64 = 0.96;
 const STEP_DEVIANCE: f64 = 24.0;
@@ -112,11 +110,12 @@ impl Growth<'_> {
         let others: Vec<Trial> = FACTORS.par_iter().map(again).collect();
         let best = others.into_iter().min_by(|a, b| a.criterion().total_cmp(&b.criterion()));
         let best =
-            best.filter(|t| t.criterion() < NEARLY * fitted.criterion()).map(|t| t.continued(self.evidence, AGAIN));
+            best.filter(|t| t.criterion() < NEARLY * fitted.criterion()).map(|t| t.continued(self.evidence, GROWING));
         best.filter(|t| t.criterion() < fitted.criterion()).unwrap_or(fitted)
     }
 
-    /// The best hypothesis with one effect more, or two, that lowers what is left, brought to rest; and what was seen of all with one more.
+    /// The best hypothesis with one effect more, or two, that lowers what is left, brought to rest; and what was seen of all
+    /// with one more.
     fn step(&self, from: &Trial) -> (Option<Trial>, Looked) {
         let others = self.others(from);
         let sights = self.sights(from, &others);
@@ -168,7 +167,7 @@ impl Growth<'_> {
     /// The best of those that come near it, each brought to rest with beliefs in the unit of its own residuals: in that of the
     /// hypothesis from which it was grown they weigh too much.
     fn settled(&self, near: &[&Trial]) -> Option<Trial> {
-        let settled: Vec<Trial> = near.par_iter().map(|t| (*t).clone().settled(self.evidence, SETTLE)).collect();
+        let settled: Vec<Trial> = near.par_iter().map(|t| (*t).clone().settled(self.evidence, AGAIN)).collect();
         let measure = Measure::by(self.evidence, settled.first()?);
         let score = |t: &Trial| measure.score(self.evidence, t);
         settled.into_iter().min_by(|a, b| score(a).total_cmp(&score(b)))
@@ -224,7 +223,7 @@ impl Growth<'_> {
 
     /// A hypothesis without each of its effects in turn, fitted again.
     pub fn without_each(&self, best: &Trial) -> Vec<Trial> {
-        (0..best.effects().len()).into_par_iter().map(|k| best.without(self.evidence, k, AGAIN)).collect()
+        (0..best.effects().len()).into_par_iter().map(|k| best.without(self.evidence, k, GROWING)).collect()
     }
 
     /// For each member, the sets in which another effect stands in its place, best first; `without` are the sets that
@@ -280,7 +279,7 @@ impl Growth<'_> {
             let others = rivals.iter().flatten().filter(allowed);
             match others.min_by(|a, b| score(a).total_cmp(&score(b))) {
                 Some(other) => {
-                    Pruned { best, without } = self.pruned(other.clone().settled(self.evidence, SETTLE));
+                    Pruned { best, without } = self.pruned(other.clone().settled(self.evidence, AGAIN));
                     rivals = self.rivals(&best, &without);
                 }
                 None if round > 0 => break,

@@ -34,7 +34,7 @@ enum From {
 pub(super) const FEW_LOGS: usize = 4;
 
 /// Evaluations of a fit without the held-out log; it begins where the fit with it ended.
-const AGAIN: Budget = Budget { evaluations: 10 };
+const WITHOUT_A_LOG: Budget = Budget { evaluations: 10 };
 
 impl HeldOut {
     pub fn of(evidence: &Evidence) -> Self {
@@ -105,7 +105,7 @@ impl HeldOut {
         Difference::of(&blocks(&self.experiments, a, b).collect::<Vec<f64>>())
     }
 
-    /// 95 % interval of `1 - (after - floor) / (before - floor)`, by blocks of 0.25 s drawn with replacement.
+    /// 95 % interval of the share that closes, by blocks of 0.25 s.
     pub fn closed_interval(&self, before: &[Vec<f64>], after: &[Vec<f64>], floor_rad: f64) -> Option<[f64; 2]> {
         let mut blocks: Vec<(f64, f64, f64)> = Vec::new();
         for ((e, before), after) in self.experiments.iter().zip(before).zip(after) {
@@ -113,24 +113,7 @@ impl HeldOut {
                 blocks.push((squares(b), squares(a), b.len() as f64));
             }
         }
-        let mut random = ChaCha8Rng::seed_from_u64(1);
-        let mut drawn: Vec<f64> = (0..DRAWS)
-            .map(|_| {
-                let mut sum = (0.0, 0.0, 0.0);
-                for _ in 0..blocks.len() {
-                    let (b, a, n) = blocks[random.random_range(0..blocks.len())];
-                    sum = (sum.0 + b, sum.1 + a, sum.2 + n);
-                }
-                closed((sum.0 / sum.2).sqrt(), (sum.1 / sum.2).sqrt(), floor_rad).unwrap_or(f64::NAN)
-            })
-            .filter(|c| c.is_finite())
-            .collect();
-        if drawn.len() < DRAWS / 2 {
-            return None;
-        }
-        drawn.sort_by(f64::total_cmp);
-        let at = |share: f64| drawn[((drawn.len() - 1) as f64 * share).round() as usize];
-        Some([at(0.025), at(0.975)])
+        closed_interval(&blocks, floor_rad)
     }
 }
 
@@ -191,13 +174,37 @@ fn without_log(evidence: &Evidence, trial: &Trial, k: usize) -> (f64, Vec<f64>) 
     let others = (0..all.len()).filter(|i| *i != k);
     let starts = others.clone().map(|i| trial.found.starts[i]).collect();
     let without = evidence.with_logs(others.map(|i| all[i].clone()).collect(), Vec::new());
-    let fitted = Trial::solved(&without, trial.model.clone(), &trial.found.values, starts, AGAIN);
+    let fitted = Trial::solved(&without, trial.model.clone(), &trial.found.values, starts, WITHOUT_A_LOG);
     let residual = predicted(&trial.model, &all[k], &fitted.found.values, Some(trial.found.starts[k])).1;
     (fitted.fit_loss(&without), residual)
 }
 
-/// Draws of the bootstrap.
+/// Draws of the bootstrap, and the seed of its random numbers.
 const DRAWS: usize = 400;
+const SEED: u64 = 1;
+
+/// 95 % interval of the share of the gap above the floor that is closed, by blocks of samples drawn with replacement: of each
+/// the squares before and after, and the number of samples.
+pub(super) fn closed_interval(blocks: &[(f64, f64, f64)], floor_rad: f64) -> Option<[f64; 2]> {
+    let mut random = ChaCha8Rng::seed_from_u64(SEED);
+    let mut drawn: Vec<f64> = (0..DRAWS)
+        .filter_map(|_| {
+            let mut sum = (0.0, 0.0, 0.0);
+            for _ in 0..blocks.len() {
+                let (b, a, n) = blocks[random.random_range(0..blocks.len())];
+                sum = (sum.0 + b, sum.1 + a, sum.2 + n);
+            }
+            closed((sum.0 / sum.2).sqrt(), (sum.1 / sum.2).sqrt(), floor_rad)
+        })
+        .filter(|share| share.is_finite())
+        .collect();
+    if drawn.len() < DRAWS / 2 {
+        return None;
+    }
+    drawn.sort_by(f64::total_cmp);
+    let at = |share: f64| drawn[((drawn.len() - 1) as f64 * share).round() as usize];
+    Some([at(0.025), at(0.975)])
+}
 
 /// Share of the gap above the floor that is closed; `None` where there is no gap.
 pub(super) fn closed(before_rad: f64, after_rad: f64, floor_rad: f64) -> Option<f64> {

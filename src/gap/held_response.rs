@@ -113,8 +113,8 @@ impl<'a> HeldResponse<'a> {
         self.joint.t_s[self.joint.t_s.len() - 1]
     }
 
-    /// What each of [`LANES`] holds at the most changes of the joint's angle, sample by sample \[rad\]; the last of them fills the
-    /// lanes that are free.
+    /// What each of [`LANES`] holds at the most changes of the joint's angle, sample by sample \[rad\]; the last of them fills
+    /// the lanes that are free.
     pub fn to_holds(&self, holds_s: &[f64]) -> Vec<[f64; LANES]> {
         let joint = &self.joint;
         let Some(last_s) = holds_s.last() else { return Vec::new() };

@@ -6,9 +6,8 @@ use super::grow::{Growth, Pruned};
 use super::held_out::{Elsewhere, FEW_LOGS};
 use super::refuted::unrefuted;
 use super::score::Measure;
-use super::trial::Trial;
+use super::trial::{AGAIN, Trial};
 use super::within::within_logs;
-use crate::fit::Budget;
 use crate::joint::EffectId;
 use rayon::prelude::*;
 
@@ -19,8 +18,6 @@ const CLEARLY: f64 = 2.0;
 /// Shares of the squares without a cause that are far less, and little.
 const FAR_LESS: f64 = 0.5;
 const LITTLE: f64 = 0.25;
-/// Evaluations of a fit that begins near its end.
-const AGAIN: Budget = Budget { evaluations: 24 };
 
 /// A set of causes that was judged.
 #[derive(Clone)]

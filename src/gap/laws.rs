@@ -27,9 +27,9 @@ const SIZES: [f64; 4] = [0.01, 0.04, 0.15, 0.6];
 const ROUNDS: usize = 3;
 /// Laws that are fitted in full.
 const FITTED: usize = 3;
-/// Evaluations of a first fit, and of one that begins near its end.
+/// Evaluations of a first fit with a law, and of one that begins near its end.
 const FULL: Budget = Budget { evaluations: 12 };
-const AGAIN: Budget = Budget { evaluations: 10 };
+const BESIDE_A_LAW: Budget = Budget { evaluations: 10 };
 /// Score by which a law has to be better than none.
 const EARNS: f64 = 10.0;
 /// Standard deviations by which it has to predict parts better that were not fitted, and whole logs.
@@ -61,7 +61,7 @@ fn pruned(evidence: &Evidence, measure: Measure, mut best: Trial) -> Trial {
     while !best.effects().is_empty() {
         let score = |t: &Trial| measure.score(evidence, t);
         let without: Vec<Trial> =
-            (0..best.effects().len()).into_par_iter().map(|k| best.without(evidence, k, AGAIN)).collect();
+            (0..best.effects().len()).into_par_iter().map(|k| best.without(evidence, k, BESIDE_A_LAW)).collect();
         match without.into_iter().min_by(|a, b| score(a).total_cmp(&score(b))) {
             Some(less) if score(&less) <= score(&best) => best = less,
             _ => break,
@@ -196,5 +196,5 @@ fn fitted(evidence: &Evidence, base: &Trial, promise: Promise) -> Trial {
     };
     let from = [1.0, 0.5, 0.0].map(values).into_iter().min_by(|a, b| rest(a).total_cmp(&rest(b)));
     let from = from.unwrap_or_else(|| values(0.0));
-    Trial::solved(evidence, model, &from, base.found.starts.clone(), FULL).settled(evidence, AGAIN)
+    Trial::solved(evidence, model, &from, base.found.starts.clone(), FULL).settled(evidence, BESIDE_A_LAW)
 }

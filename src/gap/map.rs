@@ -96,7 +96,7 @@ impl Torque {
 }
 
 /// Which of several p-values are discoveries at the given rate of false ones.
-fn discoveries(p_values: &[f64]) -> Vec<bool> {
+pub(super) fn discoveries(p_values: &[f64]) -> Vec<bool> {
     let mut sorted = p_values.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
     let n = sorted.len() as f64;

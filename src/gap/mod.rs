@@ -24,10 +24,12 @@ mod detect;
 mod diagnose;
 mod diagnosis;
 mod differs;
+mod doubts;
 mod evidence;
 mod explore;
 mod floor;
 mod folds;
+pub mod gate;
 mod grow;
 mod held_out;
 mod held_response;
@@ -88,6 +90,7 @@ mod within;
 pub use crate::identify::BeliefFound;
 pub use body_kind::BodyKind;
 pub use check::{Checkup, check};
+pub(crate) use decide::HARDLY_A_GAP;
 pub use diagnose::{GapError, diagnose};
 pub use diagnosis::{
     Answer, Candidate, CauseShare, Confusion, Detectable, Diagnosis, Gap, GapOptions, LawFound, LogGap, LogTraces,

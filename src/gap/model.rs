@@ -57,7 +57,7 @@ impl GapModel {
     pub(crate) fn baseline(nominal: &Nominal, rest_rad: f64, reach: &Reach, uncertain: &Uncertain) -> Self {
         let damping = reach.torque_nm / reach.speed_rad_s;
         let n = nominal;
-        let moment_unit = reach.torque_nm / 9.81;
+        let moment_unit = reach.torque_nm / crate::number::STANDARD_GRAVITY_M_S2;
         let largest_nm = reach.torque_nm.max(reach.driven.map_or(0.0, |driven| driven.command_nm));
         let sd = Deviations::of(n, uncertain, largest_nm, reach.speed_rad_s, moment_unit);
         let gain_sd = match reach.driven {

@@ -167,10 +167,7 @@ fn proposals(evidence: &Evidence) -> Vec<Proposal> {
         }
     }
     let driven = evidence.fit.iter().filter(|e| e.is_driven() && e.motor.is_some());
-    let [low, high] = driven
-        .clone()
-        .flat_map(|e| &e.measured_rad)
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], q| [low.min(*q), high.max(*q)]);
+    let [low, high] = crate::number::extent(driven.clone().flat_map(|e| &e.measured_rad).copied());
     let (middle_rad, widest_rad) = (0.5 * (low + high), 0.5 * (high - low));
     if let Some(example) = driven.clone().next() {
         for (amplitude, from_hz, to_hz) in [(0.5, 0.2, 1.5), (1.0, 0.2, 1.5), (1.0, 0.5, 4.0)] {

@@ -105,7 +105,7 @@ impl Course<'_, '_> {
     /// Samples about a turning point at which something pushes the joint back harder than everything else together.
     fn stopped(&self, turn: usize, motor_nm: &[f64]) -> Vec<usize> {
         let angle = &self.torque.angle_rad;
-        let (low, high) = angle.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), q| (l.min(*q), h.max(*q)));
+        let [low, high] = crate::number::extent(angle.iter().copied());
         let margin = (NEAR_END * (high - low)).max(3.0 * self.noise_rad);
         // Before the turn the joint moved towards the stop.
         let towards = self.direction[turn - 1];

@@ -2,26 +2,14 @@
 
 use super::attribute::Attribution;
 use super::decide::Decision;
-use super::diagnosis::{LawFound, ResidualTorque, Variable, Verdict, Where};
+use super::diagnosis::{LawFound, ResidualTorque, Verdict, Where};
 use super::evidence::Evidence;
 use super::localise::localise;
 use super::log_part::LogPart;
 use super::residual_torque::residual_torque;
 use crate::identify::{Experiment, JointModel};
-use crate::joint::{LawVariable, Stage};
+use crate::joint::Stage;
 use rayon::prelude::*;
-
-/// The variable of a law as one that a gap may depend on.
-fn variable_of(law: LawVariable) -> Variable {
-    match law {
-        LawVariable::Angle => Variable::Angle,
-        LawVariable::Speed => Variable::Speed,
-        LawVariable::Load => Variable::Load,
-        LawVariable::MotorTorque => Variable::Torque,
-        LawVariable::Time => Variable::Time,
-        LawVariable::SetpointRate => Variable::SetpointRate,
-    }
-}
 
 /// The place of the gap, and the residual torque of each fitted, then of each held-out log.
 ///
@@ -55,7 +43,7 @@ pub(super) fn place(
         (Verdict::Unexplained, _) if decision.answer.model.law().is_some() => {
             if let Some(law) = decision.answer.model.law() {
                 place.stage = found.and_then(|found| found.table.stage());
-                place.variable = Some(variable_of(law.variable));
+                place.variable = Some(law.variable.into());
                 place.range = Some(law.strongest(&decision.answer.found.values[decision.answer.model.law_place()]));
             }
         }

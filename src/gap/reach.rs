@@ -3,7 +3,10 @@
 use crate::identify::{Experiment, Signal};
 use crate::joint::{DrivenReach, Reach};
 use crate::log::Nominal;
-use crate::number::math;
+use crate::number::{extent, math};
+
+/// Angles that travel less do not move \[rad\].
+const MOVES_RAD: f64 = 0.01;
 
 /// The reach of all experiments together.
 pub(crate) fn reach_of(experiments: &[Experiment], nominal: &Nominal) -> Reach {
@@ -14,10 +17,7 @@ pub(crate) fn reach_of(experiments: &[Experiment], nominal: &Nominal) -> Reach {
         (nominal.moment_kg_m + load) * e.gravity_m_s2 * widest.max(0.3)
     });
     let speed = |e: &Experiment| largest_speed(&e.t_s, &e.measured_rad);
-    let angle_rad = experiments
-        .iter()
-        .flat_map(|e| &e.measured_rad)
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |r, &q| [r[0].min(q), r[1].max(q)]);
+    let angle_rad = extent(experiments.iter().flat_map(|e| &e.measured_rad).copied());
     let driven = || experiments.iter().filter(|e| e.is_driven());
     let by_law = || driven().filter(|e| matches!(e.signal, Signal::Position { .. })).filter_map(|e| e.motor);
     let command_nm = driven().map(Experiment::largest_command_nm).fold(0.0, f64::max);
@@ -33,7 +33,7 @@ pub(crate) fn reach_of(experiments: &[Experiment], nominal: &Nominal) -> Reach {
         driven: (driven().count() > 0 && command_nm > 0.0).then(|| DrivenReach {
             command_nm,
             speed_rad_s: driven().map(speed).fold(0.0, f64::max).max(0.1),
-            period_s: driven().map(period).fold(f64::INFINITY, f64::min),
+            period_s: driven().map(|e| mean_period_s(&e.t_s)).fold(f64::INFINITY, f64::min),
             by_setpoint: driven().any(|e| matches!(e.signal, Signal::Position { .. })),
             by_derivative: by_law().any(|law| law.kd_nm_s_rad != 0.0),
             by_integral: by_law().any(|law| law.ki_nm_rad_s != 0.0),
@@ -41,8 +41,15 @@ pub(crate) fn reach_of(experiments: &[Experiment], nominal: &Nominal) -> Reach {
     }
 }
 
-fn period(e: &Experiment) -> f64 {
-    (e.t_s[e.t_s.len() - 1] - e.t_s[0]) / (e.t_s.len() - 1) as f64
+/// What samples are apart on average \[s\], so that the last one ends a whole number of them.
+pub(super) fn mean_period_s(t_s: &[f64]) -> f64 {
+    (t_s[t_s.len() - 1] - t_s[0]) / (t_s.len() - 1) as f64
+}
+
+/// Whether a joint along its angles, or what is asked of one, goes anywhere.
+pub(super) fn travels(angle_rad: &[f64]) -> bool {
+    let [low, high] = extent(angle_rad.iter().copied());
+    high - low > MOVES_RAD
 }
 
 /// Largest speed over stretches of about 50 ms, which quantisation does not inflate much \[rad/s\].

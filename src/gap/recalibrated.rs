@@ -5,13 +5,9 @@ use super::calibrate::calibrate;
 use super::demands::resolved;
 use super::evidence::Evidence;
 use super::held_out::HeldOut;
-use super::trial::Trial;
-use crate::fit::Budget;
+use super::trial::{AGAIN, Trial};
 use crate::identify::{BeliefFound, Case, JointModel};
 use std::sync::Arc;
-
-/// Evaluations of the fit to all samples, which begins near its end.
-const AGAIN: Budget = Budget { evaluations: 24 };
 
 /// A joint with its numbers refitted.
 pub(super) struct Refitted {

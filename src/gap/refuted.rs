@@ -5,8 +5,7 @@
 use super::compare::{Difference, blocks};
 use super::evidence::{Evidence, counts};
 use super::held_out::{FEW_LOGS, HeldOut};
-use super::trial::Trial;
-use crate::fit::Budget;
+use super::trial::{AGAIN, Trial};
 use crate::joint::{EffectForm, EffectId};
 use rayon::prelude::*;
 
@@ -22,8 +21,6 @@ const NEGLIGIBLE: f64 = 0.02;
 const OF_A_STEP: f64 = 0.4;
 /// What is left out where this is not asked.
 const WHETHER_REFUTED: &str = "whether held-out logs refute a cause";
-/// Evaluations of a fit that begins near its end.
-const AGAIN: Budget = Budget { evaluations: 24 };
 
 /// The evidence with beliefs whose tails are light, where held-out logs are predicted clearly better by the same causes
 /// with numbers that heavy tails have not let go far; `None` where they are not.

@@ -5,6 +5,8 @@ use super::trial::Trial;
 use crate::identify::{self, Experiment};
 use crate::number::math;
 
+/// Deviance within which hypotheses count as equally good.
+pub const EQUAL_DEVIANCE: f64 = 9.0;
 /// Charge for having been chosen among the catalogue, in deviance.
 pub(super) const FOR_THE_CHOICE: f64 = 6.0;
 

@@ -9,15 +9,12 @@ use super::grow::{Growth, Looked, Pruned};
 use super::judged::{Judged, judged};
 use super::refuted::refutes;
 use super::score::{Measure, is_better};
-use super::trial::Trial;
-use crate::fit::Budget;
+use super::trial::{AGAIN, Trial};
 use crate::joint::EffectId;
 use crate::progress::{Cancelled, Progress, Step};
 
 /// Sets that are carried over from short parts of the logs.
 const CARRIED: usize = 2;
-/// Evaluations of a fit that begins near its end.
-const AGAIN: Budget = Budget { evaluations: 24 };
 /// A share above the noise from which on the search may have ended in a wrong place, and one from which on whole logs are
 /// too long for it to begin with.
 pub(super) const FAR: f64 = 0.5;

@@ -112,7 +112,7 @@ pub(super) fn moved(beliefs: &[&BeliefFound]) -> String {
 
 /// That numbers are far from what was believed of them, where any are.
 pub(super) fn far(broken: &[&BeliefFound]) -> Option<String> {
-    (!broken.is_empty()).then(|| format!(" Numbers of the study would have to move far: {}.", moved(broken)))
+    (!broken.is_empty()).then(|| format!(" To fit, numbers had to move far from what was stated: {}.", moved(broken)))
 }
 
 /// A number of a joint in a sentence, by the name of its key.

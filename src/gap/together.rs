@@ -10,8 +10,7 @@ use super::evidence::Evidence;
 use super::held_out::FEW_LOGS;
 use super::refuted::predicts_clearly_worse;
 use super::searched::Searched;
-use super::trial::Trial;
-use crate::fit::Budget;
+use super::trial::{AGAIN, Trial};
 use crate::identify::Experiment;
 use crate::joint::EffectId;
 use crate::progress::{Cancelled, Progress, Step};
@@ -20,8 +19,6 @@ use crate::progress::{Cancelled, Progress, Step};
 const MUCH: f64 = 2.0;
 /// Share of the held-out squares that a set of causes may leave at most to take the place of another.
 const FAR_LESS: f64 = 0.5;
-/// Evaluations of a fit that begins near its end.
-const AGAIN: Budget = Budget { evaluations: 24 };
 
 /// The attribution that begins with the causes for which all logs together ask, where those predict held-out logs far better,
 /// and the logs that it is fitted to. Few logs together ask for what each of them asks for.

@@ -13,6 +13,9 @@ pub(super) const CLOSE: f64 = 0.01;
 /// Share of the unit of the beliefs below which that of the residuals sets another.
 const MUCH_LESS: f64 = 0.5;
 
+/// Evaluations of a fit that is made again from where another ended, and so begins near its end.
+pub(super) const AGAIN: Budget = Budget { evaluations: 24 };
+
 /// Evaluations of a fit of starts alone.
 const STARTS: Budget = Budget { evaluations: 12 };
 

@@ -9,13 +9,12 @@
 //!
 //! What differs between logs shows in how differently each of them pulls the numbers.
 
-use super::decide::EQUAL_DEVIANCE;
 use super::evidence::Evidence;
 use super::projector::Projector;
-use super::score::Measure;
+use super::score::{EQUAL_DEVIANCE, Measure};
 use super::sight::{LARGEST, weighted};
-use super::trial::Trial;
-use crate::fit::{Budget, Residuals};
+use super::trial::{AGAIN, Trial};
+use crate::fit::Residuals;
 use crate::identify::{Found, JointModel, Problem};
 use crate::joint::{EffectForm, EffectId};
 use crate::number::math;
@@ -28,8 +27,6 @@ const SOME_STARTS: usize = 6;
 const PER_PARAMETER: f64 = 2.0;
 /// Logs of which fewer tell nothing of a spread.
 const FEWEST: usize = 3;
-/// Evaluations of a refit in another form.
-const AGAIN: Budget = Budget { evaluations: 24 };
 
 /// What residuals suggest of an effect of which a starting point is known.
 struct Suggested {

@@ -97,8 +97,9 @@ pub(super) fn shares(explained: &[Explained]) -> Vec<(Variable, f64)> {
     shares
 }
 
-/// The samples with an estimate of the torque, and in which log and where each is. Their weight is their time, less where the estimate is uncertain; a spike
-/// counts no more than [`SPIKE`] times what is typical, so that one event does not drown what comes back.
+/// The samples with an estimate of the torque, and in which log and where each is. Their weight is their time, less where the
+/// estimate is uncertain; a spike counts no more than [`SPIKE`] times what is typical, so that one event does not drown what
+/// comes back.
 fn samples(parts: &[LogPart]) -> (Vec<Sample>, Vec<(usize, usize)>) {
     let moving: Vec<Vec<usize>> = parts.iter().map(|p| (0..p.len()).filter(|k| is_moving(p, *k)).collect()).collect();
     let (mut typical, mut limit) = (0.0, f64::INFINITY);
@@ -153,7 +154,7 @@ fn amplitudes(part: &LogPart) -> Vec<f64> {
         let same = |k: &usize| (r.rate_rad_s[*k] < 0.0) == (r.rate_rad_s[from] < 0.0) && rests(*k) == rests(from);
         let to = from + (from..part.len()).take_while(same).count();
         let swing = &r.angle_rad[from..to];
-        let (low, high) = swing.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), q| (l.min(*q), h.max(*q)));
+        let [low, high] = crate::number::extent(swing.iter().copied());
         amplitudes.resize(to, 0.5 * (high - low));
     }
     amplitudes

@@ -14,15 +14,13 @@ use super::model::BASELINE;
 use super::reach::reach_of;
 use super::score::Measure;
 use super::sight::Sight;
-use super::trial::{Trial, loss, predicted};
+use super::trial::{AGAIN, Trial, loss, predicted};
 use crate::fit::Budget;
 use crate::identify::JointModel;
 use crate::joint::EffectId;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Evaluations of a fit that begins near its end.
-const AGAIN: Budget = Budget { evaluations: 24 };
 /// Evaluations with which a fit is brought to rest.
 const REST: Budget = Budget { evaluations: 60 };
 /// Score by which a restriction has to be better.

@@ -4,9 +4,6 @@ use super::{Parameter, Search};
 use crate::log::{Nominal, Uncertain};
 use serde::{Deserialize, Serialize};
 
-/// Friction is not known better than to this share of the largest torque seen.
-const LEAST_FRICTION: f64 = 0.01;
-
 /// Standard deviations of what is believed of a joint's four numbers: relative for inertia and moment, in their units for
 /// what may be zero.
 pub(crate) struct Deviations {
@@ -18,14 +15,20 @@ pub(crate) struct Deviations {
 }
 
 impl Deviations {
+    /// Friction is not known better than to this share of the largest torque seen.
+    pub const LEAST_FRICTION: f64 = 0.01;
+
+    /// Of friction that is known to a share of its value, but not better than `least`; 0 where it is exact.
+    pub fn of_friction(share: f64, value: f64, least: f64) -> f64 {
+        if share == 0.0 { 0.0 } else { (share * value).max(least) }
+    }
+
     /// By the study; `largest_nm` is the largest torque of its logs, `speed_rad_s` a typical speed and `moment_kg_m` the
     /// moment that would matter where there is none.
     pub fn of(nominal: &Nominal, uncertain: &Uncertain, largest_nm: f64, speed_rad_s: f64, moment_kg_m: f64) -> Self {
-        let friction = |name: &str, value: f64, least: f64| match uncertain.friction.of(name) {
-            0.0 => 0.0,
-            share => (share * value).max(least),
-        };
-        let least_nm = LEAST_FRICTION * largest_nm;
+        let friction =
+            |name: &str, value: f64, least: f64| Self::of_friction(uncertain.friction.of(name), value, least);
+        let least_nm = Self::LEAST_FRICTION * largest_nm;
         let moment = uncertain.moment.of("moment");
         Self {
             inertia: uncertain.inertia.of("inertia"),

@@ -9,6 +9,7 @@ use crate::log::{
     StudyLog, Uncertain, check_drive_stated, check_inputs, check_period, check_torque_sign, read_each_log,
     read_joint_log_as, read_pose_for, read_sidecar, read_sidecar_for, read_study,
 };
+use crate::number::STANDARD_GRAVITY_M_S2;
 use std::path::{Path, PathBuf};
 
 /// One joint and its logs.
@@ -299,7 +300,8 @@ impl Case {
         logs.chain(&self.documents).cloned().collect()
     }
 
-    /// Experiments of the logs with a role, in order, parts of a log one after the other; logs in which nothing moved are left out.
+    /// Experiments of the logs with a role, in order, parts of a log one after the other; logs in which nothing moved are
+    /// left out.
     pub fn experiments(&self, role: Role) -> Vec<Experiment> {
         self.items.iter().filter(|i| i.entry.role == role).flat_map(|i| i.experiments.iter().cloned()).collect()
     }
@@ -356,11 +358,8 @@ fn same_joint(path: &Path, spec: &JointSpec, first: &Path, expected: &JointSpec)
     Ok(())
 }
 
-/// Gravity where nobody states it \[m/s^2\].
-const GRAVITY_M_S2: f64 = 9.81;
-
 fn plain_joint(path: &Path) -> JointSpec {
-    JointSpec { name: name_from_file(path), nominal: None, gravity_m_s2: GRAVITY_M_S2, rest_rad: None }
+    JointSpec { name: name_from_file(path), nominal: None, gravity_m_s2: STANDARD_GRAVITY_M_S2, rest_rad: None }
 }
 
 fn plain_entry(path: &Path) -> StudyLog {

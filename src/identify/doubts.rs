@@ -34,6 +34,16 @@ impl Case {
         if crossed.is_empty() { self.far_off().into_iter().chain(self.undamped()).collect() } else { crossed }
     }
 
+    /// Whether columns do not belong together as the study says: whatever is made of them looks wrong.
+    pub(crate) fn has_crossed_columns(&self) -> bool {
+        !self.crossed().is_empty()
+    }
+
+    /// Whether the link is computed from a robot's description, and not stated.
+    pub(crate) fn is_described(&self) -> bool {
+        self.items.iter().flat_map(|item| &item.experiments).any(|e| e.carriage.is_some())
+    }
+
     /// A servo on a joint that nothing slows down: a model with a number left out, not a machine.
     fn undamped(&self) -> Option<String> {
         self.joint.nominal.filter(|n| n.coulomb_nm == 0.0 && n.viscous_nm_s_rad == 0.0)?;
@@ -45,9 +55,8 @@ impl Case {
     }
 
     fn far_off(&self) -> Vec<String> {
-        // A robot's link is computed from its description, and may well hang on an axis that stands upright.
-        let is_computed = self.items.iter().flat_map(|item| &item.experiments).any(|e| e.carriage.is_some());
-        let Some(nominal) = self.joint.nominal.filter(|_| !is_computed) else { return Vec::new() };
+        // A robot's link may well hang on an axis that stands upright.
+        let Some(nominal) = self.joint.nominal.filter(|_| !self.is_described()) else { return Vec::new() };
         let mut doubts: Vec<String> = long_lever(&nominal).into_iter().collect();
         let moved = || self.items.iter().filter(|item| item.health.moved);
         let acting = |item: &Item| Acting::of(item, &nominal, self.joint.gravity_m_s2);

@@ -194,6 +194,18 @@ impl DropFit {
         [link.inertia_kg_m2, link.peak_gravity_nm() / e.gravity_m_s2, link.hanging_rad()]
     }
 
+    /// RMS over what was fitted by the simple models, each of its own load \[rad\].
+    pub fn simple_rms_rad(&self) -> f64 {
+        let (mut squares, mut samples) = (0.0, 0);
+        for group in &self.simple {
+            for (p, &k) in group.fitted.predictions.iter().zip(&group.experiments) {
+                squares += p.rms_rad.powi(2) * self.fitted[k].compared() as f64;
+                samples += self.fitted[k].compared();
+            }
+        }
+        (squares / samples.max(1) as f64).sqrt()
+    }
+
     /// True where the link is written by its bodies.
     pub fn by_bodies(&self) -> bool {
         self.extensive.model.link_by == LinkBy::Bodies

@@ -2,6 +2,7 @@
 
 use super::Experiment;
 use crate::log::Log;
+use crate::number::extent;
 use std::ops::Range;
 
 /// A step is a hole beyond this many periods: three, and half of one for jitter.
@@ -89,9 +90,8 @@ pub(super) fn cut(whole: Experiment, log: &Log, begins: &Begins, noise_rad: f64)
 }
 
 fn span(measured_rad: &[f64], range: &Range<usize>) -> f64 {
-    let readings = &measured_rad[range.clone()];
-    let low = readings.iter().copied().fold(f64::INFINITY, f64::min);
-    readings.iter().copied().fold(f64::NEG_INFINITY, f64::max) - low
+    let [low, high] = extent(measured_rad[range.clone()].iter().copied());
+    high - low
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::smooth::motion;
 use super::{Experiment, Named, Parameter};
 use crate::log::Nominal;
-use crate::number::math;
+use crate::number::{STANDARD_GRAVITY_M_S2, math};
 
 /// Typical sizes in the experiments, from which searches start and steps are measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +28,7 @@ const TYPICAL_RAD_S: f64 = 8.0;
 impl Scale {
     /// Sizes in `experiments`, with what the study gives. Without a nominal model everything is per unit of inertia.
     pub fn of(experiments: &[Experiment], nominal: Option<&Nominal>, rest_rad: Option<f64>) -> Self {
-        let gravity_m_s2 = experiments.first().map_or(9.81, |e| e.gravity_m_s2);
+        let gravity_m_s2 = experiments.first().map_or(STANDARD_GRAVITY_M_S2, |e| e.gravity_m_s2);
         let rest = rest_rad.unwrap_or_else(|| resting_angle(experiments));
         let load =
             |f: fn(&super::Load) -> f64| experiments.iter().filter_map(|e| e.load.as_ref()).map(f).fold(0.0, f64::max);

@@ -140,7 +140,8 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// Noise alone is best told by the widest window, and what turns fast by the narrowest; of fast logs samples are put together.
+    /// Noise alone is best told by the widest window, and what turns fast by the narrowest; of fast logs samples are put
+    /// together.
     #[test]
     fn the_window_is_as_wide_as_the_motion_bears() {
         let t: Vec<f64> = (0..2000).map(|i| f64::from(i) * 1e-3).collect();

@@ -24,8 +24,6 @@ pub(super) struct DormandPrince {
     tolerance: Tolerance,
     /// Of the next step \[s\]; `None`: to be found.
     step_s: Option<f64>,
-    /// The rate at the present state is in `k[0]`.
-    has_first: bool,
     k: Vec<Vec<f64>>,
     at: Vec<f64>,
     error: Vec<f64>,
@@ -34,20 +32,10 @@ pub(super) struct DormandPrince {
 impl DormandPrince {
     pub(super) fn new(tolerance: Tolerance, length: usize) -> Self {
         let zeros = vec![0.0; length];
-        Self {
-            tolerance,
-            step_s: None,
-            has_first: false,
-            k: vec![zeros.clone(); STAGES],
-            at: zeros.clone(),
-            error: zeros,
-        }
+        Self { tolerance, step_s: None, k: vec![zeros.clone(); STAGES], at: zeros.clone(), error: zeros }
     }
 
-    pub(super) fn restart(&mut self) {
-        self.has_first = false;
-    }
-
+    /// The first stage is computed anew, for the system may have changed by a leap since the last call.
     pub(super) fn advance(
         &mut self,
         ode: &mut impl Ode,
@@ -56,12 +44,9 @@ impl DormandPrince {
         until_s: f64,
         counts: &mut Counts,
     ) -> Result<(), Stalled> {
+        ode.rate(*t_s, y, &mut self.k[0]);
+        counts.evaluations += 1;
         while *t_s < until_s {
-            if !self.has_first {
-                ode.rate(*t_s, y, &mut self.k[0]);
-                counts.evaluations += 1;
-                self.has_first = true;
-            }
             let left_s = until_s - *t_s;
             // A first step that changes the state by a hundredth of its allowed error per unit, as a start.
             let wished_s = self.step_s.unwrap_or_else(|| 0.01 / weighted(&self.k[0], y, self.tolerance).max(1e-6));

@@ -137,8 +137,7 @@ impl Solver {
     /// Forgets earlier steps: the system or the state has changed by a leap.
     pub fn restart(&mut self) {
         match &mut self.work {
-            Work::Fixed(_) => {}
-            Work::DormandPrince(work) => work.restart(),
+            Work::Fixed(_) | Work::DormandPrince(_) => {}
             Work::Multistep(work) => work.restart(),
         }
     }

@@ -92,3 +92,25 @@ fn an_explicit_method_says_when_it_runs_away() {
         assert!(stalled.at_s >= 0.9 && y[0].is_finite(), "{stalled}");
     }
 }
+
+/// A setpoint that jumps between two calls.
+#[test]
+fn a_system_that_changes_between_calls_leaves_nothing_of_its_former_rate() {
+    struct Straight(f64);
+    impl Ode for Straight {
+        fn len(&self) -> usize {
+            1
+        }
+        fn rate(&mut self, _t_s: f64, _y: &[f64], rate: &mut [f64]) {
+            rate[0] = self.0;
+        }
+    }
+    for method in [Method::Rk4 { step_s: 0.01 }, Method::DormandPrince(Tolerance::of(1e-3))] {
+        let (mut t_s, mut y) = (0.0, [0.0]);
+        let mut solver = Solver::new(method, 1);
+        for (slope, until_s) in [(1.0, 1.0), (-1.0, 2.0)] {
+            solver.advance(&mut Straight(slope), &mut t_s, &mut y, until_s).unwrap();
+        }
+        assert!(y[0].abs() < 1e-12, "{method:?}: {y:?}");
+    }
+}

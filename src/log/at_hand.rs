@@ -14,7 +14,7 @@ use super::plausible::{check_period, check_stamps};
 use super::read_log::{read_joint_of_study, read_robot_logs};
 use super::robot_log::RobotLog;
 use super::robot_study::{RobotStudy, StudyKind, kind_of, robot_study_of};
-use super::source::{Channel, Source, checked, joint_log, robot_log};
+use super::source::{Channel, Source, checked, joint_log, robot_log, tried};
 use super::study::study_of;
 use super::types::{Log, Study};
 
@@ -74,8 +74,9 @@ pub fn read_at_hand(name: &Path, text: &str, logs: &[Source]) -> Result<StudyAtH
 
 /// The log with this name, by what `[columns]` says of it.
 fn at_hand(logs: &[Source], name: &str, columns: &Columns) -> Result<Option<Source>, LogError> {
-    let found = logs.iter().find(|log| log.file.as_os_str() == name);
-    found.map(|source| checked(source.clone(), columns)).transpose()
+    let Some(found) = logs.iter().find(|log| log.file.as_os_str() == name) else { return Ok(None) };
+    let read = |columns: &Columns| checked(found.clone(), columns);
+    read(columns).map(Some).map_err(|error| tried(error, columns, read))
 }
 
 fn robot_logs<'a>(

@@ -83,7 +83,8 @@ impl<'a> Document<'a> {
     pub(crate) fn open(file: &'a Path) -> Result<Self, LogError> {
         let bytes = fs::read(file).map_err(|source| LogError::Read { file: file.to_path_buf(), source })?;
         if let Some(found) = not_text(&bytes) {
-            return Err(LogError::NotText { file: file.to_path_buf(), found });
+            let error = log_as_study(file);
+            return Err(error.unwrap_or_else(|| LogError::NotText { file: file.to_path_buf(), found }));
         }
         match String::from_utf8(bytes) {
             Ok(text) => Ok(Self::of_text(file, &text)),
@@ -111,10 +112,11 @@ impl<'a> Document<'a> {
     /// Reads whatever it is.
     pub(crate) fn parse_any<T: DeserializeOwned>(&self) -> Result<T, LogError> {
         toml::from_str(&self.text).map_err(|source| {
+            if let Some(error) = log_as_study(self.file) {
+                return error;
+            }
             let message = source.message();
-            let hint = if self.file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv")) {
-                Some("this looks like a log, not a study")
-            } else if self.text.trim_start().starts_with('<') {
+            let hint = if self.text.trim_start().starts_with('<') {
                 Some("this is XML; URDF and MJCF are read by `dynamics --robot` and `walk --air --robot`")
             } else if message.contains("expected a sequence") {
                 Some("a log is written with double brackets: [[log]]")
@@ -174,6 +176,16 @@ impl<'a> Document<'a> {
     pub(crate) fn needed_word<T: Copy>(&self, key: &str, value: &Text, words: &[(&str, T)]) -> Result<T, LogError> {
         self.word(key, value, words)?.ok_or_else(|| self.missing(key, one_of(words)))
     }
+}
+
+/// What files of logs end in, which no study does.
+const OF_LOGS: [&str; 7] = ["csv", "db3", "mcap", "bag", "npz", "npy", "parquet"];
+
+/// What to say of a file that is no document, where its name is that of a log.
+fn log_as_study(file: &Path) -> Option<LogError> {
+    let ending = file.extension()?;
+    let is_log = OF_LOGS.iter().any(|of| ending.eq_ignore_ascii_case(of));
+    is_log.then(|| LogError::LogAsStudy { file: file.to_path_buf() })
 }
 
 fn one_of<T>(words: &[(&str, T)]) -> String {

@@ -10,7 +10,7 @@ use super::health_stamps::{
 use super::plausible::{median, median_step};
 use super::release::{self, Start};
 use super::types::{DriveMode, Log, SensorSpec};
-use crate::number::math;
+use crate::number::{extent, math};
 
 /// A joint is at rest at the end if it stays still for at least this long \[s\] and [`REST_SAMPLES`].
 const REST_S: f64 = 0.25;
@@ -126,7 +126,7 @@ pub fn health(log: &Log, sensor: &SensorSpec, mode: DriveMode) -> Health {
     let noise_correlation = correlation(t, q, quiet, (0.6 * step).max(SAME_LEVEL));
     // A torque that is the log's input is at its largest by design.
     let is_input = mode == DriveMode::Torque;
-    let (low, high) = q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), q| (low.min(*q), high.max(*q)));
+    let [low, high] = extent(q.iter().copied());
     Health {
         samples: log.len(),
         duration_s: t.last().zip(t.first()).map_or(0.0, |(last, first)| last - first),

@@ -1,5 +1,6 @@
 //! Whether the noise of readings hangs together over time, from where the joint stands still.
 
+use crate::number::extent;
 use std::ops::Range;
 
 /// Lags that are looked at.
@@ -17,7 +18,7 @@ const MOVES: f64 = 0.02;
 /// tremble.
 pub(super) fn at_rest(t_s: &[f64], q_rad: &[f64], q_ref_rad: &[f64]) -> Vec<Range<usize>> {
     let range = |values: &[f64]| {
-        let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), q| (l.min(*q), h.max(*q)));
+        let [low, high] = extent(values.iter().copied());
         (high - low).max(0.0)
     };
     let most_rad = MOVES * range(q_rad);

@@ -1,5 +1,7 @@
 //! The noise of readings, from how rough they are: white noise is rough, a motion and a misfit are smooth.
 
+use crate::number::extent;
+
 /// Samples over which roughness is averaged to one value.
 const BLOCK: usize = 24;
 /// One in so many blocks is set aside at either end.
@@ -17,7 +19,7 @@ pub(super) fn reading_floor_rad(q_rad: &[f64], step_rad: f64) -> f64 {
     let fourth: Vec<f64> = q_rad.windows(5).map(|w| w[4] - 4.0 * w[3] + 6.0 * w[2] - 4.0 * w[1] + w[0]).collect();
     let rounding = step_rad * step_rad / 12.0;
     let variance = |(c, q): (&[f64], &[f64])| {
-        let (low, high) = q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+        let [low, high] = extent(q.iter().copied());
         let changes = q.windows(2).filter(|w| w[0] != w[1]).count() as f64 / q.len() as f64;
         with_rounding(mean_square(c) / 70.0, rounding, high - low < 2.5 * step_rad, changes)
     };

@@ -2,6 +2,7 @@
 //! goes on.
 
 use super::health_stamps::still_stretches;
+use crate::number::extent;
 
 /// A plateau lasts at least so many samples.
 const RUN: usize = 3;
@@ -99,7 +100,7 @@ pub(super) fn torque_plateau(tau_nm: &[f64]) -> Option<(f64, f64)> {
 
 /// Where a reading stands at its largest or smallest value, within a band, while the setpoint goes beyond it and moves.
 pub(super) fn stuck(t_s: &[f64], q_rad: &[f64], q_ref_rad: &[f64], band_rad: f64) -> Option<Stuck> {
-    let (low, high) = q_rad.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), q| (l.min(*q), h.max(*q)));
+    let [low, high] = extent(q_rad.iter().copied());
     let samples = q_rad.len().min(q_ref_rad.len());
     let (t_s, q_rad, q_ref_rad) = (&t_s[..samples], &q_rad[..samples], &q_ref_rad[..samples]);
     let found = [(high, 1.0), (low, -1.0)].map(|(end, sign)| at_end(t_s, q_rad, q_ref_rad, (end, sign), band_rad));
@@ -144,7 +145,7 @@ fn elsewhere(t_s: &[f64], q_rad: &[f64], q_ref_rad: &[f64], ends: [f64; 2], band
     for stand in still_stretches(t_s, q_rad, band_rad, STANDS_S) {
         let at = q_rad[stand.start];
         let asked = &q_ref_rad[stand];
-        let (low, high) = asked.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), q| (l.min(*q), h.max(*q)));
+        let [low, high] = extent(asked.iter().copied());
         let is_near = |other: &f64| (other - at).abs() <= LEFT * band_rad;
         if high - low > BEYOND * band_rad && !ends.iter().any(is_near) && !places.iter().any(is_near) {
             places.push(at);

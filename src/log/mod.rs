@@ -81,7 +81,7 @@ pub use outputs::Outputs;
 pub use place::{Place, Subject};
 pub use plausible::check_period;
 pub use pose::{Pose, read_pose_for};
-pub use raw_columns::study_columns;
+pub use raw_columns::{sidecar_columns, study_columns};
 pub use read_log::{read_joint_log, read_joint_log_as, read_log, read_robot_log};
 pub use release::{HeldPhase, Start};
 pub use robot_log::{BaseColumns, JointColumns, RobotLog};

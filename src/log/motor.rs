@@ -138,7 +138,9 @@ pub(super) fn tau_is(
         };
         let kt = number("kt", &log.kt, |raw| &raw.kt)?.ok_or_else(|| {
             let expected = "the torque constant [N m/A], which tau_is = \"current\" needs";
-            document.missing(if own.is_some() { format!("{table} kt") } else { "[motor] kt".to_owned() }, expected)
+            let place =
+                motor.filter(|_| own.is_none()).map_or_else(|| format!("{table} "), |(table, _)| table.to_owned());
+            document.missing(format!("{place}kt"), expected)
         })?;
         let gear = number("gear", &log.gear, |raw| &raw.gear)?.unwrap_or(1.0);
         Ok(TauIs::Current { nm_per_a: kt * gear })

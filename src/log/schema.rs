@@ -68,6 +68,12 @@ pub(super) struct RawMotor {
 }
 
 impl RawMotor {
+    /// The same without what says what a current is; a motor fed by voltage has its constant still.
+    pub(super) fn without_current(self) -> Self {
+        let is_voltage = self.model.as_ref().is_some_and(|model| model.get_ref() == "voltage");
+        Self { kt: self.kt.filter(|_| is_voltage), gear: None, tau_is: None, ..self }
+    }
+
     /// This motor with another's keys where it has none itself; one that is of the plain kind takes nothing over that only
     /// a motor fed by voltage has.
     pub(super) fn over(self, mut base: Self) -> Self {

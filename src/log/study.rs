@@ -16,6 +16,7 @@ use super::raw_columns::columns;
 use super::schema::{RawExtra, RawJoint, RawLog, RawMotor, RawRelease, RawSensor, RawStudy};
 use super::source::is_log_folder;
 use super::types::{DriveMode, ExtraMass, JointSpec, Nominal, Release, Role, SensorSpec, Study, StudyLog};
+use crate::number::STANDARD_GRAVITY_M_S2;
 
 const INERTIA: Range64 = range(|x| x > 0.0 && x < 1e4, "a number above 0 and below 1e4 (kg m^2)");
 const MOMENT: Range64 = range(|x| x >= 0.0, "a number not below 0 (kg m)");
@@ -197,7 +198,7 @@ fn joint(document: &Document<'_>, raw: &RawJoint, full: bool) -> Result<JointSpe
     Ok(JointSpec {
         name,
         nominal,
-        gravity_m_s2: document.number("[joint] gravity", &raw.gravity, GRAVITY)?.unwrap_or(9.81),
+        gravity_m_s2: document.number("[joint] gravity", &raw.gravity, GRAVITY)?.unwrap_or(STANDARD_GRAVITY_M_S2),
         rest_rad: document.number("[joint] rest", &raw.rest, ANGLE)?,
     })
 }

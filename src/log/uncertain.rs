@@ -7,7 +7,7 @@ pub struct Uncertain {
     pub inertia: Spread,
     /// Moment of a link.
     pub moment: Spread,
-    /// Masses of a robot's parts; centres of mass 2 % of the part's length.
+    /// Masses of a robot's parts.
     pub mass: Spread,
     /// Coulomb and viscous friction, and at least 1 % of the largest torque seen.
     pub friction: Spread,

@@ -69,8 +69,8 @@ pub(super) fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
     Err(io::ErrorKind::ResourceBusy.into())
 }
 
-/// Removes what runs that were killed left half-written in a folder: files and folders of ours that nobody holds locked. Where the file
-/// system has no locks nothing is removed.
+/// Removes what runs that were killed left half-written in a folder: files and folders of ours that nobody holds locked.
+/// Where the file system has no locks nothing is removed.
 pub(super) fn remove_abandoned(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         if !entry.file_name().to_string_lossy().starts_with(TEMPORARY) {

@@ -9,6 +9,9 @@ mod sincos;
 pub(crate) use said::{between, capital, quantity, share, share_percents, shares, spoken, stands_out, whole_percents};
 pub(crate) use sincos::{LARGEST_RAD, Lanes, in_quadrant, of_rest, sin_cos};
 
+/// Gravity where nothing states it \[m/s^2\].
+pub(crate) const STANDARD_GRAVITY_M_S2: f64 = 9.81;
+
 /// Shown where there is no number to show.
 pub(crate) const UNKNOWN: &str = "unknown";
 
@@ -30,8 +33,8 @@ pub struct WithUncertainty {
 ///
 /// Of an asymmetric interval the narrower side counts, so that both ends stay apart from the estimate, but no more
 /// than three digits finer than the wider side asks for. Plain decimals are used from 1e-4 to 1e5, for zero, and
-/// where six decimals are enough; an exponent shared by all three numbers elsewhere. Without a usable width the estimate gets four digits; what is not
-/// a number reads `unknown`.
+/// where six decimals are enough; an exponent shared by all three numbers elsewhere. Without a usable width the estimate
+/// gets four digits; what is not a number reads `unknown`.
 ///
 /// ```
 /// let shown = aibo_fit::report::format_with_uncertainty(9.1234e-4, [8.9e-4, 9.4e-4]);
@@ -47,6 +50,12 @@ pub fn format_with_uncertainty(value: f64, interval: [f64; 2]) -> WithUncertaint
     };
     let digits = Digits::new(magnitude, last);
     WithUncertainty { value: digits.write(value), low: digits.write(low), high: digits.write(high) }
+}
+
+/// The lowest and the highest of values; NaN is passed over, and of no values it is infinity and minus infinity.
+pub(crate) fn extent(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
+    let none = [f64::INFINITY, f64::NEG_INFINITY];
+    values.into_iter().fold(none, |[low, high], value| [low.min(value), high.max(value)])
 }
 
 /// Writes a number with the given count of significant digits, in plain decimals from 1e-4 to 1e5.
@@ -211,6 +220,15 @@ mod tests {
         assert_eq!(shown(f64::NAN, f64::NAN, f64::NAN), "unknown [unknown, unknown]");
         assert_eq!(shown(1.5, f64::NEG_INFINITY, f64::INFINITY), "1.500 [-inf, inf]");
         assert_eq!(shown(1.5, 1.0, f64::INFINITY), "1.50 [1.00, inf]");
+    }
+
+    #[test]
+    fn the_extent_is_from_the_lowest_to_the_highest() {
+        assert_eq!(extent([0.2, -1.5, 3.0, 0.0]), [-1.5, 3.0]);
+        assert_eq!(extent([f64::NAN, 2.0, f64::NAN]), [2.0, 2.0]);
+        assert_eq!(extent([f64::INFINITY, 1.0]), [1.0, f64::INFINITY]);
+        assert_eq!(extent([]), [f64::INFINITY, f64::NEG_INFINITY]);
+        assert_eq!(extent([f64::NAN]), [f64::INFINITY, f64::NEG_INFINITY]);
     }
 
     #[test]

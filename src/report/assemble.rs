@@ -215,7 +215,7 @@ fn log_curves(item: &Item, e: &Experiment, simple: Option<&Prediction>, extensiv
 fn simple_summary(fit: &DropFit) -> ModelSummary {
     let several = fit.simple.len() > 1;
     let mut parameters = Vec::new();
-    let (mut squares, mut samples, mut criterion, mut evaluations) = (0.0, 0, 0.0, 0);
+    let (mut criterion, mut evaluations) = (0.0, 0);
     let mut trace: Vec<f64> = Vec::new();
     for group in &fit.simple {
         for e in &group.fitted.estimates {
@@ -228,11 +228,8 @@ fn simple_summary(fit: &DropFit) -> ModelSummary {
             }
             parameters.push(row);
         }
-        for (p, &k) in group.fitted.predictions.iter().zip(&group.experiments) {
-            let n = fit.fitted[k].compared();
-            squares += p.rms_rad.powi(2) * n as f64;
-            samples += n;
-            criterion += p.criterion_rad2_s;
+        for prediction in &group.fitted.predictions {
+            criterion += prediction.criterion_rad2_s;
         }
         evaluations += group.fitted.found.solution.evaluations;
         add_trace(&mut trace, &group.fitted.found.solution.trace);
@@ -240,7 +237,7 @@ fn simple_summary(fit: &DropFit) -> ModelSummary {
     let stop = fit.simple.iter().map(|g| g.fitted.stop()).find(|s| *s != Stop::Converged).unwrap_or(Stop::Converged);
     ModelSummary {
         name: "simple (3.2)".into(),
-        rms_rad: (squares / samples.max(1) as f64).sqrt(),
+        rms_rad: fit.simple_rms_rad(),
         criterion_rad2_s: criterion,
         parameters,
         method: fit.extensive.method.name().into(),

@@ -50,7 +50,9 @@ pub use blind::{
     robot_blind_text,
 };
 pub use chances::percent_of_answer;
-pub use check::{CheckReport, LogSeries, check_html, check_json, check_text, checks_json, checks_text};
+pub use check::{
+    CheckReport, LogSeries, PREDICTS_TORQUES, check_html, check_json, check_text, checks_json, checks_text,
+};
 pub use clamped_gap::{
     ANIMATION_FILE, ClampedGapReport, clamped_gap_figures, clamped_gap_html, clamped_gap_json, clamped_gap_text,
 };
@@ -65,14 +67,14 @@ pub use fleet::{
 pub use friction_table::{FrictionTable, friction_csv, friction_tables};
 pub use full::{FullCurves, FullDrop, FullRow, HeldRow, RefitFit, RefitSummary};
 pub use gap::{GapReport, NEXT_FILE, gap_figures, gap_json, gap_text, law_figure, render_gap_html};
-pub use gate::{GateBounds, GateRow, GateStudy, gate_baseline, gate_json, gate_junit, gate_markdown, gate_text};
+pub use gate::{gate_baseline, gate_json, gate_junit, gate_markdown, gate_study, gate_text};
 pub use html::render_html;
 pub use mcap::trace_topics;
 pub use model::{
     Correlation, DropReport, FrictionPoint, HashedInput, HealthMore, LogCurves, LogHealthRow, ModelSummary,
     ParameterRow, ParameterStatus, Provenance,
 };
-pub use notes::{resting_gravity_nm, still};
+pub use notes::still;
 pub use plot::{
     Figure, correlation_matrix, figures, friction_curve, optimiser_trace, parameter_intervals, phase_portrait, swing,
 };
@@ -80,12 +82,12 @@ pub use robot_gap::{
     LogRow, REPAIRED_FILE, RobotGapReport, Sketch, repaired_robot, repaired_study, robot_gap_animation,
     robot_gap_figures, robot_gap_html, robot_gap_json, robot_gap_text,
 };
-pub use sensor::{SensorReport, SweepPart, sensor_figures, sensor_html, sensor_text};
+pub use sensor::{SensorReport, sensor_figures, sensor_html, sensor_text};
 pub use table::drop_text;
 pub use text::{limit_width, list_item};
 pub use thesis::{ThesisReport, thesis_csv, thesis_figures, thesis_html, thesis_json, thesis_markdown, thesis_text};
 pub use walk::{
-    Comparison, FollowRow, Footfalls, Ground, JointCurves, LegCurves, PairedCurves, Runaway, SpeedRow, StudyReport,
-    StudyTable, TrunkCurves, WalkReport, before_and_after_figure, comparison_figure, joints_figure, sensitivity_figure,
-    study_html, study_text, trunk_figure, walk_figures, walk_html, walk_text,
+    Comparison, FollowRow, JointCurves, LegCurves, PairedCurves, Runaway, SpeedRow, StudyReport, StudyTable,
+    WalkReport, before_and_after_figure, comparison_figure, joints_figure, sensitivity_figure, study_html, study_text,
+    trunk_figure, walk_figures, walk_html, walk_text,
 };

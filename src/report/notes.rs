@@ -5,8 +5,7 @@ use super::number::{as_given, capital, mrad};
 use super::{ParameterRow, ParameterStatus, format_with_uncertainty};
 use crate::fit::Stop;
 use crate::geometry::{Ers7Tables, LinkBody};
-use crate::identify::{Case, DropFit, Estimate, Experiment, Item, Named, Status};
-use crate::joint::Link;
+use crate::identify::{Case, DropFit, Estimate, Experiment, Item, Named, Status, resting_gravity_nm};
 use crate::log::{DriveMode, Start};
 
 /// Correlation of residuals, in samples, from which on it is mentioned.
@@ -23,7 +22,7 @@ pub(super) fn sentence(case: &Case, fit: &DropFit) -> String {
         friction_found(fit),
         if logs == 1 { "the log".to_owned() } else { format!("{logs} logs") },
         mrad(fit.extensive.rms_rad(&fit.fitted)),
-        mrad(simple_rms(fit)),
+        mrad(fit.simple_rms_rad()),
     )
 }
 
@@ -58,17 +57,6 @@ fn is_friction(e: &Estimate) -> bool {
 
 fn is_mass(e: &Estimate) -> bool {
     matches!(e.named(), Some(Named::Mass(_)))
-}
-
-fn simple_rms(fit: &DropFit) -> f64 {
-    let (mut squares, mut samples) = (0.0, 0);
-    for group in &fit.simple {
-        for (p, &k) in group.fitted.predictions.iter().zip(&group.experiments) {
-            squares += p.rms_rad.powi(2) * fit.fitted[k].compared() as f64;
-            samples += fit.fitted[k].compared();
-        }
-    }
-    (squares / samples.max(1) as f64).sqrt()
 }
 
 /// Honest messages, most important first.
@@ -138,7 +126,7 @@ fn on_zero(e: &Estimate) -> bool {
 
 /// The simple model, which believes nothing that is stated of the link, follows the logs much better.
 fn misled(fit: &DropFit) -> Option<String> {
-    let (simple, extensive) = (simple_rms(fit), fit.extensive.rms_rad(&fit.fitted));
+    let (simple, extensive) = (fit.simple_rms_rad(), fit.extensive.rms_rad(&fit.fitted));
     (extensive > MUCH_WORSE * simple).then(|| {
         format!(
             "The simple model follows these logs much better ({} against {} RMS): what is stated of the link contradicts \
@@ -325,28 +313,4 @@ fn tables_say(estimated: f64, chosen: f64, gravity: f64, steepest: Option<f64>) 
         );
     }
     text
-}
-
-/// Gravity torque on a joint at rest, by the nominal model \[N m\]; `None` where nothing is known of it.
-pub fn resting_gravity_nm(case: &Case, item: &Item) -> Option<f64> {
-    if item.entry.drive != DriveMode::Off || item.health.start == Start::AlwaysHeld {
-        return None;
-    }
-    let nominal = case.joint.nominal?;
-    let g = case.joint.gravity_m_s2;
-    let angle_rad = item.log.q_rad.iter().sum::<f64>() / item.log.len() as f64;
-    let rest = match &case.leg {
-        Some(leg) if leg.pose_known => leg.bare().ok()?.rest_rad,
-        _ => case.joint.rest_rad?,
-    };
-    let bare = Link::new(nominal.inertia_kg_m2, nominal.moment_kg_m, rest, g);
-    let whole = match (&item.entry.extra, &case.leg) {
-        (Some(extra), Some(leg)) => {
-            let load = leg.load(extra).ok()?;
-            bare.joined(Link::new(load.inertia_kg_m2, load.moment_kg_m, load.hanging_rad, g))
-        }
-        (Some(extra), None) => bare.joined(Link::new(0.0, extra.mass_kg * extra.distance_m, rest, g)),
-        (None, _) => bare,
-    };
-    Some(whole.gravity_nm(angle_rad).abs())
 }

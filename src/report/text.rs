@@ -134,7 +134,8 @@ pub fn list_item(text: &str) -> String {
     wrap(LIST, text, "- ", "  ")
 }
 
-/// Breaks a text at blanks, but not within a unit nor before a `%`, so that it is `width` columns wide; the first line begins with `first`, the others with `rest`.
+/// Breaks a text at blanks, but not within a unit nor before a `%`, so that it is `width` columns wide; the first line
+/// begins with `first`, the others with `rest`.
 pub(super) fn wrap(width: usize, text: &str, first: &str, rest: &str) -> String {
     let width = at_most(width);
     let mut lines = vec![first.to_owned()];

@@ -7,7 +7,7 @@
 use super::simulate::{Column, Control, Diverged, Joints, Method, Recording, Scenario, Setpoints, SimulateError, run};
 use super::{Attached, JointId, Model, State};
 use crate::geometry::inertia::hollow_cylinder_inertia;
-use crate::geometry::robot_file::Base;
+use crate::geometry::robot_file::{Base, GAIN_SET};
 use crate::geometry::{LegJoint, LinkBody, joint_name};
 use crate::identify::LegCase;
 use crate::joint::{EffectId, Stribeck};
@@ -70,7 +70,6 @@ const SAMPLE_S: f64 = 0.004;
 pub(super) const SETTLE_S: f64 = 2.0;
 /// Friction of the joints that do not swing (Table 3.3).
 const FRICTION: &str = "estimated";
-const GAINS: &str = "printed";
 
 /// Simulates a drop and answers with the reading at each of the times \[s\], which rise.
 ///
@@ -82,7 +81,7 @@ pub fn bench_drop(model: &Model, drop: &BenchDrop<'_>, t_s: &[f64], method: Meth
     let mut joints = Joints::passive(&model);
     if drop.held == Held::ByController {
         joints.set_friction(&model, FRICTION)?;
-        joints.set_control(&model, GAINS, Control::default())?;
+        joints.set_control(&model, GAIN_SET, Control::default())?;
     }
     for (joint, [coulomb_nm, viscous_nm_s_rad]) in &drop.others {
         let friction = &mut joints.drive_mut(model.joint(&joint_name(drop.leg.leg, *joint))?).chain.friction;

@@ -10,7 +10,7 @@ use super::bench::{SETTLE_S, loaded};
 use super::simulate::{Column, Control, Joints, Method, Scenario, Setpoints, SimulateError, Surroundings, run};
 use super::{BodyId, Dynamics, RobotError};
 use super::{Floor, FloorParameters, JointId, Model, PidGains, State, Touching};
-use crate::geometry::robot_file::{Base, RobotTables};
+use crate::geometry::robot_file::{Base, FRICTION_SET, GAIN_SET, RobotTables};
 use crate::geometry::{Leg, LegJoint, LegPose, joint_name};
 use crate::identify::LegCase;
 use crate::log::{
@@ -20,9 +20,6 @@ use crate::log::{
 use nalgebra::UnitQuaternion;
 use std::path::{Path, PathBuf};
 
-/// Friction and gains where the study does not say otherwise (Tables 3.4 and B.2).
-const FRICTION: &str = "chosen";
-const GAINS: &str = "printed";
 /// Kinds of a leg's joints 1, 2, 3.
 const LEG_KINDS: [&str; 3] = ["q1", "q2", "q3"];
 
@@ -217,12 +214,12 @@ pub fn joints_of(
 ) -> Result<Joints, SimulateError> {
     let mut joints = Joints::passive(model);
     let states_all = friction.coulomb_nm.is_some() && friction.viscous_nm_s_rad.is_some();
-    if !states_all || model.joint_ids().any(|id| model.friction(FRICTION, id).is_some()) {
-        joints.set_friction(model, FRICTION)?;
+    if !states_all || model.joint_ids().any(|id| model.friction(FRICTION_SET, id).is_some()) {
+        joints.set_friction(model, FRICTION_SET)?;
     }
     let law = Control { derivative: control.derivative, hold: control.hold, sample_period_s: control.sample_period_s };
-    if control.gains.is_empty() || model.joint_ids().any(|id| model.gains(GAINS, id).is_some()) {
-        joints.set_control(model, GAINS, law)?;
+    if control.gains.is_empty() || model.joint_ids().any(|id| model.gains(GAIN_SET, id).is_some()) {
+        joints.set_control(model, GAIN_SET, law)?;
     }
     let is_known = |row: &str| model.joints().iter().any(|joint| joint.name == row || joint.kind == row);
     if let Some(row) = control.gains.keys().find(|row| !is_known(row)) {

@@ -3,12 +3,13 @@
 use super::error::{Blame, SynthError};
 use super::excite;
 use super::make::Made;
-use super::plan::{Of, PERIOD_S, Plan};
+use super::plan::{Of, Plan};
 use super::spec::{DescribedSpec, MassScale};
 use super::truth::{self, JointTruth, Scatter, Truth, joint_names};
 use super::write;
 use crate::gap::clamped::{ClampedCaseError, ClampedSetup};
 use crate::gap::whole::{WholeRobot, found_robot};
+use crate::geometry::robot_file::FRAME_S;
 use crate::log::{RobotScenario, Role};
 use crate::robot::description::{BodyChange, Description, LinkId};
 use crate::robot::simulate::{Method, PositionSensor, Scenario, Setpoints, run};
@@ -75,7 +76,7 @@ fn made(spec: &DescribedSpec) -> Result<Made, SynthError> {
         floor: None,
         method: format!("{method:?}"),
     };
-    let period_s = spec.study.sensor.period_s.unwrap_or(PERIOD_S);
+    let period_s = spec.study.sensor.period_s.unwrap_or(FRAME_S);
     let make = Make { spec, robot, method, period_s };
     let plans = make.plans()?;
     let texts: Vec<Result<String, SynthError>> =
@@ -244,7 +245,7 @@ fn study_toml(spec: &DescribedSpec, model: &str, plans: &[(Plan, Setpoints)]) ->
     }
     let sensor = tables.entry("sensor").or_insert_with(|| Value::Table(Table::new()));
     if let Value::Table(sensor) = sensor {
-        sensor.entry("period").or_insert(Value::Float(PERIOD_S));
+        sensor.entry("period").or_insert(Value::Float(FRAME_S));
     }
     let entry = |((plan, _), log): (&(Plan, Setpoints), &super::LogSpec)| {
         let role = if plan.entry.role == Role::Fit { "fit" } else { "validate" };

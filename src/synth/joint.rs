@@ -5,6 +5,7 @@ use super::spec::JointBench;
 use crate::geometry::{Leg, LegJoint, LegPose, joint_name};
 use crate::identify::LegCase;
 use crate::log::Nominal;
+use crate::number::STANDARD_GRAVITY_M_S2;
 use crate::robot::Nominal as Robot;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
@@ -26,7 +27,7 @@ pub(super) fn believed(blame: &Blame<'_>, bench: &JointBench) -> Result<Believed
     for other in LegJoint::ALL {
         held = held.with(other, bench.angles.get(&joint_name(leg, other)).copied().unwrap_or(0.0));
     }
-    let gravity_trunk_m_s2 = bench.gravity.map_or(Vector3::new(0.0, -9.81, 0.0), Vector3::from);
+    let gravity_trunk_m_s2 = bench.gravity.map_or(Vector3::new(0.0, -STANDARD_GRAVITY_M_S2, 0.0), Vector3::from);
     let case = LegCase { leg, joint, held, gravity_trunk_m_s2, mount_m: None, pose_known: true };
     let tables = case.nominal().map_err(|error| blame.geometry("[joint]", error))?;
     let lumped = case.bare().map_err(|error| blame.geometry("[joint]", error))?;

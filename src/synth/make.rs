@@ -2,10 +2,11 @@
 
 use super::error::{Blame, SynthError};
 use super::joint;
-use super::plan::{PERIOD_S, Plan, plans};
+use super::plan::{Plan, plans};
 use super::spec::{Believed, Spec};
 use super::truth::{self, Truth};
 use super::write;
+use crate::geometry::robot_file::FRAME_S;
 use crate::log::{Forward, LogError, RobotStudy, RobotStudyLog};
 use crate::robot::simulate::{Method, PositionSensor, Recording, Setpoints, run};
 use crate::robot::{Model, Nominal};
@@ -86,7 +87,7 @@ fn made(spec: &Spec, alteration: Alteration<'_>) -> Result<Made, SynthError> {
     Nominal::on(robot, study).map_err(|error| blame.refused("[robot]", error))?;
     let (mut truth_robot, method, truth) = truth::of(spec, robot, study)?;
     (alteration.robot)(&mut truth_robot);
-    let period_s = study.sensor.period_s.unwrap_or(PERIOD_S);
+    let period_s = study.sensor.period_s.unwrap_or(FRAME_S);
     let plans = plans(spec, robot, period_s)?;
     let make = Make { spec, study, robot: &truth_robot, method, period_s, alteration };
     let made: Vec<Result<(RobotStudyLog, String), SynthError>> =

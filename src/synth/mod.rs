@@ -1,4 +1,4 @@
-//! Layer 7c: logs from a known truth. What would the logs look like if the robot had this effect, that payload, another
+//! Layer 7b: logs from a known truth. What would the logs look like if the robot had this effect, that payload, another
 //! floor?
 //!
 //! A [`Spec`] says what the engineer believes (the sections of a robot study, or a joint of a leg on the bench), what is

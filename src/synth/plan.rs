@@ -18,8 +18,6 @@ pub(super) struct Plan {
     pub forward_s: Option<[f64; 2]>,
 }
 
-/// Frames of the setpoints where the study states no period \[s\].
-pub(super) const PERIOD_S: f64 = 0.008;
 const DROP_S: f64 = 4.0;
 const RELEASE_S: f64 = 0.5;
 const FASTEST_HZ: f64 = 50.0;

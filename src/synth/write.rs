@@ -2,6 +2,7 @@
 
 use super::joint::Believed;
 use super::plan::Plan;
+use crate::geometry::robot_file::FRAME_S;
 use crate::log::{Derivative, Hold, RobotScenario, RobotStudy, RobotStudyLog, Role, toml_key, toml_string};
 use crate::robot::simulate::{Accelerometer, JointDrive, Joints, PositionSensor, Recording};
 use crate::robot::{JointId, Model};
@@ -161,7 +162,7 @@ pub(super) fn joint_study(believed: &Believed, study: &RobotStudy, logs: &[Robot
 fn sensor(text: &mut String, study: &RobotStudy) {
     text.push_str("\n[sensor]\n");
     let _ = study.sensor.resolution_rad.map(|step| writeln!(text, "resolution = {step:?}"));
-    let _ = writeln!(text, "period = {:?}", study.sensor.period_s.unwrap_or(super::plan::PERIOD_S));
+    let _ = writeln!(text, "period = {:?}", study.sensor.period_s.unwrap_or(FRAME_S));
 }
 
 fn entry(text: &mut String, log: &RobotStudyLog) {

@@ -1,5 +1,5 @@
 //! Chapter 3 of the thesis as one procedure: swings in, Tables 3.1 to 3.4 out, the printed numbers beside ours. And
-//! chapter 4's open question ([`weak_q2`]).
+//! chapter 4's open question ([`weak_q2`]), and the falls that section 5.2 recommends ([`falls`]).
 //!
 //! A layer between the fits and the reports. What the thesis prints is data (`data/thesis-tables.toml`), the swings are
 //! a folder of logs with sidecars. [`tables`] runs everything in the thesis's order: the simple pendulum with two extra
@@ -7,6 +7,7 @@
 
 mod chain;
 mod drop;
+pub mod falls;
 mod knee;
 mod printed;
 mod puzzle;

@@ -1,4 +1,5 @@
-//! Every reader of the program by name, from a file on: what `fuzz/run` drives, and what `tests/corpus.rs` gives good and spoilt files to.
+//! Every reader of the program by name, from a file on: what `fuzz/run` drives, and what `tests/corpus.rs` gives good and
+//! spoilt files to.
 
 use aibo_fit::geometry::RobotTables;
 use aibo_fit::log::{

@@ -2,7 +2,8 @@
 
 use std::fs;
 
-/// A swing with friction, of a joint with I = 9e-4 kg m^2, M = 5e-3 kg m, by steps of 10 us, read in steps of 1 mrad. `friction` gives Coulomb [N m] and viscous friction [N m s/rad].
+/// A swing with friction, of a joint with I = 9e-4 kg m^2, M = 5e-3 kg m, by steps of 10 us, read in steps of 1 mrad.
+/// `friction` gives Coulomb [N m] and viscous friction [N m s/rad].
 pub fn swing(from_rad: f64, samples: u32, friction: [f64; 2]) -> String {
     swing_against(f64::INFINITY, from_rad, samples, friction)
 }

@@ -1,6 +1,7 @@
 //! Arms made at random: a tree of three to six joints with servos, as a description, and motions of all joints.
 
 use crate::blind::dice::{Dice, significant};
+use crate::number::STANDARD_GRAVITY_M_S2;
 use std::fmt::Write as _;
 
 /// File of the description.
@@ -25,7 +26,6 @@ const COULOMB: [f64; 2] = [0.02, 0.12];
 const VISCOUS: [f64; 2] = [0.05, 0.3];
 /// What a motor can do beyond that load.
 const EFFORT: f64 = 4.0;
-const GRAVITY_M_S2: f64 = 9.81;
 
 /// A joint with the link that it moves.
 struct Link {
@@ -81,7 +81,7 @@ impl Arm {
             let mut out_m = 0.5 * links[k].length_m;
             while let Some(joint) = at {
                 let mass_kg = links[k].mass_kg;
-                links[joint].load_nm += GRAVITY_M_S2 * mass_kg * out_m;
+                links[joint].load_nm += STANDARD_GRAVITY_M_S2 * mass_kg * out_m;
                 links[joint].inertia_kg_m2 += mass_kg * out_m * out_m;
                 at = links[joint].on;
                 out_m += at.map_or(0.0, |before| links[before].length_m);

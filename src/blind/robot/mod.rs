@@ -1,8 +1,9 @@
 //! Sealed trials of a whole robot.
 //!
-//! Robots are the ERS-7, quadrupeds of another size, and arms that are made at random. The maker uses the program's own simulator, by another integrator and step than the diagnosis
-//! ([`RobotTruth::method`]), with masses, friction and floor off by some percent everywhere, and with faults that the
-//! catalogue does not have ([`RobotOutside`]). So a trial tests the diagnosis, and not the simulator.
+//! Robots are the ERS-7, quadrupeds of another size, and arms that are made at random. The maker uses the program's own
+//! simulator, by another integrator and step than the diagnosis ([`RobotTruth::method`]), with masses, friction and floor
+//! off by some percent everywhere, and with faults that the catalogue does not have ([`RobotOutside`]). So a trial tests
+//! the diagnosis, and not the simulator.
 
 mod answer;
 mod arm;

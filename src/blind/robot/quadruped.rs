@@ -1,7 +1,7 @@
 //! Quadrupeds of another size than the ERS-7, with its proportions.
 
 use crate::blind::dice::{Dice, significant};
-use crate::geometry::robot_file::ERS7_TOML;
+use crate::geometry::robot_file::{ERS7_TOML, GAIN_SET};
 use crate::robot::Model;
 use std::collections::BTreeMap;
 use toml::Value;
@@ -53,7 +53,7 @@ impl Size {
     pub fn gains(self) -> BTreeMap<String, [f64; 3]> {
         let model = Model::ers7();
         let of = |(id, joint): (_, &crate::geometry::Joint)| {
-            let gains = model.gains("printed", id)?;
+            let gains = model.gains(GAIN_SET, id)?;
             let own = [gains.kp_nm_rad, gains.ki_nm_rad_s, gains.kd_nm_s_rad];
             Some((joint.name.clone(), own.map(|gain| significant(self.torque() * gain, 3))))
         };

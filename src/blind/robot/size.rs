@@ -5,7 +5,7 @@ use super::scene::Scene;
 use super::setting::Setting;
 use crate::blind::dice::Dice;
 use crate::log::RobotStudy;
-use crate::number::math;
+use crate::number::{extent, math};
 use crate::synth::{Alteration, AnySpec, Made, make_altered, make_described};
 use std::collections::BTreeMap;
 
@@ -44,8 +44,7 @@ impl Readings {
 }
 
 fn range(column: Option<&Vec<f64>>) -> [f64; 2] {
-    let angles = column.into_iter().flatten();
-    angles.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], q| [low.min(*q), high.max(*q)])
+    extent(column.into_iter().flatten().copied())
 }
 
 /// What the logs would read without noise; `None` where the robot runs away.

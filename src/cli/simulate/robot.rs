@@ -20,8 +20,7 @@ use std::path::Path;
 pub(super) fn run(args: &SimulateArgs) -> Result<u8, CliError> {
     let progress = Progress::new(args.common.quiet);
     progress.say("reading");
-    let wrong = |error| CliError::ClampedCase(Box::new(error));
-    let setup = ClampedSetup::read(&args.study).map_err(wrong)?;
+    let setup = ClampedSetup::read(&args.study)?;
     if !args.common.quiet {
         setup.description.warnings.iter().for_each(|warning| warn(warning));
     }
@@ -30,7 +29,7 @@ pub(super) fn run(args: &SimulateArgs) -> Result<u8, CliError> {
         None => (found_robot(&setup, None).unwrap_or_default().numbers, Vec::new(), Vec::new()),
     };
     let source = args.fit.as_ref().unwrap_or(&args.study).display().to_string();
-    let cannot = |what| wrong(ClampedCaseError::NotSimulated { file: setup.study.model_path.clone(), what });
+    let cannot = |what| CliError::from(ClampedCaseError::NotSimulated { file: setup.study.model_path.clone(), what });
     let mut robot = WholeRobot::of(&setup, &numbers, &causes).map_err(cannot)?;
     let folder = args.common.folder(&study_name(&args.study));
     let mut inputs = setup.inputs();

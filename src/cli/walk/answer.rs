@@ -1,14 +1,14 @@
 //! The report of a simulated walk.
 
+use super::WalkArgs;
 use super::plan::Plan;
-use super::{WalkArgs, ground};
 use crate::integrate;
-use crate::report::{FollowRow, Ground, JointCurves, LegCurves, Provenance, Runaway, SpeedRow, WalkReport};
-use crate::robot::simulate::{Method, PositionSensor, Recording, Scenario, follow, readings};
+use crate::report::{FollowRow, JointCurves, LegCurves, Provenance, Runaway, SpeedRow, WalkReport};
+use crate::robot::simulate::{
+    Footfalls, Method, PositionSensor, Recording, Scenario, TrunkCurves, Walked, follow, readings,
+};
 use crate::robot::{Floor, JointId};
 
-/// Frames of the robot [s].
-pub(super) const PERIOD_S: f64 = 0.008;
 /// A gait grows in so long before joints are compared with their setpoints [s].
 const RAMP_S: f64 = 0.5;
 
@@ -68,7 +68,7 @@ pub(super) fn report(asked: &Asked<'_>, recording: &Recording, provenance: Prove
         let names: Vec<String> = asked.clipped.iter().map(|id| name(id.index())).collect();
         notes.push(format!("Setpoints beyond the software's limits (Table A.3) were clipped: {}.", names.join(", ")));
     }
-    let ground = asked.floor.and_then(|floor| ground::measure(floor, model, recording, asked.plan.stand_s));
+    let ground = asked.floor.and_then(|floor| Walked::of(floor, model, recording, asked.plan.stand_s));
     WalkReport {
         schema: 1,
         gait: asked.plan.name.clone(),
@@ -90,8 +90,8 @@ pub(super) fn report(asked: &Asked<'_>, recording: &Recording, provenance: Prove
         joints,
         speed_warnings,
         legs: legs(asked, recording, &readings),
-        trunk: asked.floor.and_then(|floor| ground::trunk(floor, recording)),
-        footfalls: asked.floor.map(|floor| ground::footfalls(floor, model, recording)),
+        trunk: asked.floor.and_then(|floor| TrunkCurves::of(floor, recording)),
+        footfalls: asked.floor.map(|floor| Footfalls::of(floor, model, recording)),
         cycle: None,
         cycle_s: 1.0 / asked.plan.frequency_hz,
         provenance,
@@ -101,7 +101,7 @@ pub(super) fn report(asked: &Asked<'_>, recording: &Recording, provenance: Prove
 /// What a trunk moves by less than this is no way \[m\].
 const NO_WAY_M: f64 = 5e-4;
 
-fn sentence(recording: &Recording, joints: &[FollowRow], ground: Option<&Ground>) -> String {
+fn sentence(recording: &Recording, joints: &[FollowRow], ground: Option<&Walked>) -> String {
     if let Some(diverged) = &recording.diverged {
         let kept = recording.t_s.last().copied().unwrap_or(0.0);
         return format!("{diverged}. What was computed until t = {kept:.3} s is kept.");

@@ -2,9 +2,8 @@
 
 use super::super::CliError;
 use super::super::common::print;
-use super::ground::measure;
 use crate::robot::Floor;
-use crate::robot::simulate::{Method, Scenario, run as simulate};
+use crate::robot::simulate::{Method, Scenario, Walked, run as simulate};
 use std::time::Instant;
 
 /// Steps of the table [s]; the last is what the others are held against.
@@ -19,7 +18,7 @@ pub(super) fn print_table(scenario: &Scenario<'_>, floor: &Floor, from_s: f64) -
         let wall_s = clock.elapsed().as_secs_f64();
         let simulated_s = recording.t_s.last().zip(recording.t_s.first()).map_or(0.0, |(last, first)| last - first);
         let (counts, factor) = (recording.counts, simulated_s / wall_s);
-        match measure(floor, scenario.model, &recording, from_s).filter(|_| recording.diverged.is_none()) {
+        match Walked::of(floor, scenario.model, &recording, from_s).filter(|_| recording.diverged.is_none()) {
             Some(ground) => print(&format!(
                 "{step_s:<8}  {:>16.4}  {:>9.4}  {:>8.2}  {:>8}  {:>11}  {factor:>15.1}\n",
                 ground.displacement_m,

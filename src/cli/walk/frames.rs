@@ -4,12 +4,12 @@ use super::super::CliError;
 use super::super::progress::Progress;
 use super::super::provenance::provenance;
 use super::WalkArgs;
-use super::answer::PERIOD_S;
 use super::plan::gait_of;
 use super::setting::Setting;
 use super::study::{Run, empty, joints, write};
+use crate::geometry::robot_file::FRAME_S;
 use crate::report::{Figure, PairedCurves, StudyTable, joints_figure};
-use crate::robot::simulate::Setpoints;
+use crate::robot::simulate::{Setpoints, distortion_rad};
 use crate::robot::{Between, Gait, Model, Sampled, Setpoints as Source};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -40,7 +40,7 @@ pub(super) fn run(args: &WalkArgs, model: &Model) -> Result<u8, CliError> {
     let gait = gait_of(args, "trot", model)?.at_frequency(args.frequency.unwrap_or(FREQUENCY_HZ));
     let end_s = args.duration.unwrap_or(gait.stand_s() + gait.walk_s());
     let kinds = [
-        ("every 8 ms, joined by lines", PERIOD_S, Between::Linear),
+        ("every 8 ms, joined by lines", FRAME_S, Between::Linear),
         ("every 96 ms, joined by lines", 0.096, Between::Linear),
         ("every 128 ms, joined by lines", 0.128, Between::Linear),
         ("every 128 ms, held", 0.128, Between::Hold),
@@ -49,7 +49,7 @@ pub(super) fn run(args: &WalkArgs, model: &Model) -> Result<u8, CliError> {
     progress.say("simulating");
     let one = |&(_, period_s, between): &(&str, f64, Between)| {
         let source = Sampled { source: gait.clone(), period_s, between };
-        let setpoints = Setpoints::sampled(&source, model, end_s, PERIOD_S)?;
+        let setpoints = Setpoints::sampled(&source, model, end_s, FRAME_S)?;
         let setting = Setting::new(model.clone(), joints(args, model)?, &setpoints, Some(args.ground.floor(model)?));
         Run::of(&setting, args.method(), gait.stand_s())
     };
@@ -67,7 +67,7 @@ pub(super) fn run(args: &WalkArgs, model: &Model) -> Result<u8, CliError> {
             bob_m: ground.map(|g| g.bob_m),
             tilt_rad: ground.map(|g| g.tilt_rad),
             steps: ground.map(|g| g.steps),
-            distortion_rad: distortion_rad(&gait, model, run),
+            distortion_rad: distortion_rad(&gait, model, &run.recording),
         }
     };
     let rows: Vec<Row> = kinds.iter().zip(&runs).map(row).collect();
@@ -87,27 +87,6 @@ pub(super) fn run(args: &WalkArgs, model: &Model) -> Result<u8, CliError> {
     report.rows = rows;
     write(args, &report, &args.gait_file().into_iter().chain(args.robot.clone()).collect::<Vec<_>>())?;
     Ok(0)
-}
-
-fn distortion_rad(gait: &Gait, model: &Model, run: &Run) -> f64 {
-    let recording = &run.recording;
-    let (mut sum, mut count) = (0.0, 0);
-    for id in model.joint_ids() {
-        let still = (0..=50).all(|k| {
-            let t_s = gait.stand_s() + gait.period_s() * (1.0 + f64::from(k) / 50.0);
-            (gait.angle_rad(id, t_s) - gait.angle_rad(id, 0.0)).abs() < 1e-4
-        });
-        if still {
-            continue;
-        }
-        for (t, asked) in recording.t_s.iter().zip(&recording.setpoint_rad[id.index()]) {
-            if *t > gait.stand_s() {
-                sum += (asked - gait.angle_rad(id, *t)).powi(2);
-                count += 1;
-            }
-        }
-    }
-    (sum / f64::from(count.max(1))).sqrt()
 }
 
 fn sentence(rows: &[Row], period_s: f64) -> String {

@@ -7,9 +7,10 @@ use super::answer::in_words;
 use super::setting::Setting;
 use super::study::{Run, empty, joints, write};
 use super::{IntegratorsArg, WalkArgs};
+use crate::geometry::robot_file::FRAME_S;
 use crate::integrate::{self, Tolerance};
-use crate::report::{Comparison, Figure, StudyTable, TrunkCurves, comparison_figure, trunk_figure};
-use crate::robot::simulate::{Method, Setpoints};
+use crate::report::{Comparison, Figure, StudyTable, comparison_figure, trunk_figure};
+use crate::robot::simulate::{Method, Setpoints, TrunkCurves};
 use crate::robot::{Floor, FloorParameters, Gait, Model, Touching};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -100,7 +101,7 @@ pub(super) fn run(args: &WalkArgs, model: &Model, which: IntegratorsArg) -> Resu
     // The thesis's methods know no memory: friction is (2.4) alone, here too.
     let parameters = FloorParameters { dwell_s: f64::INFINITY, ..FloorParameters::default() };
     let floor = Floor::new(parameters, model, Touching::Marked)?;
-    let setpoints = Setpoints::sampled(&gait, model, end_s, super::answer::PERIOD_S)?;
+    let setpoints = Setpoints::sampled(&gait, model, end_s, FRAME_S)?;
     let setting = Setting::new(model.clone(), joints(args, model)?, &setpoints, Some(floor));
     let asked = asked();
     let progress = Progress::new(args.common.quiet);

@@ -18,7 +18,7 @@ use super::common::{CommonArgs, log_name, print, write_outputs};
 use super::error::NOT_CONVERGED;
 use super::progress::Progress;
 use super::provenance::provenance;
-use crate::geometry::robot_file::Base;
+use crate::geometry::robot_file::{Base, FRICTION_SET, GAIN_SET};
 use crate::integrate::{self, Tolerance};
 use crate::log::Outputs;
 use crate::report::{walk_figures, walk_html, walk_text};
@@ -85,10 +85,10 @@ pub(super) struct WalkArgs {
     #[arg(long, value_name = "FILE")]
     robot: Option<PathBuf>,
     /// Friction set of the robot's file
-    #[arg(long, value_name = "NAME", default_value = "chosen")]
+    #[arg(long, value_name = "NAME", default_value = FRICTION_SET)]
     friction: String,
     /// Gain set of the robot's file
-    #[arg(long, value_name = "NAME", default_value = "printed")]
+    #[arg(long, value_name = "NAME", default_value = GAIN_SET)]
     gains: String,
     /// Evaluate the control laws only every so often and hold their torques, 0.008 being the robot's frames [s]
     /// [default: continuously]

@@ -1,8 +1,9 @@
 //! What is asked of the joints: a gait, a motion file, or a table.
 
 use super::super::CliError;
-use super::{WalkArgs, answer};
+use super::WalkArgs;
 use crate::geometry::Joint;
+use crate::geometry::robot_file::FRAME_S;
 use crate::robot::simulate::Setpoints;
 use crate::robot::{Gait, JointId, Model, Motion, Setpoints as Source};
 use std::path::{Path, PathBuf};
@@ -40,7 +41,7 @@ impl Plan {
     pub fn of(args: &WalkArgs, model: &Model) -> Result<Self, CliError> {
         let frame = |source: &dyn Fn(JointId, f64) -> f64, end_s: f64| {
             let source = By { joints: model.joints().len(), angle_rad: source };
-            let table = Setpoints::sampled(&source, model, end_s, answer::PERIOD_S)?;
+            let table = Setpoints::sampled(&source, model, end_s, FRAME_S)?;
             Ok::<_, CliError>((table, Motion::of(&source, model, Motion::FRAME_MS, end_s)))
         };
         let file = args.gait_file();

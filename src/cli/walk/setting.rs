@@ -1,7 +1,7 @@
 //! A robot, what is asked of it, and the floor under it, as one run needs them.
 
-use super::answer::PERIOD_S;
 use super::ground;
+use crate::geometry::robot_file::FRAME_S;
 use crate::robot::simulate::{Joints, Scenario, Setpoints, Surroundings};
 use crate::robot::{Floor, JointId, Model, State};
 
@@ -41,7 +41,7 @@ impl Setting {
             setpoints: &self.setpoints,
             start: &self.start,
             surroundings: self.floor.as_ref().map(|floor| floor as &dyn Surroundings),
-            period_s: self.model.encoder().map_or(PERIOD_S, |encoder| encoder.period_s),
+            period_s: self.model.encoder().map_or(FRAME_S, |encoder| encoder.period_s),
         }
     }
 }

@@ -2,12 +2,12 @@
 
 use super::super::CliError;
 use super::super::common::{print, write_outputs};
+use super::WalkArgs;
 use super::setting::Setting;
-use super::{WalkArgs, ground};
 use crate::log::Outputs;
-use crate::report::{Ground, Provenance, StudyReport, TrunkCurves, study_html, study_text};
+use crate::report::{Provenance, StudyReport, study_html, study_text};
 use crate::robot::Model;
-use crate::robot::simulate::{Control, Joints, Method, Recording, run};
+use crate::robot::simulate::{Control, Joints, Method, Recording, TrunkCurves, Walked, run};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -26,7 +26,7 @@ pub(super) fn joints(args: &WalkArgs, model: &Model) -> Result<Joints, CliError>
 /// One run and what it took.
 pub(super) struct Run {
     pub recording: Recording,
-    pub ground: Option<Ground>,
+    pub ground: Option<Walked>,
     pub trunk: Option<TrunkCurves>,
     pub wall_s: f64,
 }
@@ -37,8 +37,8 @@ impl Run {
         let recording = run(&setting.scenario(), method)?;
         let wall_s = clock.elapsed().as_secs_f64();
         let floor = setting.floor.as_ref().filter(|_| recording.diverged.is_none());
-        let ground = floor.and_then(|floor| ground::measure(floor, &setting.model, &recording, from_s));
-        let trunk = floor.and_then(|floor| ground::trunk(floor, &recording));
+        let ground = floor.and_then(|floor| Walked::of(floor, &setting.model, &recording, from_s));
+        let trunk = floor.and_then(|floor| TrunkCurves::of(floor, &recording));
         Ok(Self { recording, ground, trunk, wall_s })
     }
 }

@@ -9,8 +9,6 @@ use crate::robot::tree::{Tree, TreeDynamics, TreeState};
 use nalgebra::DMatrix;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Gravity by which a moment is told where the description has none \[m/s^2\].
-const STANDARD_M_S2: f64 = 9.81;
 /// A largest gravity torque below this counts as none \[N m\].
 const NO_GRAVITY_NM: f64 = 1e-6;
 
@@ -86,7 +84,7 @@ impl<'t> Along<'t> {
     /// Gravity by which moments are told \[m/s^2\].
     pub fn gravity_m_s2(&self) -> f64 {
         let gravity_m_s2 = self.tree.gravity_m_s2().norm();
-        if gravity_m_s2 > 0.0 { gravity_m_s2 } else { STANDARD_M_S2 }
+        if gravity_m_s2 > 0.0 { gravity_m_s2 } else { crate::number::STANDARD_GRAVITY_M_S2 }
     }
 
     /// Each joint of the tree along a log. Joints without readings stand as drawn.

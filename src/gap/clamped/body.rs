@@ -6,6 +6,8 @@ use crate::robot::description::{BodyChange, LinkId};
 
 /// A direction of which logs leave more than this share of what was believed open is not told.
 pub(in crate::gap) const BODY_OPEN: f64 = 0.7;
+/// Standard deviations within which a number of the robot is as believed: beyond them it is a cause.
+pub(in crate::gap) const BELIEVED: f64 = 3.0;
 
 /// A cause that all joints share which carry a body, fitted to the logs of all of them at once.
 #[derive(Clone, Debug, PartialEq)]

@@ -120,11 +120,13 @@ impl Maker<'_> {
         };
         let arrays = self.setup.study.logs.iter().zip(logs).filter_map(|(entry, log)| {
             let own = log.joint(name)?;
+            let tau_is = self.said.tau_is.filter(|_| entry.drive == DriveMode::Position && own.tau_nm.is_some());
             Some(ArrayLog {
                 q_ref_rad: own.q_ref_rad.clone(),
                 setpoints: own.setpoints.clone(),
                 holes_are_known: true,
-                tau_nm: if entry.drive == DriveMode::Torque { own.tau_nm.clone() } else { None },
+                tau_nm: own.tau_nm.clone().filter(|_| entry.drive == DriveMode::Torque || tau_is.is_some()),
+                tau_is,
                 on: own.drive.clone(),
                 role: entry.role,
                 drive: entry.drive,

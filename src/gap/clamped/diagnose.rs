@@ -6,6 +6,7 @@ use super::pooled::{PooledNumber, one_size, pooled};
 use crate::deadline::{Deadline, Spent};
 use crate::gap::as_given::AsGiven;
 use crate::gap::diagnose::{Beside, diagnose_from, flattered};
+use crate::gap::held_out::closed;
 use crate::gap::sentence::{REFITTED, words};
 use crate::gap::{CauseShare, Diagnosis, GapError, GapOptions, Number, Verdict};
 use crate::joint::EffectId;
@@ -178,9 +179,9 @@ pub(in crate::gap) fn concluded(
     let gap = ClampedGap { calibrated: self::gap(first.unwrap_or(&joints)).calibrated, ..self::gap(&joints) };
     let causes = shared(groups, &joints);
     let found = || found_of(&joints);
-    let verdict = found().map(|d| d.answer.verdict).max_by_key(|verdict| gravity(*verdict)).unwrap_or(Verdict::None);
+    let verdict = found().map(|d| d.answer.verdict).max_by_key(|verdict| severity(*verdict)).unwrap_or(Verdict::None);
     let verdict =
-        if bodies.is_empty() || gravity(verdict) > gravity(Verdict::Effect) { verdict } else { Verdict::Effect };
+        if bodies.is_empty() || severity(verdict) > severity(Verdict::Effect) { verdict } else { Verdict::Effect };
     let of_bodies = bodies.iter().map(|body| body.kind.id());
     let mut ids = of_bodies.chain(causes.iter().map(|cause| cause.effect.id()));
     let pooled = pooled(groups, &joints);
@@ -314,7 +315,7 @@ impl Progress for Counted<'_> {
 }
 
 /// What outweighs what.
-pub(super) fn gravity(verdict: Verdict) -> u8 {
+pub(super) fn severity(verdict: Verdict) -> u8 {
     match verdict {
         Verdict::None => 0,
         Verdict::Calibration => 1,
@@ -335,7 +336,7 @@ pub(super) fn gap(joints: &[JointAnswer]) -> ClampedGap {
         calibrated: root(|d| d.gap.calibrated),
         after,
         floor,
-        closed: (before > floor).then(|| 1.0 - (after - floor) / (before - floor)),
+        closed: closed(before, after, floor),
         outer: found.iter().all(|d| d.gap.outer),
     }
 }

@@ -1,18 +1,35 @@
 //! What all joints of a robot have with one size, put into their answers.
 
-use super::diagnose::{ClampedAnswer, ClampedDiagnosis, ClampedGap, SharedCause, gap, gravity, sentence};
+use super::diagnose::{ClampedAnswer, ClampedDiagnosis, ClampedGap, SharedCause, gap, sentence, severity};
 use crate::gap::held_out::closed;
-use crate::gap::sentence::REFITTED;
-use crate::gap::whole::Common;
-use crate::gap::{CauseShare, Diagnosis, Verdict};
-use crate::number::{capital, mrad};
+use crate::gap::sentence::{REFITTED, words};
+use crate::gap::{CauseShare, Diagnosis, Number, Verdict};
+use crate::joint::EffectForm;
+use crate::number::{capital, mrad, quantity};
 
 /// Where no exam has asked how often such an answer is right.
 const NOT_MEASURED: &str = "no probability is stated for what the whole robot tells and not the joint alone";
 
+/// An effect with the values that all joints have.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::gap) struct Common {
+    /// Which effect, and how.
+    pub form: EffectForm,
+    /// Its values under the catalogue's names, with their intervals.
+    pub parameters: Vec<Number>,
+}
+
+impl Common {
+    /// `a setpoint that is late (T = 24.985 [24.962, 25.007] ms)`
+    fn words(&self) -> String {
+        let sizes = self.parameters.iter().map(|n| format!("{} = {}", n.name, quantity(n.value, n.interval, &n.unit)));
+        format!("{} ({})", words(self.form.id), sizes.collect::<Vec<_>>().join(", "))
+    }
+}
+
 impl ClampedDiagnosis {
-    /// The same where all joints have one cause as the whole robot has it, which leaves so much of each \[rad\]; alone joints were
-    /// asked for that only, and `before` for anything.
+    /// The same where all joints have one cause as the whole robot has it, which leaves so much of each \[rad\]; alone joints
+    /// were asked for that only, and `before` for anything.
     pub(in crate::gap) fn with_common(
         mut self,
         common: &Common,
@@ -46,7 +63,7 @@ impl ClampedDiagnosis {
         let mut ids = self.causes.iter().map(|cause| cause.effect.id());
         let verdict = self.answer.verdict;
         self.answer = ClampedAnswer {
-            verdict: if gravity(verdict) < gravity(Verdict::Effect) { Verdict::Effect } else { verdict },
+            verdict: if severity(verdict) < severity(Verdict::Effect) { Verdict::Effect } else { verdict },
             effect: ids.next(),
             second: ids.next(),
             sentence: sentence(&self.robot, &self.joints, &self.gap, &self.bodies, &self.causes, &self.pooled),
@@ -86,7 +103,7 @@ fn put_in(own: &mut Diagnosis, common: &Common, left_rad: Option<f64>) {
     let answer = &mut own.answer;
     (answer.probability, answer.probability_source) = (None, NOT_MEASURED.to_owned());
     own.ranking.iter_mut().for_each(|candidate| candidate.probability = 0.0);
-    if gravity(answer.verdict) < gravity(Verdict::Effect) {
+    if severity(answer.verdict) < severity(Verdict::Effect) {
         answer.verdict = Verdict::Effect;
         answer.effect = Some(effect.id().to_owned());
         answer.sentence = format!(

@@ -10,17 +10,20 @@ mod case;
 mod diagnose;
 mod followed;
 mod in_common;
+mod named;
 mod pooled;
 mod setup;
 #[cfg(test)]
 mod tests;
 
 pub use super::BodyKind;
-pub(super) use body::BODY_OPEN;
+pub(super) use body::{BELIEVED, BODY_OPEN};
 pub use body::{BodyCause, BodyName};
 pub use case::{ClampedCase, ClampedJoint};
 pub use diagnose::{ClampedAnswer, ClampedDiagnosis, ClampedGap, JointAnswer, SharedCause, diagnose_clamped};
 pub(super) use diagnose::{concluded, concluded_of, diagnose_joints};
 pub(super) use followed::SimulatedMotion;
+pub(super) use in_common::Common;
+pub use named::{NamedCause, NoSuchCause};
 pub use pooled::PooledNumber;
 pub use setup::{ClampedCaseError, ClampedSetup};

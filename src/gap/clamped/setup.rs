@@ -196,7 +196,7 @@ pub enum ClampedCaseError {
         what: String,
     },
     /// Nobody says how setpoints become torques.
-    #[error("{}: joint {joint} is driven by position, and neither [joints.{joint}] nor [joints.default] states kp [N m/rad], nor has the description a position actuator; it is a known torque by the angle that the joint gives under it (`synth --robot`: give --servo KP,KD)", file.display())]
+    #[error("{}: joint {joint} is driven by position, and neither [joints.{joint}] nor [joints.default] states kp [N m/rad], nor has the description a position actuator; it is a known torque by the angle that the joint gives under it", file.display())]
     NoGain {
         /// The study.
         file: PathBuf,
@@ -210,7 +210,10 @@ pub enum ClampedCaseError {
         file: PathBuf,
     },
     /// A number of the joint's load is not finite, or its inertia not above zero.
-    #[error("joint {joint}: the description gives it no inertia above zero along the logs")]
+    #[error(
+        "joint {joint}: no link from it on has mass and inertia; add them to the description (`<inertial>`, in an MJCF \
+         geoms with mass too)"
+    )]
     NoInertia {
         /// Which joint.
         joint: String,

@@ -6,12 +6,13 @@ use super::parameters::{Estimated, detectable, law, named};
 use super::search::{Choice, Found, values};
 use super::sure::Redraws;
 use crate::gap::as_given::AsGiven;
+use crate::gap::held_out::closed;
 use crate::gap::sentence::{MUCH_LEFT, REFITTED, closing_in, number_words, them, words};
 use crate::gap::{
     Answer, Candidate, CauseShare, Detectable, Diagnosis, Gap, LawFound, LogGap, Number, Variable, Verdict, Where,
 };
 use crate::identify::{BeliefFound, Directives, Estimate, Status};
-use crate::joint::{EffectId, LawVariable};
+use crate::joint::EffectId;
 use crate::number::chance::HALF_95;
 use crate::number::{capital, newton_metres, quantity};
 
@@ -89,7 +90,7 @@ pub(super) fn diagnosis(
         after_first: causes.first().map_or(after, |cause| cause.after),
         after,
         floor,
-        closed: (before > floor).then(|| 1.0 - (after - floor) / (before - floor)),
+        closed: closed(before, after, floor),
         closed_interval: None,
         outer: found.has_outer() && !found.asked_outer(),
         held_out: held_out(found),
@@ -281,7 +282,7 @@ fn ranking(found: &Found, gap: &Gap, now: &[f64; 6], redraws: &Redraws) -> Vec<C
             effect: *effect,
             probability: redraws.of(*effect),
             after,
-            closed: (gap.before > gap.floor).then(|| 1.0 - (after - gap.floor) / (gap.before - gap.floor)),
+            closed: closed(gap.before, after, gap.floor),
             behind_sd,
             parameters: named(family, &own, now),
             refitted: true,
@@ -324,7 +325,7 @@ fn location(logs: &[LogData], found: &Found, causes: &[CauseShare], law: Option<
     let explained = |k: usize| {
         let choice = Choice { curve: Some(k), ..Choice::default() };
         let after: f64 = found.system.held_out(&choice.columns(&found.design)).iter().sum();
-        (variable(found.design.curves[k].variable), (1.0 - after / before).max(0.0))
+        (Variable::from(found.design.curves[k].variable), (1.0 - after / before).max(0.0))
     };
     let plain = (0..found.design.curves.len()).filter(|k| found.design.curves[*k].per_turn.is_none());
     let mut variables: Vec<(Variable, f64)> = plain.map(explained).collect();
@@ -343,17 +344,6 @@ fn location(logs: &[LogData], found: &Found, causes: &[CauseShare], law: Option<
         logs: most.into_iter().map(|(log, _)| logs[*log].file.clone()).collect(),
         variables,
         ..Where::default()
-    }
-}
-
-fn variable(of: LawVariable) -> Variable {
-    match of {
-        LawVariable::Angle => Variable::Angle,
-        LawVariable::Speed => Variable::Speed,
-        LawVariable::Load => Variable::Load,
-        LawVariable::MotorTorque => Variable::Torque,
-        LawVariable::Time => Variable::Time,
-        LawVariable::SetpointRate => Variable::SetpointRate,
     }
 }
 

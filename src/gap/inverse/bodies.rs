@@ -11,7 +11,7 @@ use super::signals::Motion;
 use super::system::{Block, Solved, System, Unknown};
 use crate::deadline::Deadline;
 use crate::gap::Number;
-use crate::gap::clamped::{BODY_OPEN, BodyCause, BodyKind, BodyName, ClampedCaseError, ClampedSetup};
+use crate::gap::clamped::{BELIEVED, BODY_OPEN, BodyCause, BodyKind, BodyName, ClampedCaseError, ClampedSetup};
 use crate::number::chance::HALF_95;
 use crate::robot::description::{BodyChange, Description, LinkId};
 use crate::robot::tree::{Tree, TreeBase};
@@ -34,8 +34,7 @@ const CENTRE_SD_SHARE: f64 = 0.1;
 const LEAST_CENTRE_M: f64 = 0.005;
 const PLACE_SHARE: f64 = 1.0;
 const LEAST_PLACE_M: f64 = 0.05;
-/// Standard deviations within which a body is as believed; of a centre as a share of its distance.
-const BELIEVED: f64 = 3.0;
+/// Standard deviation of a centre that is as believed, as a share of its distance.
 const CENTRE_SHARE: f64 = 0.02;
 /// Steps of Gauss and Newton, and beside joints' causes, from where they end without.
 const STEPS: usize = 8;

@@ -8,9 +8,6 @@ use crate::log::{Derivative, DriveMode, Hold, MotorModel, RobotLog, Role};
 use crate::robot::tree::{Tree, TreeBase};
 use std::collections::BTreeMap;
 
-/// Gravity by which a moment is told where the description has none \[m/s^2\].
-const STANDARD_M_S2: f64 = 9.81;
-
 /// A robot, its logs, and what the motion in them asks of its drives.
 #[derive(Clone, Debug)]
 pub struct TorqueCase {
@@ -97,7 +94,8 @@ impl TorqueCase {
         let motions: Vec<Motion> = logs.iter().map(|log| Motion::new(&bare, log, cutoff_hz)).collect();
         let mut signals: Vec<Vec<Option<Signals>>> =
             (0..logs.len()).map(|k| motions[k].signals((description, &bare), &logs[k], &*torques(k))).collect();
-        let gravity_m_s2 = Some(bare.gravity_m_s2().norm()).filter(|g| *g > 0.0).unwrap_or(STANDARD_M_S2);
+        let gravity_m_s2 = Some(bare.gravity_m_s2().norm()).filter(|g| *g > 0.0);
+        let gravity_m_s2 = gravity_m_s2.unwrap_or(crate::number::STANDARD_GRAVITY_M_S2);
         let mut joints = Vec::new();
         for (j, at) in bare.joints().iter().enumerate() {
             let own: Vec<Option<Signals>> = signals.iter_mut().map(|log| log[j].take()).collect();

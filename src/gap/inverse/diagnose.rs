@@ -47,11 +47,7 @@ pub fn diagnose_torques(
     options: &GapOptions,
     progress: &dyn Progress,
 ) -> Result<TorqueDiagnosis, TorqueError> {
-    let allows = |effect: EffectId| {
-        SHOWN.contains(&effect)
-            && !options.without.contains(&effect)
-            && (options.only.is_empty() || options.only.contains(&effect))
-    };
+    let allows = |effect: EffectId| SHOWN.contains(&effect) && options.considers(effect);
     progress.go_on(Step::stage("torques along the motion"))?;
     let first = TorqueCase::of(setup)?;
     let (mut answers, mut founds, moving) = searched(&first, &[], &allows);

@@ -2,9 +2,7 @@
 
 use super::signals::{Grid, Signals};
 use super::system::Unknown;
-
-/// Friction is not known better than to this share of the largest torque seen.
-const LEAST_FRICTION: f64 = 0.01;
+use crate::identify::Deviations;
 
 /// Which number of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,9 +50,10 @@ pub(super) struct Believed {
 pub(super) fn believed(values: Values, relative: Values, largest_nm: f64, fastest_rad_s: f64) -> Believed {
     let mut sd = values;
     sd.iter_mut().zip(relative).for_each(|(sd, share)| *sd *= share);
-    let least = |share: f64, least: f64| if share > 0.0 { least } else { 0.0 };
-    sd[3] = sd[3].max(least(relative[3], LEAST_FRICTION * largest_nm));
-    sd[4] = sd[4].max(least(relative[4], LEAST_FRICTION * largest_nm / fastest_rad_s.max(f64::MIN_POSITIVE)));
+    let least_nm = Deviations::LEAST_FRICTION * largest_nm;
+    let friction = |k: usize, least: f64| Deviations::of_friction(relative[k], values[k], least);
+    sd[3] = friction(3, least_nm);
+    sd[4] = friction(4, least_nm / fastest_rad_s.max(f64::MIN_POSITIVE));
     Believed { values, sd }
 }
 

@@ -32,9 +32,7 @@ pub(super) fn followed(
     progress: &dyn Progress,
     (mut case, mut found): (ClampedCase, ClampedDiagnosis),
 ) -> Result<(ClampedCase, ClampedDiagnosis), TorqueError> {
-    let allows = |effect: EffectId| {
-        !options.without.contains(&effect) && (options.only.is_empty() || options.only.contains(&effect))
-    };
+    let allows = |effect: EffectId| options.considers(effect);
     let (mut rounds, mut may_be_common, mut is_chosen) = (0, true, false);
     while rounds < ROUNDS {
         let is_sound = found.answer.verdict == Verdict::None;

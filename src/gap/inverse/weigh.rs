@@ -12,7 +12,7 @@ use super::parameters::Estimated;
 use super::search::{Choice, Found};
 use super::system::{Block, System, Unknown};
 use crate::gap::GapOptions;
-use crate::gap::clamped::{ClampedCase, ClampedCaseError, ClampedSetup};
+use crate::gap::clamped::{BELIEVED, ClampedCase, ClampedCaseError, ClampedSetup};
 use crate::gap::evidence::WholeLeft;
 use crate::gap::recalibrated::Refitted;
 use crate::gap::whole::{Settled, as_stated_at_best};
@@ -29,8 +29,6 @@ const WORTH_WEIGHING: f64 = 0.98;
 const MASSES: &str = "masses that all joints ask for";
 /// Share of a mass by which its column is told: it is linear.
 const NUDGE: f64 = 0.01;
-/// Standard deviations within which a mass is as believed: beyond them it is a cause.
-const BELIEVED: f64 = 3.0;
 /// A mass is not below this share of what is described.
 const LEAST: f64 = 0.05;
 /// Times that logs are weighed by what they leave.

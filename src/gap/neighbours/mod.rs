@@ -5,7 +5,8 @@
 //! by their controllers, and, each a [`Cause`] that may be let in, the lower leg's mass, Coulomb friction, the encoder's zero,
 //! load friction, and friction that differs with the direction. Viscous friction is always searched; a start is the mean reading
 //! before the joint is let go. [`Compared`] weighs hypotheses as all others of this layer are weighed: deviance, a charge for
-//! every number and for every cause, and the noise that the readings themselves show.
+//! every number and for every cause, and the noise that the readings themselves show. [`Repeated`] holds all logs of a case
+//! against the whole robot, with the pendulum's values and with those that were fitted.
 //!
 //! [`bench_drop`]: crate::robot::bench::bench_drop
 
@@ -13,13 +14,16 @@ mod cause;
 mod compared;
 mod hypothesis;
 mod problem;
+mod repeated;
 mod swings;
 #[cfg(test)]
 mod tests;
 
-pub use super::decide::EQUAL_DEVIANCE;
 pub use super::decide::leaves_something;
+pub use super::score::EQUAL_DEVIANCE;
 pub use cause::Cause;
 pub use compared::{Compared, Ranked};
 pub use hypothesis::Hypothesis;
-pub use swings::{Swings, at_rest_rad};
+pub use repeated::{Apart, RepeatError, Repeated, RepeatedDrop};
+pub use swings::Swings;
+use swings::at_rest_rad;

@@ -133,7 +133,7 @@ fn parameters(lower_kg: f64, nominal: &Nominal, reach: &Reach) -> Vec<Parameter>
 }
 
 /// Mean at the end of a log of a column beside its compared samples.
-pub fn at_rest_rad(e: &Experiment, compared_rad: &[f64]) -> f64 {
+pub(super) fn at_rest_rad(e: &Experiment, compared_rad: &[f64]) -> f64 {
     let end_s = e.t_s.last().copied().unwrap_or(0.0);
     let rests = e.t_s[e.uncompared..].iter().zip(compared_rad).filter(|(t, _)| **t >= end_s - REST_S);
     let (sum, count) = rests.fold((0.0, 0), |(sum, count), (_, value)| (sum + value, count + 1));

@@ -90,9 +90,7 @@ fn one_each(bench: &Bench<'_>, candidates: &[Candidate]) -> Vec<Hypothesis> {
     let likeliest = chosen(candidates, TRIED, |_| true);
     let firsts = best(refitted(bench, &likeliest));
     let Some(place) = firsts.first().map(|first| &first.parts[0].place) else { return firsts };
-    let is_tried = |candidate: &Candidate| {
-        likeliest.iter().any(|other| (other.cause, &other.place) == (candidate.cause, &candidate.place))
-    };
+    let is_tried = |candidate: &Candidate| likeliest.iter().any(|other| other.is_where(candidate));
     let count = TRIED_THERE[usize::from(!bench.case.is_clamped())];
     let cousins = chosen(candidates, count, |candidate| candidate.place == *place && !is_tried(candidate));
     best(refitted(bench, &cousins).into_iter().chain(firsts).collect())
@@ -105,9 +103,8 @@ fn elsewhere(bench: &Bench<'_>, firsts: Vec<Hypothesis>, residual: &[f64]) -> Ve
         return firsts;
     }
     let candidates = rank(bench, &around(bench, named), residual);
-    let is_tried = |candidate: &Candidate| {
-        firsts.iter().any(|first| (first.parts[0].cause, &first.parts[0].place) == (candidate.cause, &candidate.place))
-    };
+    let is_tried =
+        |candidate: &Candidate| firsts.iter().any(|first| first.parts[0].is_where(candidate.cause, &candidate.place));
     let others = chosen(&candidates, TRIED_ELSEWHERE, |candidate| !is_tried(candidate));
     best(refitted(bench, &others).into_iter().chain(firsts).collect())
 }
@@ -140,8 +137,7 @@ fn two_each(bench: &Bench<'_>, first: &Hypothesis, candidates: &[Candidate]) -> 
 fn reconsidered(bench: &Bench<'_>, firsts: Vec<Hypothesis>, pair: &Hypothesis) -> Vec<Hypothesis> {
     let alone: Vec<Hypothesis> =
         pair.parts.clone().into_par_iter().filter_map(|part| refine(bench, vec![part])).collect();
-    let is_same =
-        |a: &Hypothesis, b: &Hypothesis| (a.parts[0].cause, &a.parts[0].place) == (b.parts[0].cause, &b.parts[0].place);
+    let is_same = |a: &Hypothesis, b: &Hypothesis| a.parts[0].is_where(b.parts[0].cause, &b.parts[0].place);
     let is_new = |new: &Hypothesis| {
         firsts.iter().filter(|old| is_same(old, new)).all(|old| new.loss() < old.loss() - CLEAR_GAIN)
     };
@@ -168,7 +164,7 @@ fn best(mut hypotheses: Vec<Hypothesis>) -> Vec<Hypothesis> {
 fn chosen(candidates: &[Candidate], count: usize, is_right: impl Fn(&Candidate) -> bool) -> Vec<&Candidate> {
     let mut chosen: Vec<&Candidate> = Vec::new();
     for candidate in candidates.iter().filter(|candidate| candidate.gain > LEAST_GAIN && is_right(candidate)) {
-        let is_new = !chosen.iter().any(|other| (other.cause, &other.place) == (candidate.cause, &candidate.place));
+        let is_new = !chosen.iter().any(|other| other.is_where(candidate));
         let of_cause = chosen.iter().filter(|other| other.cause == candidate.cause).count();
         if is_new && of_cause < OF_A_CAUSE {
             chosen.push(candidate);

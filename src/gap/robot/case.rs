@@ -1,5 +1,6 @@
 //! A robot study with its logs, ready to be compared with a simulation.
 
+use crate::gap::reach::travels;
 use crate::log::{Forward, RobotLog, RobotScenario, RobotStudy, Role, read_robot_study, read_robot_study_logs};
 use crate::robot::Model;
 use crate::robot::simulate::SimulateError;
@@ -146,11 +147,6 @@ impl CaseLog {
     /// Whether a joint is asked to move, or is let go.
     pub fn moves(&self, joint: usize) -> bool {
         let Some(column) = &self.scene.setpoints.columns[joint] else { return false };
-        let (low, high) =
-            column.angle_rad.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), q| (l.min(*q), h.max(*q)));
-        high - low > MOVES_RAD || self.release.is_some_and(|(released, _)| released == joint)
+        travels(&column.angle_rad) || self.release.is_some_and(|(released, _)| released == joint)
     }
 }
-
-/// A setpoint that travels less does not move \[rad\].
-const MOVES_RAD: f64 = 0.01;

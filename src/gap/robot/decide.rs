@@ -106,7 +106,7 @@ pub(super) fn leaves_enough(bench: &Bench<'_>, first: &Hypothesis) -> bool {
 
 /// Whether beside a clamped trunk two causes leave more than two honest simulations of one robot differ by.
 pub(super) fn leaves_much(bench: &Bench<'_>, pair: &Hypothesis) -> bool {
-    bench.case.is_clamped() && fitted_excess(bench, pair) > MATERIAL
+    bench.case.is_clamped() && fitted_excess(bench, &pair.attained) > MATERIAL
 }
 
 /// What a hypothesis leaves per sample, above a noise variance. A robot that walks lands once, and how it stands then decays
@@ -114,11 +114,12 @@ pub(super) fn leaves_much(bench: &Bench<'_>, pair: &Hypothesis) -> bool {
 /// is there.
 fn excess(bench: &Bench<'_>, unseen: &Unseen<'_>, hypothesis: &Hypothesis) -> f64 {
     let unseen = if bench.case.is_clamped() { None } else { unseen.excess(&hypothesis.attained) };
-    unseen.unwrap_or_else(|| fitted_excess(bench, hypothesis))
+    unseen.unwrap_or_else(|| fitted_excess(bench, &hypothesis.attained))
 }
 
-fn fitted_excess(bench: &Bench<'_>, hypothesis: &Hypothesis) -> f64 {
-    hypothesis.loss() / bench.noise.count().max(1) as f64 - 1.0
+/// The same of the samples that fits see, the price of the numbers included.
+fn fitted_excess(bench: &Bench<'_>, attained: &Attained) -> f64 {
+    attained.price / bench.noise.count().max(1) as f64 - 1.0
 }
 
 fn limits(bench: &Bench<'_>) -> &'static Limits {
@@ -146,41 +147,16 @@ fn taken_out(bench: &Bench<'_>, given: &Hypothesis) -> f64 {
 /// Weighs what was tried.
 pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> {
     let limits = limits(bench);
-    let samples = bench.noise.count().max(1) as f64;
     let unseen = Unseen::of(bench);
-    let excess_of = |hypothesis: &Hypothesis| excess(bench, &unseen, hypothesis);
-    let given = &a.given.attained;
     let is_seen = |first: &&Hypothesis| {
         let gained = a.given.loss() - first.loss();
-        gained > needed(bench, &a.given).max(material(bench, &first.parts[0].place)) && {
-            unseen.shows(&first.attained, given)
-        }
+        let least = needed(bench, &a.given).max(material(bench, &first.parts[0].place));
+        gained > least && unseen.shows(&first.attained, &a.given.attained)
     };
     // It is one of those that stand equally well that has to be seen: which of them is best is chance.
     let as_good =
         |lead: &Hypothesis| a.firsts.iter().take_while(|h| h.loss() - lead.loss() < limits.equal).any(|h| is_seen(&h));
-    let best = a.firsts.first().filter(|lead| as_good(lead));
-    let Some(best) = best else {
-        // What numbers explain in truth is another matter than what they explain to first order.
-        let excess = if bench.case.is_clamped() { given.price / samples - 1.0 } else { excess_of(&a.given) };
-        let allowed = limits.explained + (LEFT_OVER * taken_out(bench, &a.given) / samples).min(LEFT_AT_MOST);
-        let verdict = match (excess < allowed, given.is_believed(bench)) {
-            (true, true) => Verdict::None,
-            (true, false) => Verdict::Calibration,
-            (false, _) => Verdict::Unexplained,
-        };
-        return Decision {
-            verdict,
-            answer: &a.given,
-            first: &a.given,
-            leading: 0,
-            equivalent: Vec::new(),
-            places: Vec::new(),
-            excess,
-            gain: 0.0,
-            margin: f64::INFINITY,
-        };
-    };
+    let Some(best) = a.firsts.first().filter(|lead| as_good(lead)) else { return nothing_found(bench, &unseen, a) };
     // Of those that stand equally well the one with the fewest values, then joints.
     let gain = a.given.loss() - best.loss();
     let is_equal = |other: &&Hypothesis| {
@@ -192,7 +168,7 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
     let first = *equal.iter().min_by_key(|h| (h.free(), h.parts[0].place.joints.len())).unwrap_or(&best);
     let needed = limits.second.max(limits.second_share * gain);
     let is_needed = |pair: &&Hypothesis| {
-        excess_of(best) > limits.second_excess
+        excess(bench, &unseen, best) > limits.second_excess
             && best.loss() - pair.loss() > needed
             && unseen.shows(&pair.attained, &best.attained)
     };
@@ -203,58 +179,78 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
         [a, b] if a.cause.is_calibration() && !b.cause.is_calibration() => 1,
         _ => 0,
     };
+    let named = &answer.parts[leading];
     // The leading cause alone, and not the one beside which it was found.
-    let is_leading = |h: &&Hypothesis| {
-        (h.parts[0].cause, &h.parts[0].place) == (answer.parts[leading].cause, &answer.parts[leading].place)
-    };
+    let is_leading = |h: &&Hypothesis| h.parts[0].is_where(named.cause, &named.place);
     let first = if second.is_some() { a.firsts.iter().find(is_leading).unwrap_or(first) } else { first };
-    let (mut equivalent, mut places) = (Vec::new(), Vec::new());
-    if second.is_none() {
-        let mut equal = equal.clone();
-        equal.sort_by_key(|h| !std::ptr::eq(*h, first));
-        for other in equal {
-            let part = &other.parts[0];
-            if !equivalent.contains(&part.cause) {
-                equivalent.push(part.cause);
-            }
-            if part.cause == first.parts[0].cause && !places.contains(&part.place) {
-                places.push(part.place.clone());
-            }
-        }
-    } else {
-        equivalent.push(answer.parts[leading].cause);
-        places.push(answer.parts[leading].place.clone());
-    }
+    let (equivalent, places) = match second {
+        Some(_) => (vec![named.cause], vec![named.place.clone()]),
+        None => equals(&equal, first),
+    };
     let rivals = if second.is_some() { &a.seconds } else { &a.firsts };
-    let is_rival =
-        |h: &&Hypothesis| h.parts.iter().zip(&answer.parts).any(|(a, b)| (a.cause, &a.place) != (b.cause, &b.place));
+    let is_rival = |h: &&Hypothesis| h.parts.iter().zip(&answer.parts).any(|(a, b)| !a.is_where(b.cause, &b.place));
     let margin = rivals.iter().find(is_rival).map_or(f64::INFINITY, |rival| rival.loss() - answer.loss());
-    let taken = &answer.attained;
-    let fitted = |attained: &Attained| attained.price / samples - 1.0;
-    let excess = if bench.case.is_clamped() { fitted(taken) } else { excess_of(answer) };
+    let excess = excess(bench, &unseen, answer);
+    let verdict = verdict(bench, &unseen, &a.given.attained, answer, excess);
+    Decision { verdict, answer, first, leading, equivalent, places, excess, gain, margin }
+}
+
+/// The answer where no cause is seen.
+fn nothing_found<'a>(bench: &Bench<'_>, unseen: &Unseen<'_>, a: &'a Attribution) -> Decision<'a> {
+    let samples = bench.noise.count().max(1) as f64;
+    let excess = excess(bench, unseen, &a.given);
+    let allowed = limits(bench).explained + (LEFT_OVER * taken_out(bench, &a.given) / samples).min(LEFT_AT_MOST);
+    let verdict = match (excess < allowed, a.given.attained.is_believed(bench)) {
+        (true, true) => Verdict::None,
+        (true, false) => Verdict::Calibration,
+        (false, _) => Verdict::Unexplained,
+    };
+    Decision {
+        verdict,
+        answer: &a.given,
+        first: &a.given,
+        leading: 0,
+        equivalent: Vec::new(),
+        places: Vec::new(),
+        excess,
+        gain: 0.0,
+        margin: f64::INFINITY,
+    }
+}
+
+/// Causes that stand as well as the first, which is one of them and leads them, and places on which that stands as well.
+fn equals(equal: &[&Hypothesis], first: &Hypothesis) -> (Vec<Cause>, Vec<Place>) {
+    let (mut causes, mut places) = (Vec::new(), Vec::new());
+    let mut equal = equal.to_vec();
+    equal.sort_by_key(|h| !std::ptr::eq(*h, first));
+    for other in equal {
+        let part = &other.parts[0];
+        if !causes.contains(&part.cause) {
+            causes.push(part.cause);
+        }
+        if part.cause == first.parts[0].cause && !places.contains(&part.place) {
+            places.push(part.place.clone());
+        }
+    }
+    (causes, places)
+}
+
+/// The kind of an answer that leaves so much, where the robot as given attains so much.
+fn verdict(bench: &Bench<'_>, unseen: &Unseen<'_>, given: &Attained, answer: &Hypothesis, excess: f64) -> Verdict {
+    let (limits, taken) = (limits(bench), &answer.attained);
     let hunts = answer.parts.iter().any(|part| part.cause.is_play());
     let share = if hunts { HUNTING_CLOSES } else { limits.closes };
     let closes = |given: f64, left: f64| given > 0.0 && left < (1.0 - share) * given;
     let explained = excess < limits.explained
-        || closes(fitted(given), fitted(taken))
+        || closes(fitted_excess(bench, given), fitted_excess(bench, taken))
             && unseen.excess(given).zip(unseen.excess(taken)).is_none_or(|(given, left)| closes(given, left));
     let calibration = answer.parts.iter().all(|part| part.cause.is_calibration());
     // On the floor, where numbers are not recalibrated one by one, this is where they are.
     let within = !bench.case.is_clamped() && answer.parts.iter().all(|part| part.is_believed(bench));
-    Decision {
-        verdict: match (explained, calibration) {
-            (false, _) => Verdict::Unexplained,
-            (true, true) if within => Verdict::None,
-            (true, true) => Verdict::Calibration,
-            (true, false) => Verdict::Effect,
-        },
-        answer,
-        first,
-        leading,
-        equivalent,
-        places,
-        excess,
-        gain,
-        margin,
+    match (explained, calibration) {
+        (false, _) => Verdict::Unexplained,
+        (true, true) if within => Verdict::None,
+        (true, true) => Verdict::Calibration,
+        (true, false) => Verdict::Effect,
     }
 }

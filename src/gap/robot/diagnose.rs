@@ -61,10 +61,7 @@ pub fn diagnose_robot(
     progress("simulating the robot as given");
     let bench = Bench::new(case, &options.deadline).map_err(|_| RobotGapError::Diverged)?;
     let floor_or_trunk = |cause: Cause| !case.is_clamped() || !cause.is_of_robot();
-    let considered = |cause: Cause| {
-        let is_asked_for = options.only.is_empty() || options.only.contains(&cause);
-        !options.without.contains(&cause) && is_asked_for && floor_or_trunk(cause)
-    };
+    let considered = |cause: Cause| options.considers(cause) && floor_or_trunk(cause);
     let tried = attribute(&bench, &considered, progress);
     progress("weighing");
     let decision = decide(&bench, &tried);

@@ -17,6 +17,13 @@ pub struct RobotOptions {
     pub deadline: Deadline,
 }
 
+impl RobotOptions {
+    /// Whether a cause is asked for: it is not withheld, and one of the only ones where there are such.
+    pub(super) fn considers(&self, cause: Cause) -> bool {
+        !self.without.contains(&cause) && (self.only.is_empty() || self.only.contains(&cause))
+    }
+}
+
 /// What a leg is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]

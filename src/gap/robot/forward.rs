@@ -3,6 +3,7 @@
 use super::case::{CaseLog, RobotCase};
 use super::cause::{Cause, Change};
 use super::scatter::Scatter;
+use crate::gap::reach::mean_period_s;
 use crate::joint::EffectId;
 use crate::log::RobotScenario;
 use crate::robot::simulate::{BaseSample, Joints, Method, Scenario, SimulateError, Surroundings, run};
@@ -173,7 +174,7 @@ pub(super) fn predict(
         setpoints: &setpoints,
         start: &start,
         surroundings: floor.as_ref().map(|floor| floor as &dyn Surroundings),
-        period_s: (t_s[t_s.len() - 1] - t_s[0]) / (t_s.len() - 1) as f64,
+        period_s: mean_period_s(t_s),
     };
     let recording = run(&scenario, Method::Stiff { step_s })?;
     if recording.diverged.is_some() || recording.t_s.len() + 1 < samples {

@@ -4,11 +4,11 @@ use super::bench::Bench;
 use super::diagnosis::{GaitCell, GaitPhase};
 use super::layout::Row;
 use crate::gap::Variable;
+use crate::gap::map::discoveries;
+use crate::gap::reach::mean_period_s;
 use crate::joint::Setpoint;
 use crate::number::chance::normal_tail;
 
-/// False discoveries among cells that are called significant.
-const FALSE_DISCOVERIES: f64 = 0.05;
 /// Samples of an impact or a drift go together: so many count as one.
 const TOGETHER: f64 = 4.0;
 /// Cells with fewer samples say nothing.
@@ -17,12 +17,9 @@ const FEWEST: usize = 12;
 /// The map of what is left of the robot as given, once what is uncertain anyway is taken out.
 pub(super) fn cells(bench: &Bench<'_>, phases: &[Vec<Vec<GaitPhase>>], left: &[f64]) -> Vec<GaitCell> {
     let case = bench.case;
-    let period_s = |row: &Row| {
-        let t_s = &case.logs[row.log].log.t_s;
-        (t_s[t_s.len() - 1] - t_s[0]) / (t_s.len() - 1) as f64
-    };
+    let period_s = |row: &Row| mean_period_s(&case.logs[row.log].log.t_s);
     let mut cells = Vec::new();
-    let mut chance = Vec::new();
+    let mut p_values = Vec::new();
     for joint in bench.layout.moving() {
         for phase in GaitPhase::ALL {
             let (mut energy, mut statistic, mut count, mut time_s) = (0.0, 0.0, 0_usize, 0.0);
@@ -39,7 +36,7 @@ pub(super) fn cells(bench: &Bench<'_>, phases: &[Vec<Vec<GaitPhase>>], left: &[f
             if count < FEWEST {
                 continue;
             }
-            chance.push(statistic / (2.0 * TOGETHER * count as f64).sqrt());
+            p_values.push(normal_tail(statistic / (2.0 * TOGETHER * count as f64).sqrt()));
             cells.push(GaitCell {
                 joint: case.names[joint].clone(),
                 phase,
@@ -51,23 +48,11 @@ pub(super) fn cells(bench: &Bench<'_>, phases: &[Vec<Vec<GaitPhase>>], left: &[f
         }
     }
     let whole: f64 = cells.iter().map(|cell| cell.share).sum();
-    for cell in &mut cells {
+    for (cell, found) in cells.iter_mut().zip(discoveries(&p_values)) {
         cell.share = if whole > 0.0 { cell.share / whole } else { 0.0 };
-    }
-    for k in significant(&chance) {
-        cells[k].significant = true;
+        cell.significant = found;
     }
     cells
-}
-
-/// Places of the normal deviates that stand out (Benjamini and Hochberg 1995).
-fn significant(deviates: &[f64]) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..deviates.len()).collect();
-    order.sort_by(|a, b| deviates[*b].total_cmp(&deviates[*a]));
-    let n = deviates.len() as f64;
-    let stand_out = |rank: usize| normal_tail(deviates[order[rank]]) <= FALSE_DISCOVERIES * (rank + 1) as f64 / n;
-    let last = (0..order.len()).rev().find(|rank| stand_out(*rank));
-    last.map_or_else(Vec::new, |last| order[..=last].to_vec())
 }
 
 /// Bins of a variable.

@@ -2,20 +2,16 @@
 
 use super::bench::{Bench, followed_s};
 use super::decide::Decision;
-use super::diagnosis::{Displacement, JointGap, RobotGap};
+use super::diagnosis::{Displacement, JointGap, RobotDiagnosis, RobotGap};
 use super::forward::predict;
 use super::layout::{Channel, displacement_m};
 use super::refine::Hypothesis;
 use super::scatter::Scatter;
-use crate::gap::held_out::closed;
+use crate::gap::held_out::{closed, closed_interval};
 use crate::gap::{LogGap, Verdict};
-use rand::{Rng, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 /// Blocks of samples that are drawn together: longer than any transient of a joint.
 const BLOCK: usize = 64;
-const DRAWS: usize = 400;
-const SEED: u64 = 1;
 
 /// What models leave.
 struct Left {
@@ -41,6 +37,19 @@ fn rms(bench: &Bench<'_>, left: &[f64], counts: impl Fn(usize, usize) -> bool) -
 /// an answer leaves and what the ranking says of it are one number.
 pub(super) fn held_out_rms_rad(bench: &Bench<'_>, hypothesis: &Hypothesis) -> f64 {
     rms(bench, &hypothesis.attained.residual, |_, _| true)
+}
+
+impl RobotDiagnosis {
+    /// What the changes of the answer alone leave over the held-out samples, masses and friction as the study has them
+    /// \[rad RMS\]; `None` where nothing was held out.
+    pub fn repaired_rms_rad(&self) -> Option<f64> {
+        let squares = self.traces.iter().flat_map(|trace| {
+            let both = trace.measured_rad.iter().zip(&trace.after_rad).zip(&trace.held);
+            both.filter(|(_, held)| **held).map(|((measured, after), _)| (measured - after).powi(2))
+        });
+        let (sum, count) = squares.fold((0.0, 0.0), |(sum, count), square| (sum + square, count + 1.0));
+        (count > 0.0).then(|| f64::sqrt(sum / count)).filter(|rms| rms.is_finite())
+    }
 }
 
 /// The numbers of a decision.
@@ -113,23 +122,7 @@ fn interval(bench: &Bench<'_>, left: &Left) -> Option<[f64; 2]> {
             blocks.push((sum(&left.before), sum(&left.after), block.len() as f64));
         }
     }
-    if blocks.is_empty() {
-        return None;
-    }
-    let mut rng = ChaCha8Rng::seed_from_u64(SEED);
-    let mut shares: Vec<f64> = (0..DRAWS)
-        .filter_map(|_| {
-            let drawn = (0..blocks.len()).map(|_| blocks[rng.random_range(0..blocks.len())]);
-            let (before, after, n) = drawn.fold((0.0, 0.0, 0.0), |s, b| (s.0 + b.0, s.1 + b.1, s.2 + b.2));
-            closed((before / n).sqrt(), (after / n).sqrt(), bench.sigma_rad)
-        })
-        .collect();
-    if 2 * shares.len() < DRAWS {
-        return None;
-    }
-    shares.sort_by(f64::total_cmp);
-    let at = |share: f64| shares[((shares.len() - 1) as f64 * share).round() as usize];
-    Some([at(0.025), at(0.975)])
+    closed_interval(&blocks, bench.sigma_rad)
 }
 
 fn displacement(bench: &Bench<'_>, decision: &Decision<'_>) -> Vec<Displacement> {

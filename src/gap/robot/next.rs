@@ -29,8 +29,7 @@ pub(super) fn next(bench: &Bench<'_>, tried: &Attribution, decision: &Decision<'
     let answer = &decision.answer;
     let is_rival = |h: &&Hypothesis| {
         let part = &h.parts[0];
-        let is_answer = (part.cause, &part.place) == (answer.parts[0].cause, &answer.parts[0].place);
-        !is_answer && decision.equivalent.contains(&part.cause)
+        !part.is_where(answer.parts[0].cause, &answer.parts[0].place) && decision.equivalent.contains(&part.cause)
     };
     let rivals: Vec<&Hypothesis> = tried.firsts.iter().filter(is_rival).collect();
     let proposals = WIDER.iter().filter_map(|(factor, what)| {

@@ -19,6 +19,11 @@ pub(super) struct Part {
 }
 
 impl Part {
+    /// Whether it is this cause on this place.
+    pub fn is_where(&self, cause: Cause, place: &Place) -> bool {
+        self.cause == cause && self.place == *place
+    }
+
     /// Whether it is friction that is off by no more than the study allows for.
     pub fn is_believed(&self, bench: &Bench<'_>) -> bool {
         let number = match self.cause {

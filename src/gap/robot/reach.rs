@@ -2,6 +2,7 @@
 
 use super::case::{CaseLog, RobotCase};
 use super::forward::Predicted;
+use crate::gap::reach::mean_period_s;
 use crate::joint::{DrivenReach, Reach, Setpoint};
 use crate::robot::{Dynamics, State};
 
@@ -41,7 +42,7 @@ pub(super) fn reach_of(case: &RobotCase, given: &[Predicted], joint: usize) -> R
     let gravity_nm =
         case.logs.iter().zip(given).map(|(log, predicted)| gravity_nm(log, predicted, joint)).fold(0.0, f64::max);
     let command_nm = torques.get(((1.0 - KINKS) * torques.len() as f64) as usize).copied().unwrap_or(0.0);
-    let period_s = case.logs.first().map_or(0.008, |log| (log.end_s() - log.log.t_s[0]) / (log.log.len() - 1) as f64);
+    let period_s = case.logs.first().map_or(0.008, |log| mean_period_s(&log.log.t_s));
     Reach {
         torque_nm: command_nm.max(gravity_nm).max(1e-3),
         coulomb_nm: drive.map_or(0.0, |drive| drive.chain.friction.coulomb_nm),

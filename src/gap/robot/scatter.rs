@@ -1,11 +1,12 @@
 //! Numbers that are never quite right: masses, friction and floor of a real robot are off everywhere.
 
 use super::case::RobotCase;
+use crate::identify::Deviations;
 use crate::joint::Reach;
 use crate::log::Uncertain;
-use crate::number::math;
 use crate::robot::Model;
-use rand::{Rng, SeedableRng};
+use crate::robot::simulate::standard_normal;
+use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 /// Robots that are drawn to see how a walk changes with anything: standard deviations of masses and of the floor, relative,
@@ -15,8 +16,6 @@ const FRICTION: f64 = 0.04;
 const FLOOR: f64 = 0.05;
 /// No mass and no property of the floor is off by more than this factor.
 const LEAST: f64 = 0.2;
-/// Friction is not known better than to this share of the largest torque that is asked for.
-const LEAST_FRICTION: f64 = 0.01;
 
 /// By how much the study's numbers are off.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,14 +52,11 @@ impl Spreads {
         let Uncertain { mass, friction, .. } = &case.study.uncertain;
         let joint = |(id, (name, reach)): (crate::robot::JointId, (&String, &Reach))| {
             let law = &case.nominal.joints.drive(id).chain.friction;
-            let least_nm = LEAST_FRICTION * reach.torque_nm;
-            match friction.of(name) {
-                0.0 => [0.0; 2],
-                share => [
-                    (share * law.coulomb_nm).max(least_nm),
-                    (share * law.viscous_nm_s_rad).max(least_nm / reach.speed_rad_s),
-                ],
-            }
+            let (share, least_nm) = (friction.of(name), Deviations::LEAST_FRICTION * reach.torque_nm);
+            [
+                Deviations::of_friction(share, law.coulomb_nm, least_nm),
+                Deviations::of_friction(share, law.viscous_nm_s_rad, least_nm / reach.speed_rad_s),
+            ]
         };
         Self {
             mass: model.bodies().iter().map(|body| mass.of(&body.name)).collect(),
@@ -96,11 +92,7 @@ impl Scatter {
     /// A robot drawn at random, of joints with such friction; the same number gives the same robot.
     pub fn drawn(model: &Model, friction: &[[f64; 2]], number: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(number);
-        let mut off = |sd: f64| {
-            let (a, b): (f64, f64) = (rng.random(), rng.random());
-            let normal = (-2.0 * math::ln(1.0 - a)).sqrt() * math::cos(std::f64::consts::TAU * b);
-            (1.0 + sd * normal).max(LEAST)
-        };
+        let mut off = |sd: f64| (1.0 + sd * standard_normal(&mut rng)).max(LEAST);
         let mut scatter = Self::none(model);
         scatter.mass.iter_mut().for_each(|factor| *factor = off(MASS));
         for (more, has) in scatter.friction.iter_mut().zip(friction) {

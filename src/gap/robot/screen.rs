@@ -34,6 +34,13 @@ pub(super) struct Candidate {
     pub gain: f64,
 }
 
+impl Candidate {
+    /// Whether it is the same cause on the same place.
+    pub fn is_where(&self, other: &Self) -> bool {
+        self.cause == other.cause && self.place == other.place
+    }
+}
+
 /// How long a walk is simulated to screen a cause: from where it is compared on \[s\].
 const WINDOW_S: f64 = 1.3;
 /// Where every try costs a walk: joints that are tried alone, joints of which pairs are tried as such (other pairs are

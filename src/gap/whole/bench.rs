@@ -1,10 +1,11 @@
-//! A clamped robot and its causes on the logs that setpoints drive, simulated at sizes of what is never quite right about them, and
-//! made linear there.
+//! A clamped robot and its causes on the logs that setpoints drive, simulated at sizes of what is never quite right about
+//! them, and made linear there.
 
-use super::parts::{append, parts, period_s};
+use super::parts::{append, parts};
 use super::robot::{PlacedCause, Stretch, WholeRobot};
 use super::unknown::{Quantity, Unknown, believed, is_body};
 use crate::gap::clamped::ClampedSetup;
+use crate::gap::reach::mean_period_s;
 use crate::log::{DriveMode, JointColumns, RobotLog, Role};
 use crate::number::chance::HALF_95;
 use crate::robot::description::FoundNumber;
@@ -190,7 +191,7 @@ impl<'a> Bench<'a> {
             let until_s = log.t_s[0] + until_s;
             let mut of_log: Vec<Vec<f64>> = Vec::new();
             for part in parts(log).iter().take_while(|part| part.t_s[0] <= until_s) {
-                let stretch = Stretch { period_s: period_s(part), step_s: STEP_S, until_s };
+                let stretch = Stretch { period_s: mean_period_s(&part.t_s), step_s: STEP_S, until_s };
                 let recording = robot.motion(self.setup, part, &stretch).ok()?;
                 let samples = part.t_s.partition_point(|t| *t <= until_s);
                 let of_joint = |(joint, read): (&JointColumns, Vec<f64>)| {

@@ -22,8 +22,8 @@ pub(in crate::gap) struct BodyAtBest {
     pub explains: bool,
 }
 
-/// A body where the whole robot is at its best with it beside causes; `None` where that cannot be simulated. `diagnosis` knows the
-/// joints' noise.
+/// A body where the whole robot is at its best with it beside causes; `None` where that cannot be simulated. `diagnosis`
+/// knows the joints' noise.
 pub(in crate::gap) fn body_at_best(
     setup: &ClampedSetup,
     body: &BodyCause,

@@ -9,12 +9,10 @@ use super::numbers::found_robot;
 use super::robot::{PlacedCause, placed_causes};
 use super::settled::{Settled, each, settled_alike};
 use crate::deadline::Deadline;
-use crate::gap::clamped::{ClampedDiagnosis, ClampedSetup};
-use crate::gap::sentence::words;
+use crate::gap::clamped::{ClampedDiagnosis, ClampedSetup, Common};
 use crate::gap::{Diagnosis, Number};
 use crate::joint::{EffectForm, EffectId, Named};
 use crate::number::chance::HALF_95;
-use crate::number::quantity;
 use crate::robot::description::FoundNumber;
 use rayon::prelude::*;
 
@@ -40,15 +38,6 @@ const SPREAD: f64 = 0.5;
 /// What is left out where this is not looked for.
 const IN_COMMON: &str = "one cause on all joints";
 
-/// An effect with the values that all joints have.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Common {
-    /// Which effect, and how.
-    pub form: EffectForm,
-    /// Its values under the catalogue's names, with their intervals.
-    pub parameters: Vec<Number>,
-}
-
 impl Common {
     /// The last of a robot's causes, which all joints have.
     fn of(form: EffectForm, whole: &Settled) -> Option<Self> {
@@ -61,16 +50,10 @@ impl Common {
         });
         Some(Self { form, parameters: parameters.collect() })
     }
-
-    /// `a setpoint that is late (T = 24.985 [24.962, 25.007] ms)`
-    pub(in crate::gap) fn words(&self) -> String {
-        let sizes = self.parameters.iter().map(|n| format!("{} = {}", n.name, quantity(n.value, n.interval, &n.unit)));
-        format!("{} ({})", words(self.form.id), sizes.collect::<Vec<_>>().join(", "))
-    }
 }
 
-/// The effect with which on all joints, alone or beside one cause of one joint, the whole robot leaves only noise of every one and
-/// least of all, if there is one, and that robot.
+/// The effect with which on all joints, alone or beside one cause of one joint, the whole robot leaves only noise of every
+/// one and least of all, if there is one, and that robot.
 pub(super) fn in_common(
     setup: &ClampedSetup,
     diagnosis: &ClampedDiagnosis,

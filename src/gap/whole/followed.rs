@@ -1,16 +1,17 @@
 //! A robot's joints as cases of the bench, with the robot as stated, or as found, to follow motions by that its logs hardly
 //! resolve.
 
-use super::common::{Common, in_common, misfit};
+use super::common::{in_common, misfit};
 use super::numbers::found_robot;
-use super::parts::{append, parts, period_s};
+use super::parts::{append, parts};
 use super::robot::{Stretch, WholeRobot, placed_causes};
 use super::settled::{Settled, settled};
 use super::simulated::simulated;
 use crate::deadline::Deadline;
 use crate::gap::Diagnosis;
-use crate::gap::clamped::{ClampedCase, ClampedCaseError, ClampedDiagnosis, ClampedSetup, SimulatedMotion};
+use crate::gap::clamped::{ClampedCase, ClampedCaseError, ClampedDiagnosis, ClampedSetup, Common, SimulatedMotion};
 use crate::gap::decide::leaves_something;
+use crate::gap::reach::mean_period_s;
 use crate::joint::EffectId;
 use crate::log::{DriveMode, RobotLog};
 use crate::robot::description::FoundNumber;
@@ -195,7 +196,7 @@ fn motion(robot: &mut WholeRobot, setup: &ClampedSetup, log: &RobotLog) -> Optio
 }
 
 fn motion_of_part(robot: &mut WholeRobot, setup: &ClampedSetup, log: &RobotLog) -> Option<SimulatedMotion> {
-    let period_s = period_s(log);
+    let period_s = mean_period_s(&log.t_s);
     let per_sample = (period_s / DENSE_S).ceil().min(MOST_PER_SAMPLE);
     let recording = robot.motion(setup, log, &Stretch::whole(period_s / per_sample)).ok()?;
     let t_s = &recording.t_s;

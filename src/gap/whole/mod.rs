@@ -14,7 +14,6 @@ mod simulated;
 mod unknown;
 
 pub(in crate::gap) use body::{BodyAtBest, body_at_best};
-pub use common::Common;
 pub(in crate::gap) use followed::{AsFound, as_found, as_stated_at_best};
 pub use numbers::{FoundRobot, found_robot};
 pub use robot::{PlacedCause, WholeRobot, placed_causes};

@@ -47,11 +47,6 @@ fn part(log: &RobotLog, samples: Range<usize>) -> RobotLog {
     }
 }
 
-/// What a log's samples are apart on average \[s\], so that its last sample ends a whole number of them.
-pub(super) fn period_s(log: &RobotLog) -> f64 {
-    (log.t_s[log.len() - 1] - log.t_s[0]) / (log.len() - 1) as f64
-}
-
 /// Columns of a part behind those of the parts before it.
 pub(super) fn append<T>(all: &mut Vec<Vec<T>>, part: Vec<Vec<T>>) {
     if all.is_empty() {

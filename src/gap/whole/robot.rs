@@ -1,7 +1,8 @@
 //! A described robot as something to simulate: with what study and description believe, numbers that are others, and causes.
 
-use super::parts::{append, parts, period_s};
+use super::parts::{append, parts};
 use crate::gap::clamped::{ClampedDiagnosis, ClampedSetup};
+use crate::gap::reach::mean_period_s;
 use crate::gap::{CauseShare, Number};
 use crate::joint::{EffectForm, EffectId, Knee, Motor, TorqueLimit};
 use crate::log::RobotLog;
@@ -118,7 +119,7 @@ impl WholeRobot {
     pub fn readings(&mut self, setup: &ClampedSetup, log: &RobotLog) -> Result<Vec<Vec<f64>>, String> {
         let mut readings = Vec::new();
         for part in parts(log) {
-            let recording = self.motion(setup, &part, &Stretch::whole(period_s(&part)))?;
+            let recording = self.motion(setup, &part, &Stretch::whole(mean_period_s(&part.t_s)))?;
             append(&mut readings, self.read(&recording, &part)?);
         }
         Ok(readings)

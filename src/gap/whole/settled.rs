@@ -11,6 +11,7 @@ use super::unknown::Quantity;
 use crate::deadline::Deadline;
 use crate::fit::correlation_length;
 use crate::gap::clamped::{BODY_OPEN, ClampedSetup};
+use crate::gap::reach::travels;
 use crate::gap::told::AtBest;
 use crate::identify::best_window;
 use crate::joint::EffectId;
@@ -26,8 +27,6 @@ const DONE: f64 = 5e-3;
 /// A robot that leaves so many times the noise and gains less than the share is not this one.
 const HOPELESS: f64 = 5.0;
 const GETS_THERE: f64 = 0.5;
-/// A joint that goes less far does not move \[rad\].
-const MOVES_RAD: f64 = 0.01;
 
 /// The whole robot at its best.
 pub(in crate::gap) struct Settled {
@@ -170,8 +169,7 @@ impl Bench<'_> {
 
 /// Whether a log shows a joint moving.
 fn moves(joint: &JointColumns) -> bool {
-    let (low, high) = joint.q_rad.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), q| (l.min(*q), h.max(*q)));
-    high - low > MOVES_RAD
+    travels(&joint.q_rad)
 }
 
 #[cfg(test)]

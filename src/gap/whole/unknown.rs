@@ -1,12 +1,10 @@
 //! What is never quite right about a robot and its causes, within what is believed of it.
 
 use super::masses::own_inertias;
-use crate::gap::clamped::ClampedSetup;
-use crate::log::RobotLog;
+use crate::gap::clamped::{BELIEVED, ClampedSetup};
+use crate::log::{RobotLog, TauIs};
 use crate::robot::description::{FoundKey, FoundNumber, MoverId};
 
-/// Standard deviations within which a number stays.
-const BELIEVED: f64 = 3.0;
 /// What turns with a motor is known to this share of what its joint moves.
 const ARMATURE: f64 = 0.1;
 /// The mass of a body that torques ask for is known to this share, and its place so well \[m\].
@@ -106,7 +104,12 @@ pub(super) fn believed(setup: &ClampedSetup, logs: &[&RobotLog], found: &[FoundN
         let links = inertias.iter().find(|(joint, _)| joint == name).map_or(0.0, |(_, inertia)| *inertia);
         add(FoundKey::Armature, name, "kg m^2", armature, ARMATURE * (armature + links));
         if let Some(kp) = said.kp_nm_rad {
-            add(FoundKey::Kp, name, "N m/rad", kp, gain * kp);
+            // A drive whose torques are logged has the gain that they show, as well as they are known.
+            let is_seen = matches!(said.tau_is, Some(TauIs::Applied | TauIs::Current { .. }));
+            let shown = found.iter().find(|own| is_seen && own.key == FoundKey::Kp && own.name == name);
+            let sd = if is_seen { spreads.torque.of(name) } else { gain };
+            let kp = shown.map_or(kp, |own| own.value);
+            add(FoundKey::Kp, name, "N m/rad", kp, sd * kp);
         }
         if let Some(kd) = said.kd_nm_s_rad {
             add(FoundKey::Kd, name, "N m s/rad", kd, gain * kd);

@@ -11,6 +11,7 @@ use super::{
 use crate::geometry::inertia::ellipsoid_inertia_from_diameters;
 use crate::geometry::tables::{Joint, JointSpring, Part};
 use crate::log::{Document, LogError, NOT_NEGATIVE, POSITIVE, Range64, finite_within};
+use crate::number::STANDARD_GRAVITY_M_S2;
 use nalgebra::{Unit, Vector3};
 use std::f64::consts::TAU;
 use toml::Spanned;
@@ -43,7 +44,7 @@ pub(super) fn checked(document: &Document<'_>) -> Result<RobotTables, LogError> 
     let base = document.word("base", &raw.base, &clamped)?.unwrap_or(Base::Floating);
     let gravity_m_s2 = match &raw.gravity_m_s2 {
         Some(gravity) => triple(document, "gravity_m_s2", gravity, GRAVITY)?,
-        None => Vector3::new(0.0, -9.81, 0.0),
+        None => Vector3::new(0.0, -STANDARD_GRAVITY_M_S2, 0.0),
     };
     let joints: Vec<Joint> = raw.joint.iter().map(|joint| self::joint(document, joint)).collect::<Result<_, _>>()?;
     let known = |name: &str| joints.iter().any(|joint| joint.name == name || joint.kind == name);

@@ -23,6 +23,13 @@ pub const ERS7_TOML: &str = include_str!("../../../data/ers7.toml");
 /// The `schema` this code reads.
 pub(super) const SCHEMA: i64 = 1;
 
+/// Friction set that is taken where nothing else is asked for; the ERS-7's is that of Table 3.4.
+pub(crate) const FRICTION_SET: &str = "chosen";
+/// Gain set that is taken where nothing else is asked for; the ERS-7's is that of Table B.2.
+pub(crate) const GAIN_SET: &str = "printed";
+/// A frame of the robot: how often its controllers get setpoints, unless a file says otherwise \[s\].
+pub(crate) const FRAME_S: f64 = 0.008;
+
 /// How the root part is held.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Base {

@@ -1,8 +1,9 @@
 //! Free play of total width `b` between motor side and link side.
 //!
 //! The share `rotor` of the bare inertia and most of the friction lie on the motor side; encoder and controller on the link
-//! side or where the study has them (link), or on the motor side (motor); the flanks are stiff and inelastic, and the joint starts on the flank that gravity loads. After each reversal the
-//! link moves freely through the play, and at rest it can rock in it.
+//! side or where the study has them (link), or on the motor side (motor); the flanks are stiff and inelastic, and the joint
+//! starts on the flank that gravity loads. After each reversal the link moves freely through the play, and at rest it can
+//! rock in it.
 
 use super::{Bounds, Effect, EffectParameter, Named, Reach, pairs};
 use crate::joint::{Chain, Play, Real};

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use super::columns::Columns;
-use super::motor_types::{Derivative, EncoderSide, Hold, MotorModel};
+use super::motor_types::{Derivative, EncoderSide, Hold, MotorModel, TauIs};
 use super::types::{DriveMode, Role, SensorSpec};
 use super::uncertain::Uncertain;
 
@@ -91,6 +91,8 @@ pub struct JointBeliefs {
     pub model: Option<MotorModel>,
     /// The side of the gearing on which the encoder sits.
     pub encoder: Option<EncoderSide>,
+    /// What the torques of position-driven logs are.
+    pub tau_is: Option<TauIs>,
 }
 
 impl JointBeliefs {
@@ -108,6 +110,7 @@ impl JointBeliefs {
             speed_limit_rad_s: self.speed_limit_rad_s.or(base.speed_limit_rad_s),
             model: self.model.or(base.model),
             encoder: self.encoder.or(base.encoder),
+            tau_is: self.tau_is.or(base.tau_is),
         }
     }
 }

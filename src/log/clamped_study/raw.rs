@@ -80,10 +80,18 @@ pub(crate) struct RawBeliefs {
     pub supply: Number,
     pub duty_limit: Number,
     pub encoder: Text,
+    pub tau_is: Text,
+    pub gear: Number,
 }
 
 impl RawBeliefs {
-    /// What of it turns the law's answer into torque, as a motor has it.
+    /// Whether it says what turns the law's answer into torque.
+    pub(in crate::log) fn says_of_motor(&self) -> bool {
+        let numbers = [&self.kt, &self.resistance, &self.supply, &self.duty_limit];
+        self.model.is_some() || numbers.into_iter().any(Option::is_some)
+    }
+
+    /// What of it turns the law's answer or a current into torque, as a motor has it.
     pub(in crate::log) fn as_motor(&self) -> RawMotor {
         RawMotor {
             model: self.model.clone(),
@@ -91,6 +99,8 @@ impl RawBeliefs {
             resistance: self.resistance.clone(),
             supply: self.supply.clone(),
             duty_limit: self.duty_limit.clone(),
+            tau_is: self.tau_is.clone(),
+            gear: self.gear.clone(),
             ..RawMotor::default()
         }
     }

@@ -12,11 +12,12 @@ use crate::log::beliefs::{ANY_NAME, uncertain};
 use crate::log::columns::Columns;
 use crate::log::document::{Document, NOT_NEGATIVE, PERIOD, POSITIVE, Range64, range};
 use crate::log::error::LogError;
-use crate::log::motor::{DERIVATIVES, ENCODERS, HOLDS, model};
+use crate::log::motor::{DERIVATIVES, ENCODERS, HOLDS, model, tau_is};
 use crate::log::motor_types::{Derivative, Hold};
 use crate::log::raw_columns::columns;
 use crate::log::read_log::read_robot_logs;
 use crate::log::robot_log::RobotLog;
+use crate::log::schema::{RawLog, RawMotor};
 use crate::log::study::{DRIVES, ROLES, check_schema, named_log, sensor};
 use crate::log::types::{DriveMode, Role};
 
@@ -69,8 +70,9 @@ pub(crate) fn believed(document: &Document<'_>, raw: RawBelieved) -> Result<Clam
     let folder = document.file.parent().unwrap_or(Path::new(""));
     let gravity_m_s2 = raw.robot.gravity.as_ref().map(|gravity| self::gravity(document, gravity)).transpose()?;
     let mut by_joint = BTreeMap::new();
+    let of_all = raw.joints.get(ALL).map(RawBeliefs::as_motor);
     for (name, joint) in &raw.joints {
-        by_joint.insert(name.clone(), beliefs(document, name, joint)?);
+        by_joint.insert(name.clone(), beliefs(document, name, joint, of_all.as_ref())?);
     }
     let all = by_joint.remove(ALL).unwrap_or_default();
     let hold = document.word("[control] hold", &raw.control.hold, &HOLDS)?.unwrap_or(Hold::Step);
@@ -129,9 +131,20 @@ fn gravity(document: &Document<'_>, raw: &Spanned<Vec<f64>>) -> Result<[f64; 3],
     Ok(numbers)
 }
 
-fn beliefs(document: &Document<'_>, joint: &str, raw: &RawBeliefs) -> Result<JointBeliefs, LogError> {
+/// What is believed of a joint; its motor has the keys of that of all joints where it has none itself.
+fn beliefs(
+    document: &Document<'_>,
+    joint: &str,
+    raw: &RawBeliefs,
+    of_all: Option<&RawMotor>,
+) -> Result<JointBeliefs, LogError> {
     let table = format!("[joints.{joint}] ");
     let number = |name: &str, value, of| document.number(&format!("{table}{name}"), value, of);
+    // Beside a torque that is logged, constants of currents that all joints have mean nothing.
+    let is_torque = raw.tau_is.as_ref().is_some_and(|said| said.get_ref() != "current");
+    let of_all = of_all.cloned().map(|of_all| if is_torque { of_all.without_current() } else { of_all });
+    let motor = raw.as_motor().over(of_all.unwrap_or_default());
+    let model = model(document, &table, &motor)?;
     Ok(JointBeliefs {
         coulomb_nm: number("coulomb", &raw.coulomb, NOT_NEGATIVE)?,
         viscous_nm_s_rad: number("viscous", &raw.viscous, NOT_NEGATIVE)?,
@@ -141,8 +154,9 @@ fn beliefs(document: &Document<'_>, joint: &str, raw: &RawBeliefs) -> Result<Joi
         kd_nm_s_rad: number("kd", &raw.kd, NOT_NEGATIVE)?,
         torque_limit_nm: number("torque_limit", &raw.torque_limit, POSITIVE)?,
         speed_limit_rad_s: number("speed_limit", &raw.speed_limit, POSITIVE)?,
-        model: raw.model.as_ref().map(|_| model(document, &table, &raw.as_motor())).transpose()?,
+        model: raw.says_of_motor().then_some(model),
         encoder: document.word(&format!("{table}encoder"), &raw.encoder, &ENCODERS)?,
+        tau_is: tau_is(document, &table, &RawLog::default(), Some((&table, &motor)), DriveMode::Position)?,
     })
 }
 

@@ -33,6 +33,9 @@ fn each_fault_is_one_error_that_names_the_key() {
         (format!("{ROBOT}[joints.a]\nkp = -1.0\n{LOG}"), "[joints.a] kp"),
         (format!("{ROBOT}[joints.a]\nkq = 1.0\n{LOG}"), "kq"),
         (format!("{ROBOT}[joints.a]\nmodel = \"voltage\"\n{LOG}"), "[joints.a] kt"),
+        (format!("{ROBOT}[joints.a]\nkt = 2.0\n{LOG}"), "[joints.a] kt"),
+        (format!("{ROBOT}[joints.a]\ntau_is = \"current\"\n{LOG}"), "`[joints.a] kt` is missing"),
+        (format!("{ROBOT}[joints.a]\ntau_is = \"applied\"\ngear = 9.0\n{LOG}"), "[joints.a] gear"),
         (format!("{ROBOT}[control]\nderivative = \"error\"\n{LOG}"), "[control] derivative"),
         (format!("{ROBOT}{LOG}predict = \"torque\"\n"), "[[log]] 1 predict"),
         (format!("{ROBOT}{LOG}predict = \"speed\"\n"), "[[log]] 1 predict"),
@@ -44,6 +47,31 @@ fn each_fault_is_one_error_that_names_the_key() {
         let message = read(&text).unwrap_err().to_string();
         assert!(message.contains(expected), "`{expected}` is not in\n{message}");
     }
+}
+
+#[test]
+fn currents_of_all_joints_become_torques_by_each_joints_own_constant() {
+    let joints = "[joints.default]\ntau_is = \"current\"\nkt = 0.5\n[joints.Elbow]\nkt = 2.0\ngear = 3.0\n";
+    let joints = format!("{joints}[joints.Wrist]\ntau_is = \"applied\"\n");
+    let tau_is = |text: &str, joint: &str| read(text).map(|study| study.of_joint(joint).tau_is);
+    let elbow_only = format!("{ROBOT}[joints.Elbow]\nkt = 2.0\ntau_is = \"current\"\n{LOG}");
+    assert_eq!(tau_is(&elbow_only, "Elbow").unwrap(), Some(TauIs::Current { nm_per_a: 2.0 }));
+    assert_eq!(tau_is(&elbow_only, "Wrist").unwrap(), None);
+    let all = format!("{ROBOT}{joints}{LOG}");
+    assert_eq!(tau_is(&all, "Elbow").unwrap(), Some(TauIs::Current { nm_per_a: 6.0 }));
+    assert_eq!(tau_is(&all, "Wrist").unwrap(), Some(TauIs::Applied));
+    assert_eq!(tau_is(&all, "Shoulder").unwrap(), Some(TauIs::Current { nm_per_a: 0.5 }));
+}
+
+#[test]
+fn a_joint_fed_by_voltage_may_have_a_constant_of_its_own() {
+    let all = "[joints.default]\nmodel = \"voltage\"\nkt = 2.0\nresistance = 3.0\nsupply = 12.0\n";
+    let study = read(&format!("{ROBOT}{all}[joints.Elbow]\nkt = 4.0\n{LOG}")).unwrap();
+    let kt_nm_a = |joint: &str| match study.of_joint(joint).model {
+        Some(MotorModel::Voltage(motor)) => motor.kt_nm_a,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!((kt_nm_a("Elbow"), kt_nm_a("Wrist")), (4.0, 2.0));
 }
 
 #[test]

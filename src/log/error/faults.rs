@@ -73,6 +73,9 @@ impl CellFault {
             }
             Self::Minus => format!("found `{found}`: a typographic minus sign, expected `-`"),
             Self::NotFinite => format!("found `{found}`, expected a finite number; delete rows without a reading"),
+            Self::Text { unit: "s", .. } if found.contains(':') => {
+                format!("found `{found}`, a date or a time of day, expected a number [s]; write stamps in seconds")
+            }
             Self::Text { first_row: true, unit } => {
                 format!("found `{found}`, expected a number [{unit}]; if this row holds units, delete it")
             }

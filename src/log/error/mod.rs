@@ -108,6 +108,9 @@ pub enum LogError {
     /// Not TOML, an unknown key, or a value of the wrong type; the parser's own message shows the line.
     #[error("{}: {}{}", file.display(), source.to_string().trim_end(), hint.map_or_else(String::new, |hint| format!("; {hint}")))]
     Toml { file: PathBuf, source: Box<toml::de::Error>, hint: Option<&'static str> },
+    /// A log where a study was asked for.
+    #[error("{} is a log, not a study; write one with `aibo-fit init {}`", file.display(), file.display())]
+    LogAsStudy { file: PathBuf },
     /// Several numbers that are needed are not there.
     #[error("{}: {table} does not say {}; fill in what you believe of them", file.display(), keys.join(", "))]
     MissingNumbers { file: PathBuf, table: &'static str, keys: Vec<&'static str> },
@@ -121,7 +124,7 @@ pub enum LogError {
     #[error("{at}: this is a robot study (it has a table `[robot]`), expected a joint study with a table `[joint]`; read it with a command that takes robot studies{}", at.excerpt())]
     RobotStudy { at: Box<Place> },
     /// Several things wrong with one file.
-    #[error("{first}{}{}{}", more(*count), tell_others(others, *beyond), tell_mend(mend))]
+    #[error("{first}{}{}{}", more(*count), tell_others(others, *beyond), tell_mend(mend, first, others))]
     Defects { first: Box<LogError>, count: usize, others: Vec<(LogError, usize)>, beyond: usize, mend: Columns },
     /// A file of a known format that is damaged, or holds nothing that can be read.
     #[error("{}: {format}: {what}", file.display())]
@@ -137,6 +140,16 @@ impl LogError {
         match self {
             Self::Defects { first, .. } => first.is_io(),
             error => matches!(error, Self::Read { .. } | Self::Write { .. } | Self::NamedLog { .. }),
+        }
+    }
+
+    /// The names of a table's columns, where none of them tells which is an angle.
+    pub(in crate::log) fn names_without_angle(&self) -> Option<&[String]> {
+        match self {
+            Self::MissingColumn { column, found, hint: None, .. } if column == "q" || column.ends_with(".q") => {
+                Some(found.as_slice())
+            }
+            _ => None,
         }
     }
 }

@@ -1,9 +1,12 @@
 //! The words of errors: what to do, lists of names, defects after the first.
 
+use std::f64::consts::TAU;
 use std::io;
 
 use super::LogError;
-use crate::log::columns::Columns;
+use crate::log::column::Column;
+use crate::log::columns::{ColumnSpec, Columns, Unit};
+use crate::log::header::alias;
 
 pub(super) fn reading_fix(source: &io::Error) -> &'static str {
     match source.kind() {
@@ -81,14 +84,38 @@ pub(super) fn tell_others(others: &[(LogError, usize)], beyond: usize) -> String
     text
 }
 
-/// What would mend a file.
-pub(super) fn tell_mend(mend: &Columns) -> String {
+/// What would mend a file: the lines that read it, or, where no name tells which column an angle is, how to say it.
+pub(super) fn tell_mend(mend: &Columns, first: &LogError, others: &[(LogError, usize)]) -> String {
     if mend.0.is_empty() {
-        return String::new();
+        let mut all = std::iter::once(first).chain(others.iter().map(|(error, _)| error));
+        return all.find_map(LogError::names_without_angle).map_or_else(String::new, tell_naming);
     }
+    // A sidecar is read as that of one joint.
+    let sidecar = if mend.0.keys().any(|ours| ours.contains('.')) {
+        ""
+    } else {
+        ", or in the sidecar NAME.toml of the log with `schema = 1`,"
+    };
     let lines = mend.toml();
     format!(
-        "\nin a study, or in the sidecar NAME.toml of the log with `schema = 1`, these lines would read the file as it is (units are guesses, check them):\n{}",
+        "\nin a study{sidecar} these lines would read the file as it is (units are guesses, check them):\n{}",
         lines.trim_end()
+    )
+}
+
+/// How to say which column is which, by the names that are there.
+fn tell_naming(names: &[String]) -> String {
+    let is_stamp = |name: &String| alias(Column::Time, std::slice::from_ref(name)).is_some();
+    let angle = names.iter().find(|name| !is_stamp(name)).map_or("angle", String::as_str);
+    let in_degrees = ColumnSpec { unit: Some(Unit::Angle(TAU / 360.0)), ..ColumnSpec::named(angle) };
+    let mut lines = Columns([("joint_1.q".to_owned(), in_degrees)].into());
+    let has_ours = names.iter().any(|name| name == Column::Time.name());
+    if let Some(stamp) = names.iter().find(|name| is_stamp(name)).filter(|_| !has_ours) {
+        lines.0.insert(Column::Time.name().to_owned(), ColumnSpec::named(stamp));
+    }
+    format!(
+        "\nthe names do not tell which column is which; name them in a study, or for `aibo-fit init` in NAME.toml beside the \
+         log with `schema = 1`, for each joint (`q` alone where there is one only) as in:\n{}",
+        lines.toml().trim_end()
     )
 }

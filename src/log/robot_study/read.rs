@@ -51,8 +51,8 @@ pub enum StudyKind {
     Clamped,
 }
 
-/// Which kind of study a file is, by its table `[robot]` and the scenario there; a file that is no TOML is the kind that its text looks like, so
-/// that its reader says what is wrong.
+/// Which kind of study a file is, by its table `[robot]` and the scenario there; a file that is no TOML is the kind that
+/// its text looks like, so that its reader says what is wrong.
 ///
 /// # Errors
 /// [`LogError`] where the file cannot be read as text.

@@ -2,12 +2,16 @@
 
 use std::path::PathBuf;
 
+use super::guess::guess;
 use crate::log::column::{Column, column_of};
-use crate::log::columns::ColumnSpec;
+use crate::log::columns::{ColumnSpec, Unit};
 use crate::log::day::Day;
 use crate::log::format::Format;
 use crate::log::place::{Place, Subject};
 use crate::log::plausible::Row;
+
+/// No servo takes more current \[A\]; one that counts milliamperes says more.
+const MOST_AMPERES: f64 = 10.0;
 
 /// Samples of one quantity.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +28,15 @@ pub struct Channel {
     pub(in crate::log) cell: Option<usize>,
     /// What its reader takes it to be, until `[columns]` is applied; only ever set while a file is read.
     pub(in crate::log) spec: Option<ColumnSpec>,
+}
+
+impl Channel {
+    /// Whether it is a current by its name, and counts by its numbers: whole ones, and more than a servo takes amperes.
+    pub(crate) fn is_current_in_counts(&self) -> bool {
+        let is_current = guess(&self.theirs).is_some_and(|guess| guess.unit == Some(Unit::Current));
+        let is_beyond = self.values.iter().any(|value| value.abs() > MOST_AMPERES);
+        is_current && is_beyond && self.values.iter().all(|value| value.fract() == 0.0)
+    }
 }
 
 /// A file's channels.

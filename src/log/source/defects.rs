@@ -52,12 +52,13 @@ impl Defects {
     /// All of them as one error; `mend` is the table `[columns]` that would, empty where none can.
     ///
     /// # Errors
-    /// [`LogError`], of a single defect as it is.
+    /// [`LogError`], of a single defect as it is, unless there is more to say of it.
     pub fn into_result(self, mend: Columns) -> Result<(), LogError> {
         let mut all = self.first.into_iter();
         let Some((_, first, count)) = all.next() else { return Ok(()) };
         let others: Vec<(LogError, usize)> = all.map(|(_, error, count)| (error, count)).collect();
-        if others.is_empty() && count == 1 && mend.0.is_empty() {
+        let is_all = others.is_empty() && count == 1 && mend.0.is_empty();
+        if is_all && first.names_without_angle().is_none() {
             return Err(first);
         }
         Err(LogError::Defects { first: Box::new(first), count, others, beyond: self.beyond, mend })

@@ -184,9 +184,14 @@ impl Heading {
         }
         let guesses: Vec<(usize, Guess)> =
             self.names.iter().enumerate().filter_map(|(cell, name)| Some((cell, guess(name)?))).collect();
-        let angles = guesses.iter().filter(|(_, g)| g.column == Column::Angle && g.joint.is_some()).count();
+        let angles = guesses.iter().filter(|(_, guess)| guess.column == Column::Angle);
+        let read: Vec<String> = angles.filter_map(|(_, guess)| guess.joint.clone()).collect();
         for (cell, found) in guesses {
-            let joint = found.joint.filter(|_| angles > 1);
+            let joint = found.joint.filter(|_| read.len() > 1);
+            // What is asked of a joint is nothing without its angle.
+            if joint.as_ref().is_some_and(|joint| !read.contains(joint)) {
+                continue;
+            }
             let ours = match joint {
                 Some(joint) => format!("{joint}.{}", found.column.name()),
                 None => found.column.name().to_owned(),

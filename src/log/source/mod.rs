@@ -28,6 +28,7 @@ mod kind;
 mod lerobot;
 #[cfg(feature = "robots")]
 mod mcap;
+mod mend;
 mod message;
 mod npy;
 mod npz;
@@ -58,6 +59,7 @@ pub(super) use assemble::{joint_log, robot_log};
 pub(super) use cdr_write::JointStateForm;
 pub(super) use crc::Crc;
 pub(super) use kind::is_log_folder;
+pub(super) use mend::tried;
 pub(super) use read::{checked, read_wanted};
 pub(super) use table::are_of_messages;
 pub(super) use want::Want;

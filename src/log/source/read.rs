@@ -1,11 +1,13 @@
 //! The channels of a file of any format that is read.
 
+use std::fs;
 use std::path::Path;
 
 use super::channel::Source;
 use super::defects::Defects;
 use super::joint_tables::read_joint_table;
 use super::kind::{Kind, kind_of};
+use super::mend::{tried, untried};
 use super::table::read_table;
 use super::want::Want;
 use super::{bags, bam, npz, sage};
@@ -29,11 +31,20 @@ pub fn read_source(path: &Path, columns: &Columns) -> Result<Source, LogError> {
     read_wanted(path, Want::Any, columns)
 }
 
-/// What is wanted of a file or folder.
+/// What is wanted of a file or folder. Where other names or units would read it, the error has them.
 ///
 /// # Errors
 /// As [`read_source`].
 pub(in crate::log) fn read_wanted(path: &Path, want: Want<'_>, columns: &Columns) -> Result<Source, LogError> {
+    // The log of a robot needs names of joints; of any other a study takes whatever there is.
+    let whole = if matches!(want, Want::Robot) { Want::Robot } else { Want::Any };
+    read_once(path, want, columns).map_err(|error| match fs::metadata(path) {
+        Ok(about) if about.is_file() || about.is_dir() => tried(error, columns, |lines| read_once(path, whole, lines)),
+        _ => untried(error),
+    })
+}
+
+fn read_once(path: &Path, want: Want<'_>, columns: &Columns) -> Result<Source, LogError> {
     let source = match kind_of(path, columns)? {
         Kind::Table => return read_table(path, want, columns),
         Kind::JointTable(layout) => read_joint_table(path, layout)?,

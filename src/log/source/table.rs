@@ -28,30 +28,6 @@ const SHARE_EMPTY: f64 = 0.1;
 /// # Errors
 /// [`LogError`] with all defects of the file.
 pub(super) fn read_table(path: &Path, want: Want<'_>, columns: &Columns) -> Result<Source, LogError> {
-    match read_once(path, want, columns) {
-        // A header that could not be read on: by the names that it seems to have the numbers are looked at as well.
-        Err(LogError::Defects { first, count, mut others, beyond, mend })
-            if columns.0.is_empty() && !mend.0.is_empty() =>
-        {
-            let several = mend.0.keys().any(|ours| ours.contains('.'));
-            let again = read_once(path, if several { Want::Robot } else { Want::One }, &mend);
-            let mend = match again {
-                Err(LogError::Defects { first, count, others: more, mend: better, .. }) => {
-                    let is_new = |error: &LogError| !matches!(error, LogError::MissingColumn { .. });
-                    let found = std::iter::once((*first, count)).chain(more).filter(|(error, _)| is_new(error));
-                    let known: Vec<String> = others.iter().map(|(error, _)| error.to_string()).collect();
-                    others.extend(found.filter(|(error, _)| !known.contains(&error.to_string())));
-                    if better.0.is_empty() { mend } else { better }
-                }
-                _ => mend,
-            };
-            Err(LogError::Defects { first, count, others, beyond, mend })
-        }
-        read => read,
-    }
-}
-
-fn read_once(path: &Path, want: Want<'_>, columns: &Columns) -> Result<Source, LogError> {
     let mut table: Option<Table> = None;
     rows::for_each_row(path, |row, record| match &mut table {
         None => {

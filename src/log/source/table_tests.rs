@@ -1,10 +1,11 @@
 use super::*;
+use crate::log::source::read::read_wanted;
 
 fn read(text: &str) -> Result<Source, LogError> {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("log.csv");
     std::fs::write(&path, text).unwrap();
-    read_table(&path, Want::Any, &Columns::default())
+    read_wanted(&path, Want::Any, &Columns::default())
 }
 
 /// 60 rows of a user's own logger.

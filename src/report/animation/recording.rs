@@ -1,10 +1,11 @@
 //! What an animation shows.
 
+use crate::number::extent;
 use crate::robot::{BodyId, BodyMotion, Dynamics, Model, State, simulate};
 use nalgebra::{Isometry3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
-/// Time between two pictures of a simulated motion \[s\].
-const PICTURE_S: f64 = 0.04;
+/// Time between two pictures of a motion \[s\].
+pub(in crate::report) const PICTURE_S: f64 = 0.04;
 /// Least and greatest semi-axis of a drawn part \[m\].
 const THIN_M: f64 = 0.004;
 const WIDE_M: f64 = 2.0;
@@ -236,8 +237,7 @@ impl Animation {
 
     /// First and last time of all recordings \[s\]; zeros where nothing was recorded.
     pub fn span_s(&self) -> (f64, f64) {
-        let times = || self.dogs.iter().flat_map(|dog| dog.recording.times_s.iter().copied());
-        let (from, to) = (times().fold(f64::INFINITY, f64::min), times().fold(f64::NEG_INFINITY, f64::max));
+        let [from, to] = extent(self.dogs.iter().flat_map(|dog| dog.recording.times_s.iter().copied()));
         if from <= to { (from, to) } else { (0.0, 0.0) }
     }
 }

@@ -1,14 +1,9 @@
 //! What was there against what was answered.
 
-use plotters::style::RGBColor;
-
 use crate::blind::Table;
 use crate::report::ReportError;
 use crate::report::plot::canvas::{EXTENSIVE, POSITIVE};
-use crate::report::plot::heat::{Heat, HeatCell, heat, tint};
-
-/// Ground of an answer that was never given, light enough for the others to stand out.
-const UNUSED: RGBColor = RGBColor(247, 247, 247);
+use crate::report::plot::heat::{Heat, HeatCell, UNUSED, heat, tint};
 
 /// Draws the table as counts; the colour is the share of the row, of right answers blue and of wrong ones vermillion.
 pub(super) fn confusion(table: &Table) -> Result<String, ReportError> {

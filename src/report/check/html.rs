@@ -22,7 +22,8 @@ pub fn check_html(name: &str, reports: &[CheckReport], notes: &[String]) -> Resu
     let Some(provenance) = reports.first().map(|report| report.provenance.clone()) else { return Ok(String::new()) };
     let joints: Vec<(&str, Option<&CheckReport>)> =
         reports.iter().map(|report| (report.joint.as_str(), Some(report))).collect();
-    let is_study = reports.iter().any(|report| report.checkup.is_some());
+    let is_study = reports.iter().any(CheckReport::is_of_study);
+    let may_be_still = is_study && reports.iter().all(|report| !report.predicts_torques);
     let values = context! {
         name,
         doubts => match reports {
@@ -33,7 +34,7 @@ pub fn check_html(name: &str, reports: &[CheckReport], notes: &[String]) -> Resu
         summary => summary(&joints).map(|rows| rows.view()),
         columns => COLUMNS,
         joints => reports.iter().map(view).collect::<Result<Vec<_>, _>>()?,
-        still => is_study.then_some(STILL),
+        still => may_be_still.then_some(STILL),
         no_study => (!is_study).then(|| with_code(NO_STUDY)),
         notes => notes.iter().map(|note| with_code(note)).collect::<Vec<_>>(),
         version => provenance.version,

@@ -22,6 +22,9 @@ const MUCH: f64 = 2.0;
 const LEFT: &str = "The recalibrated joint leaves more than noise: these sizes hold beside what is still to be explained, once it \
      is; `gap` looks for it.";
 /// What is said where no log has a remark.
+/// What a study that predicts torques leaves to `gap`.
+pub const PREDICTS_TORQUES: &str = "This study predicts torques: no motion is simulated here, and `gap` compares the torques \
+     that the measured motion asks for with those that were logged.";
 const SOUND: &str = "Nothing to remark on these logs: no sample is lost, and stamps are even.";
 /// What stands for the numbers of a joint that the fitted logs do not move.
 const STILL: &str = "It moved in none of the logs to be fitted: they tell nothing of its numbers.";
@@ -36,8 +39,10 @@ pub struct CheckReport {
     pub joint: String,
     /// One row per log.
     pub health: Vec<LogHealthRow>,
-    /// `None` without a study.
+    /// `None` without a study, and where the study predicts torques.
     pub checkup: Option<Checkup>,
+    /// Whether the study predicts torques along the measured motion, so that no motion is simulated.
+    pub predicts_torques: bool,
     /// Numbers of the study that are far from any joint that moves like its logs, in sentences.
     pub doubts: Vec<String>,
     /// What was read and asked, to be drawn; one for each log.
@@ -75,14 +80,22 @@ impl CheckReport {
     /// The report of a case.
     pub fn new(case: &Case, checkup: Option<Checkup>, provenance: Provenance) -> Self {
         let series = case.items.iter().map(LogSeries::of).collect();
+        let simulated = checkup.iter().flat_map(|checkup| checkup.doubts.iter().cloned());
+        let doubts = case.doubts().into_iter().chain(simulated).collect();
         Self {
             joint: case.joint.name.clone(),
             health: health_rows(case),
             checkup,
-            doubts: case.doubts(),
+            predicts_torques: false,
+            doubts,
             series,
             provenance,
         }
+    }
+
+    /// Whether it is that of a study: not of a log alone, nor of a joint that moved in none of the logs to be fitted.
+    pub fn is_of_study(&self) -> bool {
+        self.checkup.is_some() || self.predicts_torques
     }
 }
 

@@ -41,7 +41,7 @@ fn told(report: &CheckReport) -> String {
 
 /// All joints at a glance, then the check of each with its name above it; `None`: one that never moved.
 pub fn checks_text(joints: &[(&str, Option<&CheckReport>)], notes: &[String]) -> String {
-    let is_study = joints.iter().any(|(_, report)| report.is_some_and(|report| report.checkup.is_some()));
+    let is_study = joints.iter().any(|(_, report)| report.is_some_and(CheckReport::is_of_study));
     let mut text: String = doubts(joints).iter().map(|doubt| paragraph(doubt) + "\n\n").collect();
     if are_sound(joints) {
         text += &(paragraph(SOUND) + "\n\n");
@@ -53,8 +53,9 @@ pub fn checks_text(joints: &[(&str, Option<&CheckReport>)], notes: &[String]) ->
         text += &format!("== {name} ==\n");
         text += &match report {
             None => "It never moved: nothing to check.\n".to_owned(),
-            Some(CheckReport { health: rows, checkup: None, .. }) => {
-                let more = if is_study { format!("\n{STILL}\n") } else { String::new() };
+            Some(CheckReport { health: rows, checkup: None, predicts_torques, .. }) => {
+                let is_still = is_study && !predicts_torques;
+                let more = if is_still { format!("\n{STILL}\n") } else { String::new() };
                 health_text(rows) + "\n\n" + &motion_text(rows) + "\n" + &more
             }
             Some(report) => told(report),

@@ -4,12 +4,12 @@ use crate::gap::Diagnosis;
 use crate::gap::clamped::ClampedSetup;
 use crate::gap::whole::Whole;
 use crate::log::RobotLog;
+use crate::report::animation::PICTURE_S;
 use crate::report::{Animation, Recording};
 use crate::robot::{Dynamics, Model, State};
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// Time between two pictures \[s\], and the longest film \[s\].
-const PICTURE_S: f64 = 0.04;
+/// The longest film \[s\].
 const FILM_S: f64 = 60.0;
 /// A dog reaches so far about its trunk \[m\]: the picture's unit.
 const DOG_M: f64 = 0.2;
@@ -46,7 +46,8 @@ pub(super) fn animation(setup: &ClampedSetup, whole: &Whole, joints: &[&Diagnosi
     Some(animation)
 }
 
-/// Angles of a log's joints as a motion; those that follow others with them; the others stand as drawn. What is up for the robot is up in the picture.
+/// Angles of a log's joints as a motion; those that follow others with them; the others stand as drawn. What is up for
+/// the robot is up in the picture.
 fn film(model: &Model, setup: &ClampedSetup, log: &RobotLog, motion: &[Vec<f64>]) -> Recording {
     let (mut dynamics, mut state) = (Dynamics::new(model), State::at_rest(model));
     let up = -setup.tree.gravity_m_s2();

@@ -51,7 +51,7 @@ pub fn clamped_gap_json(report: &ClampedGapReport) -> Result<Value, serde_json::
         "ranking": ranking(&documents),
         "detectable": detectable(&documents),
         "gap": gap,
-        "effects": effects,
+        "effects": named_first(effects, [answer.effect, answer.second]),
         "causes": diagnosis.causes,
         "pooled": diagnosis.pooled,
         "joints": documents,
@@ -71,6 +71,17 @@ pub fn clamped_gap_json(report: &ClampedGapReport) -> Result<Value, serde_json::
         document.insert("budget".to_owned(), json!(spent));
     }
     Ok(document)
+}
+
+/// Causes, those that the answer names before the others; of one on several joints that of the joint described first.
+fn named_first(mut effects: Vec<Value>, named: [Option<&str>; 2]) -> Vec<Value> {
+    let mut first = Vec::with_capacity(effects.len());
+    for id in named.into_iter().flatten() {
+        let at = effects.iter().position(|effect| effect["id"] == id);
+        first.extend(at.map(|at| effects.remove(at)));
+    }
+    first.append(&mut effects);
+    first
 }
 
 /// What these logs cannot tell from the first cause, itself included: a body's, or those of the joint that has most of it.
@@ -166,4 +177,20 @@ fn of_body(body: &BodyCause, after: f64) -> Value {
         "saved": body.saved,
         "equivalent": ids(&body.equivalent),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn causes_that_the_answer_names_come_first_and_the_rest_as_joints_are_described() {
+        let on = |joint: &str, id: &str| json!({ "id": id, "joints": [joint] });
+        let effects = || vec![on("hip", "stribeck"), on("hip", "delay"), on("knee", "backlash"), on("knee", "delay")];
+        let ordered = named_first(effects(), [Some("delay"), Some("backlash")]);
+        assert_eq!(ordered, [on("hip", "delay"), on("knee", "backlash"), on("hip", "stribeck"), on("knee", "delay")]);
+        assert_eq!(named_first(effects(), [None, None]), effects());
+        let bodies = vec![on("lower", "payload"), on("upper", "payload"), on("hip", "delay")];
+        assert_eq!(named_first(bodies.clone(), [Some("payload"), Some("payload")]), bodies);
+    }
 }

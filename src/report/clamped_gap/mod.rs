@@ -15,7 +15,7 @@ pub use text::clamped_gap_text;
 
 use super::{Animation, GapReport, LogHealthRow, Provenance, percent_of_answer};
 use crate::gap::clamped::{ClampedCase, ClampedDiagnosis, ClampedSetup};
-use crate::gap::inverse::{TorqueDiagnosis, TorqueTraces};
+use crate::gap::inverse::{ClampedFound, TorqueDiagnosis, TorqueTraces};
 use crate::gap::whole::{FoundRobot, LeftOut, Whole, found_robot, simulated};
 use crate::gap::{BeliefFound, Diagnosis, GapOptions, LogGap, Verdict};
 use crate::report::by_joint::by_joint;
@@ -49,8 +49,16 @@ pub struct ClampedGapReport {
 }
 
 impl ClampedGapReport {
+    /// The report of what was found.
+    pub fn new(setup: &ClampedSetup, found: ClampedFound, options: &GapOptions, provenance: &Provenance) -> Self {
+        match found {
+            ClampedFound::Motion { case, diagnosis } => Self::of_motion(setup, &case, diagnosis, options, provenance),
+            ClampedFound::Torque(diagnosis) => Self::of_torques(setup, diagnosis, options, provenance),
+        }
+    }
+
     /// The report of a case's diagnosis.
-    pub fn new(
+    fn of_motion(
         setup: &ClampedSetup,
         case: &ClampedCase,
         mut diagnosis: ClampedDiagnosis,
@@ -79,7 +87,7 @@ impl ClampedGapReport {
     }
 
     /// The report of a diagnosis by torques.
-    pub fn of_torques(
+    fn of_torques(
         setup: &ClampedSetup,
         diagnosis: TorqueDiagnosis,
         options: &GapOptions,

@@ -1,6 +1,6 @@
 //! The study of one joint.
 
-use super::seen::{Seen, SeenJoint, drive_word, is_hand, median};
+use super::seen::{Seen, SeenJoint, drive_word, is_hand, median, of_currents};
 use super::{DraftError, digits, relative};
 use crate::log::{Columns, DriveMode, toml_string};
 use std::fmt::Write as _;
@@ -8,6 +8,10 @@ use std::path::Path;
 
 /// Joints told by name at the most.
 const NAMED: usize = 12;
+/// Readings that never come as near to 0 count from somewhere else than where the link hangs \[rad\].
+const FAR_RAD: f64 = 0.5;
+/// Who says what a log calls its columns, where nobody guesses.
+pub(super) const TOLD: &str = "as the log's sidecar says";
 
 /// The text, what could not be told, and the keys that have to be filled in.
 pub(super) fn study(
@@ -30,9 +34,11 @@ pub(super) fn study(
         })?;
         of_joint.push((log, joint));
     }
+    let joints: Vec<&SeenJoint> = of_joint.iter().map(|(_, joint)| *joint).collect();
+    let far = far_from_zero(&joints);
     let mut untold = vec![
         "inertia, moment and friction of the joint, which `gap` starts from: fill them in under [joint]".to_owned(),
-        "the logged angle at which the joint hangs, and so the encoder's zero and sign: `rest` is estimated unless you state it".to_owned(),
+        rest(far),
     ];
     let is_driven = of_joint.iter().any(|(_, joint)| joint.drive == DriveMode::Position);
     let mut text = String::from(
@@ -46,8 +52,8 @@ pub(super) fn study(
              # coulomb = 0.0    # N m, dry friction: the torque that just turns it by hand\n\
              # viscous = 0.0    # N m s/rad: from the data sheet, or 0 if unknown ([uncertain] friction = 1.0 says so)\n\
              # gravity = 9.81   # m/s^2, in the plane of motion\n\
-             # rest = 0.0       # rad, the logged angle at which the link hangs; estimated where absent\n\n";
-    text += &sensor(&of_joint.iter().map(|(_, joint)| *joint).collect::<Vec<_>>(), &mut untold);
+             # rest = 0.0       # rad, the logged angle at which the link hangs straight down; 0 is assumed\n\n";
+    text += &sensor(&joints, &mut untold);
     if is_driven {
         untold.push("the controller's gains: a log shows setpoints, not what the drive makes of them".to_owned());
         text += "\n[motor]\n\
@@ -58,6 +64,7 @@ pub(super) fn study(
                  # armature = 0.0   # kg m^2, rotor inertia x gear ratio^2\n";
     }
     text += &told_columns(seen);
+    untold.extend(of_currents(seen).map(|currents| format!("the unit of {currents}")));
     for (k, (log, joint)) in of_joint.iter().enumerate() {
         let file = toml_string(&relative(&log.path, folder));
         let _ = write!(text, "\n[[log]]\nfile = {file}\n{}\n", role(k, of_joint.len()));
@@ -77,10 +84,26 @@ pub(super) fn study(
         untold.push(format!("the logs have several joints: this is the study of {title} ({how}); --joint chooses another of {others}{more}, --robot FILE makes one study of all, which is what an arm needs: of one joint alone the others are taken to stand still"));
     }
     let mut to_fill = vec!["inertia", "moment", "coulomb", "viscous"];
+    to_fill.extend(far.map(|_| "rest"));
     if is_driven {
         to_fill.extend(["kp", "kd"]);
     }
     Ok((text, untold, to_fill))
+}
+
+/// The range that all readings keep to, where it is far from 0.
+fn far_from_zero(joints: &[&SeenJoint]) -> Option<[f64; 2]> {
+    let low = joints.iter().map(|joint| joint.range_rad[0]).reduce(f64::min)?;
+    let high = joints.iter().map(|joint| joint.range_rad[1]).reduce(f64::max)?;
+    (low > FAR_RAD || high < -FAR_RAD).then_some([low, high])
+}
+
+/// What no log tells of where the link hangs, by the range of its readings where that is far from 0.
+fn rest(far: Option<[f64; 2]>) -> String {
+    let taken = "the logged angle at which the link hangs straight down, and so the encoder's zero and sign: `rest` is taken to \
+                 be 0 unless you state it";
+    let Some([low, high]) = far else { return taken.to_owned() };
+    format!("{taken}, but readings stay from {low:.2} to {high:.2} rad: the encoder seems to count from somewhere else")
 }
 
 /// The joint that was asked for, or the one that moves most and is driven; a hand, which is no pendulum, last.
@@ -117,15 +140,17 @@ pub(super) fn sensor(joints: &[&SeenJoint], untold: &mut Vec<String>) -> String 
     text
 }
 
-/// `[columns]`, where names or units were guessed.
-pub(super) fn told_columns(seen: &[Seen]) -> String {
+/// `[columns]`, where names or units are not ours.
+fn told_columns(seen: &[Seen]) -> String {
     let mut all = Columns::default();
-    seen.iter().for_each(|log| all.0.extend(log.guessed.0.clone()));
+    seen.iter().for_each(|log| all.0.extend(log.columns.0.clone()));
     if all.0.is_empty() {
-        String::new()
-    } else {
-        format!("\n# guess: by the columns' names and numbers; check units, signs and zeros\n{}", all.toml())
+        return String::new();
     }
+    let is_guessed = seen.iter().any(|log| log.is_guessed);
+    let how = if is_guessed { "guess: by the columns' names and numbers; check units, signs and zeros" } else { TOLD };
+    let currents = of_currents(seen).map_or_else(String::new, |currents| format!("# {currents}\n"));
+    format!("\n# {how}\n{currents}{}", all.toml())
 }
 
 /// The role of a log, by its place among so many: of several the last may be the one to hold out.

@@ -20,7 +20,7 @@ pub struct Draft {
     pub text: String,
     /// What could not be told from the logs, in sentences.
     pub untold: Vec<String>,
-    /// Keys that have to be filled in before anything can be asked of it.
+    /// Keys to fill in before anything is asked of it.
     pub to_fill: Vec<&'static str>,
     /// Files that were read.
     pub inputs: Vec<PathBuf>,
@@ -71,6 +71,7 @@ pub fn draft_study(
 ) -> Result<Draft, DraftError> {
     let seen: Vec<Seen> = logs.iter().map(|path| look(path)).collect::<Result<_, _>>()?;
     let mut inputs: Vec<PathBuf> = logs.to_vec();
+    inputs.extend(seen.iter().filter_map(|log| log.sidecar.clone()));
     let (text, untold, to_fill) = match robot {
         Some(path) => {
             let description = Description::read(path).map_err(|error| DraftError::Description(Box::new(error)))?;

@@ -1,8 +1,8 @@
 //! The study of a robot that somebody described.
 
-use super::joint::{notes, role, sensor, why};
+use super::joint::{TOLD, notes, role, sensor, why};
 use super::match_joints::{How, pairs};
-use super::seen::{Seen, SeenJoint, drive_word, is_hand};
+use super::seen::{Seen, SeenJoint, drive_word, is_hand, of_currents};
 use super::{DraftError, relative};
 use crate::log::{ColumnSpec, Columns, DriveMode, Unit, toml_string};
 use crate::robot::description::{Actuator, Description, LinkId, Mover};
@@ -25,6 +25,7 @@ pub(super) fn study(
     let mut without: Vec<String> = Vec::new();
     let mut by_order: Vec<String> = Vec::new();
     let mut comments: Vec<String> = Vec::new();
+    let mut is_guessed = seen.iter().any(|log| log.is_guessed);
     for log in seen {
         let own: Vec<String> = log.joints.iter().map(|joint| joint.name.clone().unwrap_or_default()).collect();
         let found = pairs(&own, &names);
@@ -32,11 +33,14 @@ pub(super) fn study(
             return Err(DraftError::NoMatch { file: log.path.clone(), found: own.join(", "), known: names.join(", ") });
         }
         without.extend((0..own.len()).filter(|k| !found.iter().any(|(at, _, _)| at == k)).map(|k| own[k].clone()));
+        let mut under_own_names = log.columns.0.clone();
         for (at, of, how) in found {
             let (joint, mover) = (&log.joints[at], moving[of]);
             let range = fraction(joint, mover, log);
             if how != How::Name || range.is_some() {
                 map(log, joint, mover, range, &mut columns);
+                own_names(joint).iter().for_each(|(_, own)| drop(under_own_names.remove(own)));
+                is_guessed = true;
             }
             if how == How::Order {
                 by_order.push(format!("{} is {}", own[at], mover.name));
@@ -47,7 +51,7 @@ pub(super) fn study(
                 comments.push(note);
             }
         }
-        columns.0.extend(log.guessed.0.clone());
+        columns.0.extend(under_own_names);
     }
     for list in [&mut without, &mut by_order, &mut comments] {
         list.sort();
@@ -71,8 +75,8 @@ pub(super) fn study(
     }
     text += "\n[joints.default]   # what you believe beyond the description; by name as in [joints.elbow]\n\
              # coulomb = 0.0    # N m, dry friction of the joint and its gears; the description's where absent\n\
-             # viscous = 0.0    # N m s/rad\n\
-             # armature = 0.0   # kg m^2, rotor inertia x gear ratio^2\n";
+             # viscous = 0.0    # N m s/rad; the description's where absent\n\
+             # armature = 0.0   # kg m^2, rotor inertia x gear ratio^2; the description's where absent\n";
     let joints: Vec<&SeenJoint> = seen.iter().flat_map(|log| &log.joints).collect();
     let is_driven = joints.iter().any(|joint| joint.drive == DriveMode::Position);
     if is_driven {
@@ -93,26 +97,78 @@ pub(super) fn study(
         }
         text += "\n[control]\nhold = \"step\"      # guess: setpoints stay until the next\n";
     }
+    ask_for_undescribed(&moving, &mut untold, &mut to_fill);
     text += "\n";
     text += &sensor(&joints, &mut untold);
+    if let Some(currents) = of_currents(seen) {
+        untold.push(format!("the unit of {currents}"));
+        comments.push(currents);
+    }
     if !columns.0.is_empty() {
-        text += "\n# guess: which column is which joint, and in which unit; check signs and zeros\n";
-        comments.iter().for_each(|note| text += &format!("# {note}\n"));
-        text += &columns.toml();
-    } else if !comments.is_empty() {
+        let guess = "guess: which column is which joint, and in which unit; check signs and zeros";
+        let how = if is_guessed { guess } else { TOLD };
+        comments.insert(0, how.to_owned());
+    }
+    if !comments.is_empty() {
         text += "\n";
         comments.iter().for_each(|note| text += &format!("# {note}\n"));
     }
-    for (k, log) in seen.iter().enumerate() {
-        let strongest = [DriveMode::Position, DriveMode::Torque, DriveMode::Off];
-        let joint = strongest.iter().find_map(|drive| log.joints.iter().find(|joint| joint.drive == *drive));
-        let Some(joint) = joint else { continue };
-        let _ =
-            write!(text, "\n[[log]]\nfile = {}\n{}\n", toml_string(&relative(&log.path, folder)), role(k, seen.len()));
+    text += &columns.toml();
+    text += &log_tables(seen, folder, &mut untold);
+    Ok((text, untold, to_fill))
+}
+
+/// `[[log]]` of every log.
+fn log_tables(seen: &[Seen], folder: &Path, untold: &mut Vec<String>) -> String {
+    let logs: Vec<(&Seen, &SeenJoint)> = seen.iter().filter_map(|log| Some((log, strongest(log)?))).collect();
+    let are_of_torques = !logs.is_empty() && logs.iter().all(|(_, joint)| joint.drive == DriveMode::Torque);
+    if are_of_torques {
+        untold.push(
+            "whether to simulate: an arm under its torques alone may run away; `predict = \"torque\"` in every [[log]] \
+             compares the torques of the measured motion with the logged ones instead, without a simulation"
+                .to_owned(),
+        );
+    }
+    let mut text = String::new();
+    for (k, (log, joint)) in logs.iter().enumerate() {
+        let file = toml_string(&relative(&log.path, folder));
+        let _ = write!(text, "\n[[log]]\nfile = {file}\n{}\n", role(k, logs.len()));
         let _ = writeln!(text, "drive = \"{}\"{}", drive_word(joint.drive), why(joint));
+        if are_of_torques {
+            text += "# predict = \"torque\"   # compares torques along the measured motion instead of simulating\n";
+        }
         text += &notes(log);
     }
-    Ok((text, untold, to_fill))
+    text
+}
+
+/// The joint of a log that most is asked of.
+fn strongest(log: &Seen) -> Option<&SeenJoint> {
+    let drives = [DriveMode::Position, DriveMode::Torque, DriveMode::Off];
+    drives.iter().find_map(|drive| log.joints.iter().find(|joint| joint.drive == *drive))
+}
+
+/// Asks for numbers of joints that the description does not have.
+fn ask_for_undescribed(moving: &[&Mover], untold: &mut Vec<String>, to_fill: &mut Vec<&'static str>) {
+    let has_friction = |joint: &Mover| joint.friction_nm != 0.0 || joint.damping.iter().any(|part| *part != 0.0);
+    let has_rotor = |joint: &Mover| joint.armature_kg_m2 != 0.0;
+    if let Some(none) = silence(moving, has_friction) {
+        to_fill.extend(["coulomb", "viscous"]);
+        untold.push(format!("friction: the description has {none}; state coulomb and viscous under [joints.default]"));
+    }
+    if let Some(none) = silence(moving, has_rotor) {
+        to_fill.push("armature");
+        untold.push(format!(
+            "rotor inertia: the description has {none}; state armature, rotor inertia times gear ratio squared, under \
+             [joints.default]"
+        ));
+    }
+}
+
+/// How a description is silent on something that joints have; `None`: it says it of half of them at least.
+fn silence(moving: &[&Mover], is_said: impl Fn(&Mover) -> bool) -> Option<&'static str> {
+    let silent = moving.iter().filter(|joint| !is_said(joint)).count();
+    if silent == moving.len() { Some("none") } else { (2 * silent > moving.len()).then_some("none of most joints") }
 }
 
 /// Joints that follow no other, in the file's order where it has parents before children, else in the tree's: many a URDF of
@@ -144,13 +200,18 @@ fn fraction(joint: &SeenJoint, mover: &Mover, log: &Seen) -> Option<((f64, [f64;
         .then_some(((1.0, range), "from 0 to 1, taken to be a fraction of the description's range"))
 }
 
+/// Our columns of a joint, and what they are called under the name that it has in its log.
+fn own_names(joint: &SeenJoint) -> [(&'static str, String); 5] {
+    let prefix = joint.name.as_ref().map_or_else(String::new, |name| format!("{name}."));
+    ["q", "q_ref", "tau", "drive", "dq"].map(|column| (column, format!("{prefix}{column}")))
+}
+
 /// Adds the columns of a joint under the robot's name of it.
 fn map(log: &Seen, joint: &SeenJoint, mover: &Mover, range: Option<((f64, [f64; 2]), &str)>, columns: &mut Columns) {
-    let own = joint.name.as_ref().map_or_else(String::new, |name| format!("{name}."));
-    for column in ["q", "q_ref", "tau", "drive"] {
-        let Some(channel) = log.source.ours(&format!("{own}{column}")) else { continue };
-        let guessed = log.guessed.get(&format!("{own}{column}")).cloned();
-        let mut spec = guessed.unwrap_or_else(|| ColumnSpec::named(&channel.theirs));
+    for (column, own) in own_names(joint) {
+        let Some(channel) = log.source.ours(&own) else { continue };
+        let told = log.columns.get(&own).cloned();
+        let mut spec = told.unwrap_or_else(|| ColumnSpec::named(&channel.theirs));
         if let (Some(((whole, [low, high]), _)), "q" | "q_ref") = (range, column) {
             spec.unit = Some(Unit::Ticks { per_rev: rounded(TAU * whole / (high - low)) });
             spec.zero = rounded(-low);

@@ -1,14 +1,20 @@
 //! What a log shows by itself.
 
-use crate::log::{Columns, DriveMode, LogError, SensorSpec, Source, health, read_source};
+use crate::log::{Columns, DriveMode, LogError, SensorSpec, Source, health, read_source, sidecar_columns};
 use std::path::{Path, PathBuf};
 
 /// A log that was looked at.
 pub(super) struct Seen {
     pub path: PathBuf,
     pub source: Source,
-    /// Names and units that were guessed, because the file has others than ours.
-    pub guessed: Columns,
+    /// Names and units, where the file has others than ours.
+    pub columns: Columns,
+    /// Whether any of them is guessed.
+    pub is_guessed: bool,
+    /// The sidecar that tells names or units.
+    pub sidecar: Option<PathBuf>,
+    /// Currents, as the file calls them, that seem to be counts, and whose unit nobody told.
+    pub counts: Vec<String>,
     pub joints: Vec<SeenJoint>,
 }
 
@@ -33,9 +39,10 @@ impl SeenJoint {
     }
 }
 
-/// Reads a log; one whose columns have other names or units is read by what they look like.
+/// Reads a log by its sidecar, where it has one; names and units that it does not tell are those that columns look like.
 pub(super) fn look(path: &Path) -> Result<Seen, LogError> {
-    let (source, guessed) = match read_source(path, &Columns::default()) {
+    let told = sidecar_columns(path)?;
+    let (source, columns) = match read_source(path, &told) {
         Err(LogError::Defects { mend, first, count, others, beyond }) if !mend.0.is_empty() => {
             match read_source(path, &mend) {
                 Ok(source) => (source, mend),
@@ -43,11 +50,30 @@ pub(super) fn look(path: &Path) -> Result<Seen, LogError> {
                 Err(_) => return Err(LogError::Defects { mend, first, count, others, beyond }),
             }
         }
-        read => (read?, Columns::default()),
+        read => (read?, told.clone()),
     };
     let names: Vec<Option<String>> = source.joints().into_iter().map(|name| name.map(str::to_owned)).collect();
     let joints = names.into_iter().map(|name| joint(&source, name)).collect::<Result<_, _>>()?;
-    Ok(Seen { path: path.to_path_buf(), source, guessed, joints })
+    let sidecar = (!told.0.is_empty()).then(|| path.with_extension("toml"));
+    let counts = currents_in_counts(&source, &columns, &told);
+    Ok(Seen { path: path.to_path_buf(), source, is_guessed: columns != told, columns, sidecar, counts, joints })
+}
+
+/// Currents whose unit was left open because their numbers seem to be counts.
+fn currents_in_counts(source: &Source, columns: &Columns, told: &Columns) -> Vec<String> {
+    let open = columns.0.iter().filter(|(ours, spec)| spec.unit.is_none() && told.get(ours).is_none());
+    let channels = open.filter_map(|(ours, _)| source.ours(ours));
+    channels.filter(|channel| channel.is_current_in_counts()).map(|channel| channel.theirs.clone()).collect()
+}
+
+/// What to ask of currents whose unit is open.
+pub(super) fn of_currents(seen: &[Seen]) -> Option<String> {
+    let mut names: Vec<&String> = seen.iter().flat_map(|log| &log.counts).collect();
+    names.sort_unstable();
+    names.dedup();
+    let quoted: Vec<String> = names.iter().map(|name| format!("{name:?}")).collect();
+    let list = quoted.join(", ");
+    (!names.is_empty()).then(|| format!("{list}: counts? 1 count is 1 mA on an XL330, 2.69 mA on other X-series"))
 }
 
 fn joint(source: &Source, name: Option<String>) -> Result<SeenJoint, LogError> {

@@ -1,5 +1,7 @@
 use super::*;
-use crate::log::{StudyKind, read_clamped_study, read_clamped_study_logs, read_study, study_kind};
+use crate::log::{
+    Predict, StudyKind, read_clamped_study, read_clamped_study_logs, read_source, read_study, study_kind,
+};
 use std::fs;
 
 /// 200 samples of two joints, with names and units of a user's own logger.
@@ -119,6 +121,130 @@ fn other_names_are_paired_from_the_base_on_however_the_file_is_ordered() {
     assert!(draft.untold.iter().any(|told| told.contains("A is arm/elbow, B is gripper")), "{:?}", draft.untold);
     // Of several logs one may be held out, which the last says.
     assert_eq!(draft.text.matches("or \"validate\"").count(), 1, "{}", draft.text);
+}
+
+/// 200 rows of a user's own logger, of waves that come late by so many samples.
+fn table(header: &str, row: impl Fn(&dyn Fn(i32) -> f64) -> String) -> String {
+    let rows = (0..200_i32)
+        .map(|k| format!("{:.2},{}\n", 0.01 * f64::from(k), row(&|late| (0.1 * f64::from(k - late)).sin())));
+    format!("{header}\n{}", rows.collect::<String>())
+}
+
+/// The draft of one log, of a robot where it is given, and the folder that has them.
+fn drafted(log: &str, robot: Option<&str>) -> (Draft, tempfile::TempDir) {
+    let dir = tempfile::tempdir().unwrap();
+    let (file, model) = (dir.path().join("log.csv"), dir.path().join("arm.urdf"));
+    fs::write(&file, log).unwrap();
+    fs::write(&model, robot.unwrap_or("")).unwrap();
+    let draft = draft_study(&[file], robot.map(|_| model.as_path()), None, dir.path()).unwrap();
+    fs::write(dir.path().join("study.toml"), &draft.text).unwrap();
+    (draft, dir)
+}
+
+fn tells(draft: &Draft, part: &str) -> bool {
+    draft.untold.iter().any(|sentence| sentence.contains(part))
+}
+
+#[test]
+fn columns_of_joints_that_have_other_names_stand_under_the_robots_alone() {
+    let in_degrees = table("t,A1.q,A1.q_ref,A1.dq,A2.q,A2.q_ref", |wave| {
+        let [q, q_ref] = [2, 0].map(|late| 40.0 * wave(late));
+        format!("{q:.3},{q_ref:.3},0,{q:.3},{q_ref:.3}")
+    });
+    let (draft, dir) = drafted(&in_degrees, Some(ARM));
+    for line in [
+        "\"arm/elbow.q\" = { name = \"A1.q\", unit = \"deg\" }",
+        "\"arm/elbow.q_ref\" = { name = \"A1.q_ref\", unit = \"deg\" }",
+        "gripper.q\" = { name = \"A2.q\", unit = \"deg\" }",
+    ] {
+        assert!(draft.text.contains(line), "`{line}` is not in\n{}", draft.text);
+    }
+    assert!(!draft.text.contains("\n\"A1.") && !draft.text.contains("\n\"A2."), "{}", draft.text);
+    let study = read_clamped_study(&dir.path().join("study.toml")).unwrap();
+    let logs = read_clamped_study_logs(&study).unwrap();
+    assert_eq!(logs[0].joints.iter().map(|joint| joint.name.as_str()).collect::<Vec<_>>(), ["arm/elbow", "gripper"]);
+    assert!(logs[0].joints.iter().all(|joint| joint.q_rad.iter().all(|q| q.abs() < 0.7)));
+    // As `convert --columns` reads it, speeds too.
+    let source = read_source(&dir.path().join("log.csv"), &study.columns).unwrap();
+    assert!(source.ours("arm/elbow.dq").is_some());
+}
+
+#[test]
+fn friction_and_rotor_inertia_are_asked_for_where_the_description_has_none() {
+    let log = table("t,elbow.q,elbow.q_ref,gripper.q,gripper.q_ref", |wave| {
+        let [q, q_ref] = [2, 0].map(|late| 0.5 * wave(late));
+        format!("{q:.4},{q_ref:.4},{q:.4},{q_ref:.4}")
+    });
+    let (draft, _) = drafted(&log, Some(ARM));
+    assert_eq!(draft.to_fill, ["kp", "kd", "coulomb", "viscous", "armature"]);
+    assert!(
+        tells(&draft, "friction: the description has none") && tells(&draft, "rotor inertia"),
+        "{:?}",
+        draft.untold
+    );
+    let with_friction = ARM.replace("<axis", "<dynamics damping=\"0.1\" friction=\"0.1\"/><axis");
+    let (draft, _) = drafted(&log, Some(with_friction.as_str()));
+    assert_eq!(draft.to_fill, ["kp", "kd", "armature"]);
+    assert!(!tells(&draft, "friction"), "{:?}", draft.untold);
+}
+
+#[test]
+fn torques_without_setpoints_may_be_compared_instead_of_simulated() {
+    let log = table("t,elbow.q,elbow.dq,elbow.tau,gripper.q,gripper.dq,gripper.tau", |wave| {
+        let [q, tau] = [2, 0].map(|late| 0.5 * wave(late));
+        format!("{q:.4},0,{tau:.4},{q:.4},0,{tau:.4}")
+    });
+    let (draft, dir) = drafted(&log, Some(ARM));
+    assert!(draft.text.contains("drive = \"torque\"") && tells(&draft, "predict = \"torque\""), "{}", draft.text);
+    let study = dir.path().join("study.toml");
+    fs::write(&study, draft.text.replace("# predict = ", "predict = ")).unwrap();
+    assert_eq!(read_clamped_study(&study).unwrap().predict, Predict::Torque);
+}
+
+#[test]
+fn an_encoder_that_counts_from_somewhere_else_has_rest_to_be_filled_in() {
+    let log = |from_rad: f64| {
+        table("t,q,q_ref", move |wave| format!("{:.4},{:.4}", from_rad + 0.3 * wave(2), from_rad + 0.3 * wave(0)))
+    };
+    let (draft, _) = drafted(&log(3.2), None);
+    assert_eq!(draft.to_fill, ["inertia", "moment", "coulomb", "viscous", "rest", "kp", "kd"]);
+    assert!(tells(&draft, "readings stay from 2.90 to 3.50 rad"), "{:?}", draft.untold);
+    let (draft, _) = drafted(&log(0.1), None);
+    assert!(!draft.to_fill.contains(&"rest") && tells(&draft, "`rest` is taken to be 0"), "{:?}", draft.untold);
+    assert!(draft.text.contains("hangs straight down; 0 is assumed") && !draft.text.contains("estimated"));
+}
+
+#[test]
+fn a_current_in_counts_is_a_question() {
+    let log = table("time,Present Position,Goal Position,Present Current", |wave| {
+        let ticks = [2, 0].map(|late| (2048.0 + 500.0 * wave(late)).round());
+        format!("{},{},{}", ticks[0], ticks[1], (29.0 * wave(1)).round())
+    });
+    let (draft, dir) = drafted(&log, None);
+    for part in ["tau = { name = \"Present Current\" }", "# \"Present Current\": counts? 1 count is 1 mA on an XL330"] {
+        assert!(draft.text.contains(part), "`{part}` is not in\n{}", draft.text);
+    }
+    assert!(tells(&draft, "the unit of \"Present Current\""), "{:?}", draft.untold);
+    let study = dir.path().join("study.toml");
+    fs::write(&study, filled(&draft.text)).unwrap();
+    assert!(crate::log::read_study_logs(&read_study(&study).unwrap()).is_ok());
+}
+
+#[test]
+fn what_a_sidecar_says_of_columns_stands_in_the_study() {
+    let dir = tempfile::tempdir().unwrap();
+    let log = table("zeit,winkel,soll", |wave| format!("{:.3},{:.3}", 40.0 * wave(2), 40.0 * wave(0)));
+    let lines = "t = { name = \"zeit\" }\nq = { name = \"winkel\", unit = \"deg\", sign = -1 }\n\
+                 q_ref = { name = \"soll\", unit = \"deg\", sign = -1 }\n";
+    let [file, sidecar, study] = ["log.csv", "log.toml", "study.toml"].map(|name| dir.path().join(name));
+    fs::write(&file, log).unwrap();
+    fs::write(&sidecar, format!("schema = 1\n[columns]\n{lines}")).unwrap();
+    let draft = draft_study(std::slice::from_ref(&file), None, None, dir.path()).unwrap();
+    assert_eq!(draft.inputs, [file, sidecar]);
+    assert!(draft.text.contains("as the log's sidecar says") && !draft.text.contains("guess: by"), "{}", draft.text);
+    fs::write(&study, filled(&draft.text)).unwrap();
+    let logs = crate::log::read_study_logs(&read_study(&study).unwrap()).unwrap();
+    assert!((logs[0].q_rad[0] - 40f64.to_radians() * 0.2_f64.sin()).abs() < 1e-4, "{}", logs[0].q_rad[0]);
 }
 
 #[test]

@@ -9,6 +9,7 @@ pub use ranking::{RefitFit, RefitSummary};
 pub(super) use ranking::{causes_figure, causes_table, refit_words};
 pub(super) use text::{full_tables, full_text, summary};
 
+use crate::gap::neighbours::{Apart, Repeated, RepeatedDrop};
 use serde::{Deserialize, Serialize};
 
 /// A drop in the full model beside the measurement and the pendulum.
@@ -20,6 +21,16 @@ pub struct FullDrop {
     pub curves: Vec<FullCurves>,
     /// The whole robot refitted; `None` where no log begins held.
     pub refit: Option<RefitSummary>,
+}
+
+impl FullDrop {
+    /// What was repeated, as it is shown.
+    pub fn of(repeated: Repeated) -> Self {
+        let refit = repeated.compared.as_ref().map(RefitSummary::of);
+        let shown = repeated.drops.into_iter().map(|drop| (FullRow::of(&drop), FullCurves::of(drop)));
+        let (rows, curves) = shown.unzip();
+        Self { rows, curves, refit }
+    }
 }
 
 /// Numbers of one log.
@@ -43,6 +54,20 @@ pub struct FullRow {
     pub controlled_refitted: HeldRow,
 }
 
+impl FullRow {
+    fn of(drop: &RepeatedDrop) -> Self {
+        Self {
+            file: drop.file.clone(),
+            pendulum_rms: drop.pendulum_rms_rad,
+            rigid: drop.rigid.into(),
+            controlled: drop.controlled.into(),
+            give: drop.give_rad,
+            rigid_refitted: drop.rigid_refitted.into(),
+            controlled_refitted: drop.controlled_refitted.into(),
+        }
+    }
+}
+
 /// The full model against the measurement, with the other joints held in one way.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Serialize)]
 pub struct HeldRow {
@@ -52,6 +77,12 @@ pub struct HeldRow {
     pub first_swing: Option<f64>,
     /// Angle at rest, model less measurement \[rad\].
     pub rest: Option<f64>,
+}
+
+impl From<Apart> for HeldRow {
+    fn from(apart: Apart) -> Self {
+        Self { rms: apart.rms_rad, first_swing: apart.first_swing_s, rest: apart.rest_rad }
+    }
 }
 
 /// Curves of one log.
@@ -73,4 +104,19 @@ pub struct FullCurves {
     pub controlled_rad: Vec<f64>,
     /// Half a quantisation step \[rad\].
     pub half_step_rad: f64,
+}
+
+impl FullCurves {
+    fn of(drop: RepeatedDrop) -> Self {
+        Self {
+            file: drop.file,
+            t_s: drop.t_s,
+            measured_rad: drop.measured_rad,
+            first: drop.first,
+            pendulum_rad: drop.pendulum_rad,
+            rigid_rad: drop.rigid_rad,
+            controlled_rad: drop.controlled_rad,
+            half_step_rad: drop.half_step_rad,
+        }
+    }
 }

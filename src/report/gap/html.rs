@@ -150,7 +150,7 @@ fn candidate_view(diagnosis: &Diagnosis, candidate: &Candidate, chance: &str) ->
         stage => candidate.effect.stage().name(),
         named => words::is_named(&diagnosis.answer, candidate.effect),
         after => shown(candidate.after),
-        closed => waterfall::closes_alone(&diagnosis.gap, candidate.after).map_or_else(dash, share),
+        closed => waterfall::closes_alone([diagnosis.gap.calibrated, diagnosis.gap.floor], candidate.after).map_or_else(dash, share),
         behind => significant(candidate.behind_sd, 2),
         probability => chance,
         parameters => candidate.parameters.iter().map(|p| typeset_unit(&words::parameter(p))).collect::<Vec<_>>(),

@@ -160,7 +160,7 @@ fn ranking(diagnosis: &Diagnosis) -> String {
     let words = ["which", "parameters with 95 % intervals"];
     let chances = words::chances(diagnosis);
     let rms = measure.over("RMS");
-    let numbers = [&*rms, "closes\nalone", "behind\n[sd]", "probability"];
+    let numbers = [&*rms, "closes\nalone", "worse by\n[sd]", "probability"];
     // Where no effect has a part of the probability there is nothing to tell of it.
     let numbers = if chances.is_shared_out { &numbers[..] } else { &numbers[..numbers.len() - 1] };
     let mut table = table(WIDTH, &words, numbers);
@@ -178,7 +178,7 @@ fn ranking(diagnosis: &Diagnosis) -> String {
             Cell::new(format!("{}{mark}", candidate.effect)),
             Cell::new(candidate.parameters.iter().map(words::parameter).collect::<Vec<_>>().join("\n")),
             number(measure.number(candidate.after)),
-            number(closes_alone(gap, candidate.after).map_or_else(|| "-".to_owned(), share)),
+            number(closes_alone([gap.calibrated, gap.floor], candidate.after).map_or_else(|| "-".to_owned(), share)),
             number(significant(candidate.behind_sd, 2)),
         ];
         table.add_row(cells.into_iter().chain(chances.is_shared_out.then(|| number(chance))));

@@ -1,13 +1,14 @@
 //! From the model as given to the floor, step by step, and what became of what was believed: the same in text, figure and
 //! JSON.
 
-use crate::gap::{BeliefFound, CauseShare, Diagnosis, Gap, LawFound, Verdict};
+use crate::gap::{BeliefFound, CauseShare, Diagnosis, LawFound, Verdict};
 use crate::report::beliefs;
 use crate::report::measure::Measure;
 use crate::report::number::quantity;
 
 /// A gap that exceeds the floor by less than this factor is hardly one: shares of it would be numbers without meaning.
-pub(in crate::report) const HARDLY: f64 = 1.1;
+pub(in crate::report) use crate::gap::HARDLY_A_GAP as HARDLY;
+
 /// A step with a share below this one opens the gap.
 const OPENS: f64 = -0.005;
 /// A number that was moved by no more than so many of its standard deviations is as it was believed to be.
@@ -93,9 +94,9 @@ pub(super) fn steps(diagnosis: &Diagnosis) -> Vec<Step<'_>> {
 }
 
 /// Share of what recalibration leaves that is closed down to an RMS; `None` where it leaves hardly anything.
-pub(super) fn closes_alone(gap: &Gap, rms: f64) -> Option<f64> {
-    let share = (gap.calibrated - rms) / (gap.calibrated - gap.floor);
-    Some(share).filter(|share| gap.calibrated > HARDLY * gap.floor && share.is_finite())
+pub(in crate::report) fn closes_alone([calibrated, floor]: [f64; 2], rms: f64) -> Option<f64> {
+    let share = (calibrated - rms) / (calibrated - floor);
+    Some(share).filter(|share| calibrated > HARDLY * floor && share.is_finite())
 }
 
 /// What introduces the steps.
@@ -114,13 +115,13 @@ fn sentence_tells_apart(diagnosis: &Diagnosis) -> bool {
 /// What the columns of the steps mean, and what is to be kept in mind with these causes.
 pub(super) fn explanation(diagnosis: &Diagnosis) -> String {
     let mut text = format!(
-        "RMS of the {} over the held-out logs. Closes: share of the whole gap above the floor; refitting the numbers \
-         is the work of no effect.",
+        "RMS of the {} over the held-out logs. Closes: share of the whole gap above the floor; what refitting the \
+         numbers closes is credited to no cause.",
         Measure::of(diagnosis.gap.unit).what
     );
     if !diagnosis.causes.is_empty() {
-        text += " Alone and last: share of what refitted numbers leave that the cause closes by itself, and with all \
-                 others in place.";
+        text += " Alone: share of what refitted numbers leave that the cause closes by itself; last: with all others \
+                 already in place.";
     }
     if steps(diagnosis).iter().any(|step| step.closes.is_some_and(|share| share < OPENS)) {
         text += " Where a share is negative the step predicts these logs worse than without it.";
@@ -133,7 +134,7 @@ pub(super) fn explanation(diagnosis: &Diagnosis) -> String {
         }
     }
     if !diagnosis.gap.outer && !diagnosis.causes.is_empty() {
-        text += " The logs of these figures also had a say in the choice of the causes.";
+        text += " These logs also helped to choose the causes, so the figures flatter a little.";
     }
     text
 }
@@ -195,9 +196,10 @@ mod tests {
     #[test]
     fn an_effect_that_adds_nothing_to_recalibration_closes_nothing() {
         let gap = sample::set_of_two().diagnosis.gap;
-        assert_eq!(closes_alone(&gap, gap.calibrated), Some(0.0));
-        assert_eq!(closes_alone(&gap, gap.floor), Some(1.0));
-        assert_eq!(closes_alone(&sample::nothing_missing().diagnosis.gap, 0.0019), None);
+        assert_eq!(closes_alone([gap.calibrated, gap.floor], gap.calibrated), Some(0.0));
+        assert_eq!(closes_alone([gap.calibrated, gap.floor], gap.floor), Some(1.0));
+        let hardly = sample::nothing_missing().diagnosis.gap;
+        assert_eq!(closes_alone([hardly.calibrated, hardly.floor], 0.0019), None);
     }
 
     #[test]
@@ -220,7 +222,7 @@ mod tests {
     fn causes_of_an_unexplained_gap_are_what_is_known_so_far() {
         assert!(heading(&sample::unexplained().diagnosis).starts_with("What is known so far"));
         let words = explanation(&sample::unexplained().diagnosis);
-        assert!(words.ends_with("had a say in the choice of the causes."), "{words}");
+        assert!(words.ends_with("so the figures flatter a little."), "{words}");
     }
 
     #[test]

@@ -13,8 +13,8 @@ use crate::report::rows::ParameterCells;
 pub(in crate::report) const UNTRUSTED: &str = "Something is left in these logs that the model does not explain: the intervals allow \
     for its correlation but not for all of the bias that comes with it, so do not trust them.";
 
-/// What the column `behind` of the ranking means.
-pub(in crate::report) const BEHIND: &str = "Closes alone: share of what refitted numbers leave. Behind: how much worse than the best it \
+/// What the column `worse by` of the ranking means.
+pub(in crate::report) const BEHIND: &str = "Closes alone: share of what refitted numbers leave. Worse by: how much worse than the best it \
     predicts, in standard deviations of that difference; less than two may be chance.";
 
 /// What stands above the sizes that would have been seen.

@@ -1,6 +1,7 @@
 //! `gate --json`, and what an earlier one says.
 
-use super::{GateBounds, GateRow, GateStudy};
+use super::gate_study;
+use crate::gap::gate::{GateBounds, GateRow, GateStudy};
 use crate::report::SCHEMA;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -10,7 +11,7 @@ pub fn gate_json(studies: &[GateStudy], bounds: &GateBounds, version: &str, comm
     let row = |row: &GateRow| {
         json!({
             "joint": row.joint, "log": row.log, "unit": row.unit, "gap": row.gap, "baseline": row.baseline,
-            "growth": row.growth(), "cause": row.cause, "sentence": row.sentence, "exceeds": row.exceeds,
+            "growth": row.growth(), "cause": row.cause, "sentence": row.sentence, "exceeds": row.exceeds(),
         })
     };
     let study = |study: &GateStudy| {
@@ -35,7 +36,7 @@ pub fn gate_json(studies: &[GateStudy], bounds: &GateBounds, version: &str, comm
 pub fn gate_baseline(document: &Value) -> Option<BTreeMap<(String, String, String), f64>> {
     let (none, nothing) = (GateBounds::default(), |_: &str, _: &str| None);
     if document.get("gap").is_some() {
-        let rows = GateStudy::of("", document, &none, &nothing).rows;
+        let rows = gate_study("", document, &none, &nothing).rows;
         return Some(rows.into_iter().map(|row| ((row.study, row.joint, row.log), row.gap)).collect());
     }
     let mut found = BTreeMap::new();

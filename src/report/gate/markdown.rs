@@ -1,7 +1,7 @@
 //! The gate as a short summary in Markdown, for a pull request.
 
 use super::text::verdict;
-use super::{GateRow, GateStudy};
+use crate::gap::gate::{GateRow, GateStudy};
 use std::fmt::Write as _;
 
 /// Writes the summary: the verdict, what is exceeded and why, all rows folded away.
@@ -9,13 +9,13 @@ pub fn gate_markdown(studies: &[GateStudy]) -> String {
     let mut text = format!("### Sim-to-real: {}\n", verdict(studies));
     let rows: Vec<&GateRow> = studies.iter().flat_map(|study| &study.rows).collect();
     for row in &rows {
-        if let Some(exceeds) = &row.exceeds {
+        if let Some(exceeds) = row.exceeds() {
             let _ = write!(
                 text,
                 "\n- **{}**, `{}`: {} — {}",
                 escaped(&row.joint),
                 row.log.replace('`', "'"),
-                escaped(exceeds),
+                escaped(&exceeds),
                 escaped(&row.sentence)
             );
         }
@@ -40,7 +40,7 @@ pub fn gate_markdown(studies: &[GateStudy]) -> String {
                 row.baseline.map_or_else(|| "-".to_owned(), |before| measure.quantity(before)),
                 row.growth().map_or_else(|| "-".to_owned(), |growth| format!("{:+.1} %", 100.0 * growth)),
                 escaped(&row.cause),
-                if row.exceeds.is_some() { "❌" } else { "✅" }
+                if row.passes() { "✅" } else { "❌" }
             );
         }
         text += "\n</details>\n";

@@ -1,6 +1,6 @@
 //! The gate for a terminal.
 
-use super::GateStudy;
+use crate::gap::gate::GateStudy;
 use crate::report::gap::text::{WIDTH, paragraph};
 use crate::report::text::{finish, number, one_line, table};
 use comfy_table::Cell;
@@ -20,13 +20,13 @@ pub fn gate_text(studies: &[GateStudy]) -> String {
                 number(measure.quantity(row.gap)),
                 number(row.baseline.map_or_else(|| "-".to_owned(), |before| measure.quantity(before))),
                 number(row.growth().map_or_else(|| "-".to_owned(), |growth| format!("{:+.1} %", 100.0 * growth))),
-                Cell::new(if row.exceeds.is_some() { "FAIL" } else { "ok" }),
+                Cell::new(if row.passes() { "ok" } else { "FAIL" }),
             ]);
         }
         blocks.push(finish(&mut table));
     }
     for row in &rows {
-        if let Some(exceeds) = &row.exceeds {
+        if let Some(exceeds) = row.exceeds() {
             blocks.push(paragraph(&format!(
                 "{}, joint {}, log {}: {exceeds}. {}",
                 row.study, row.joint, row.log, row.sentence
@@ -45,7 +45,7 @@ pub fn gate_text(studies: &[GateStudy]) -> String {
 /// How many passed.
 pub(super) fn verdict(studies: &[GateStudy]) -> String {
     let rows = studies.iter().flat_map(|study| &study.rows);
-    let (all, failed) = (rows.clone().count(), rows.filter(|row| row.exceeds.is_some()).count());
+    let (all, failed) = (rows.clone().count(), rows.filter(|row| !row.passes()).count());
     let errors = studies.iter().filter(|study| study.error.is_some()).count();
     let without = if errors > 0 { format!(", {errors} studies without an answer") } else { String::new() };
     let word = if failed + errors == 0 { "passed" } else { "failed" };

@@ -1,11 +1,11 @@
 //! The gate as JUnit XML, which CI systems show as tests.
 
-use super::{GateRow, GateStudy};
+use crate::gap::gate::{GateRow, GateStudy};
 use std::fmt::Write as _;
 
 /// Writes one suite for each study and one case for each joint in each log.
 pub fn gate_junit(studies: &[GateStudy]) -> String {
-    let failures = |study: &GateStudy| study.rows.iter().filter(|row| row.exceeds.is_some()).count();
+    let failures = |study: &GateStudy| study.rows.iter().filter(|row| !row.passes()).count();
     let tests = |study: &GateStudy| study.rows.len() + usize::from(study.error.is_some());
     let errors = |study: &GateStudy| usize::from(study.error.is_some());
     let sum = |of: &dyn Fn(&GateStudy) -> usize| studies.iter().map(of).sum::<usize>();
@@ -40,11 +40,11 @@ pub fn gate_junit(studies: &[GateStudy]) -> String {
 fn case(row: &GateRow) -> String {
     let (joint, log) = (escaped(&row.joint), escaped(&row.log));
     let head = format!("    <testcase classname=\"{joint}\" name=\"{log}\"");
-    match &row.exceeds {
+    match row.exceeds() {
         None => head + "/>\n",
         Some(exceeds) => format!(
             "{head}>\n      <failure message=\"{}\" type=\"{}\">{}</failure>\n    </testcase>\n",
-            escaped(exceeds),
+            escaped(&exceeds),
             escaped(&row.cause),
             escaped(&row.sentence)
         ),

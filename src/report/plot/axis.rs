@@ -5,7 +5,7 @@ use std::ops::Range;
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 
 use super::layout::is_narrow;
-use crate::number::math;
+use crate::number::{extent, math};
 use crate::report::number::as_given;
 
 /// Range of an axis, its ticks and their labels.
@@ -22,10 +22,7 @@ impl Axis {
     ///
     /// No value at all gives 0 to 1, a single value a little room on both sides.
     pub(in crate::report) fn over(values: impl IntoIterator<Item = f64>, margin: f64) -> Self {
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for value in values.into_iter().filter(|value| drawable(*value)) {
-            (low, high) = (low.min(value), high.max(value));
-        }
+        let [low, high] = extent(values.into_iter().filter(|value| drawable(*value)));
         if low > high {
             return Self::between(0.0, 1.0);
         }

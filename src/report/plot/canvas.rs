@@ -46,7 +46,9 @@ pub(in crate::report) const MEASURED: RGBColor = RGBColor(90, 90, 90);
 pub(in crate::report) const INK: RGBColor = RGBColor(34, 34, 34);
 pub(in crate::report) const BAND: RGBColor = RGBColor(204, 121, 167);
 pub(in crate::report) const SHADE: RGBColor = RGBColor(150, 150, 150);
-const GRID: RGBColor = RGBColor(224, 224, 224);
+pub(in crate::report) const GRID: RGBColor = RGBColor(224, 224, 224);
+/// Opacity of a 95 % band under its curve.
+pub(in crate::report) const BAND_OPACITY: f64 = 0.22;
 
 /// A gap as given, recalibrated, with the answer's effects.
 pub(in crate::report) const BEFORE: RGBColor = SIMPLE;

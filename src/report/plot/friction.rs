@@ -3,11 +3,12 @@
 use plotters::style::Color;
 
 use super::axis::Axis;
-use super::canvas::{EXTENSIVE, INK, Sign, band, band_name, chart, filled, legend, line, notice, sketch, stroke};
+use super::canvas::{
+    BAND_OPACITY, EXTENSIVE, INK, Sign, band, band_name, chart, filled, legend, line, notice, sketch, stroke,
+};
 use crate::report::{FrictionPoint, ReportError};
 
 const HEIGHT: f64 = 440.0;
-const BAND_OPACITY: f64 = 0.22;
 
 /// Draws the friction torque of the extensive model against speed, with its 95 % band.
 ///

@@ -18,6 +18,8 @@ const SCALE_HEIGHT: f64 = 300.0;
 const LEAST_TEXT: f64 = 10.0;
 /// Ground of a cell without a value.
 pub(in crate::report) const NO_VALUE: RGBColor = RGBColor(240, 240, 240);
+/// Ground of an answer that was never given, light enough for the others to stand out.
+pub(in crate::report) const UNUSED: RGBColor = RGBColor(247, 247, 247);
 
 /// Rows and columns of a map, and how its cells look.
 pub(in crate::report) struct Heat<'a> {

@@ -7,8 +7,8 @@ use plotters::style::{Color, RGBColor};
 
 use super::axis::{Axis, drawable};
 use super::canvas::{
-    Area, BAND, Drawn, INK, LegendEntry, Look, MEASURED, MODEL_COLOURS, RIGHT, Sign, filled, left, legend, legend_end,
-    px, sketch, spot, stroke, text, width,
+    Area, BAND, Drawn, GRID, INK, LegendEntry, Look, MEASURED, MODEL_COLOURS, RIGHT, Sign, filled, left, legend,
+    legend_end, px, sketch, spot, stroke, text, width,
 };
 use super::layout::is_narrow;
 use crate::identify::BeliefFound;
@@ -22,7 +22,6 @@ const ROWS: [f64; 2] = [30.0, 42.0];
 const RULER: f64 = 48.0;
 /// Room for numbers to the right of the bars \[px\].
 const NUMBERS: f64 = 300.0;
-const GRID: RGBColor = RGBColor(224, 224, 224);
 const BELIEF_OPACITY: f64 = 0.22;
 /// An end that is so many times farther out than the next one is cut, with an arrow.
 const TOO_FAR: f64 = 20.0;

@@ -27,6 +27,7 @@ pub use trace::optimiser_trace;
 use self::intervals::{Group, interval_bars};
 use super::full::full_figures;
 use super::{DropReport, LogCurves, ReportError};
+use crate::number::extent;
 
 /// One figure of a report.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -115,7 +116,7 @@ pub(super) fn model_figures(report: &DropReport) -> Result<Vec<Figure>, ReportEr
 fn widest_swing(logs: &[LogCurves]) -> Option<&LogCurves> {
     let span = |log: &LogCurves| {
         let fitted = log.measured_rad.iter().skip(log.first_fitted).filter(|angle| angle.is_finite());
-        let (low, high) = fitted.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), a| (low.min(*a), high.max(*a)));
+        let [low, high] = extent(fitted.copied());
         (high - low).max(0.0)
     };
     logs.iter().rev().max_by(|a, b| span(a).total_cmp(&span(b)))

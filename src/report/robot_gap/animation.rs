@@ -3,6 +3,7 @@
 use super::repaired::{REPAIRED_FILE, repaired_study};
 use crate::gap::robot::{RobotCase, RobotDiagnosis};
 use crate::log::{BaseColumns, RobotLog, RobotScenario, RobotStudyLog, read_robot_study_logs};
+use crate::report::animation::PICTURE_S;
 use crate::report::{Animation, Recording};
 use crate::robot::simulate::{self, Method, SimulateError, run};
 use crate::robot::study::orientation;
@@ -10,8 +11,6 @@ use crate::robot::{Dynamics, Model, Nominal, State};
 use nalgebra::Vector3;
 use std::path::Path;
 
-/// Time between two pictures \[s\].
-const PICTURE_S: f64 = 0.04;
 /// Longest step \[s\], as a walk takes it.
 const STEP_S: f64 = 5e-4;
 /// Where the trunk is clamped nothing stands under it; the picture's floor is so far below its middle \[m\].

@@ -7,6 +7,7 @@ use super::plot::RobotGapFigures;
 use super::{waterfall, words};
 use crate::gap::robot::{Displacement, JointGap, RobotCandidate, RobotDetectable, RobotDiagnosis};
 use crate::report::chances::power;
+use crate::report::gap::waterfall::closes_alone;
 use crate::report::gap::{gap_view, with_code, words as joint_words};
 use crate::report::html::{both, figure_views, open_and_folded, render};
 use crate::report::measure::ANGLE;
@@ -103,7 +104,7 @@ fn candidate_view(diagnosis: &RobotDiagnosis, candidate: &RobotCandidate, chance
         stage => found.cause.stage().name(),
         named => words::is_named(&diagnosis.answer, candidate),
         after => significant(1e3 * candidate.after, 3),
-        closed => candidate.closed.map_or_else(|| "–".to_owned(), share),
+        closed => closes_alone([diagnosis.gap.calibrated, diagnosis.gap.floor], candidate.after).map_or_else(|| "–".to_owned(), share),
         behind => significant(candidate.behind, 2),
         probability => chance,
         parameters => found.parameters.iter().map(|p| typeset_unit(&joint_words::parameter(p))).collect::<Vec<_>>(),

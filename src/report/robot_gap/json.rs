@@ -38,9 +38,11 @@ pub fn robot_gap_json(report: &RobotGapReport) -> impl Serialize + '_ {
         probability: answer.probability,
         sentence: &answer.sentence,
         place: Place::of(&diagnosis.location),
-        gap: &diagnosis.gap,
+        gap: Gap { found: &diagnosis.gap, outer: None },
         ranking: diagnosis.ranking.iter().map(Ranked::of).collect(),
         detectable: diagnosis.detectable.iter().map(|d| (d.cause.id(), threshold(d))).collect(),
+        law: None,
+        undetermined: [],
         joint: JointFit::of(&[]),
         next: diagnosis.next.as_ref().map(Proposal::of),
         probability_source: &answer.probability_source,
@@ -51,7 +53,7 @@ pub fn robot_gap_json(report: &RobotGapReport) -> impl Serialize + '_ {
         effects: answer.first.iter().chain(&answer.second).map(Effect::of).collect(),
         beliefs: diagnosis.beliefs.iter().map(|belief| (belief.name.as_str(), belief)).collect(),
         changes: diagnosis.changes.iter().map(|change| Changed::of(change, joints)).collect(),
-        repaired: Repaired { file: super::REPAIRED_FILE, rms: super::words::repaired_rms_rad(diagnosis) },
+        repaired: Repaired { file: super::REPAIRED_FILE, rms: diagnosis.repaired_rms_rad() },
         confusion: None,
         notes: &diagnosis.notes,
         health: logs.iter().map(health).collect(),
@@ -85,9 +87,12 @@ struct Document<'a> {
     sentence: &'a str,
     #[serde(rename = "where")]
     place: Place<'a>,
-    gap: &'a RobotGap,
+    gap: Gap<'a>,
     ranking: Vec<Ranked<'a>>,
     detectable: BTreeMap<&'static str, Threshold>,
+    /// Laws, and what logs cannot determine, are told of joints and arms.
+    law: Option<()>,
+    undetermined: [(); 0],
     joint: JointFit,
     next: Option<Proposal<'a>>,
     probability_source: &'a str,
@@ -113,6 +118,14 @@ struct Document<'a> {
     version: &'a str,
     command: &'a str,
     inputs: Vec<HashedInput<'a>>,
+}
+
+#[derive(Serialize)]
+struct Gap<'a> {
+    #[serde(flatten)]
+    found: &'a RobotGap,
+    /// Told of joints and arms.
+    outer: Option<bool>,
 }
 
 #[derive(Serialize)]
@@ -172,13 +185,26 @@ impl<'a> Ranked<'a> {
 #[derive(Serialize)]
 struct Effect<'a> {
     id: Cause,
+    /// A robot that walks has effects in their default forms, and its causes are not taken out one by one.
+    form: Option<()>,
     joints: &'a [String],
     parameters: BTreeMap<String, Quantity>,
+    alone: Option<f64>,
+    last: Option<f64>,
+    after: Option<f64>,
 }
 
 impl<'a> Effect<'a> {
     fn of(found: &'a Found) -> Self {
-        Self { id: found.cause, joints: &found.joints, parameters: quantities(&found.parameters) }
+        Self {
+            id: found.cause,
+            form: None,
+            joints: &found.joints,
+            parameters: quantities(&found.parameters),
+            alone: None,
+            last: None,
+            after: None,
+        }
     }
 }
 

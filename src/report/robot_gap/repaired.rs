@@ -7,17 +7,13 @@ use std::fmt::Write as _;
 use toml::{Table, Value};
 
 use crate::gap::robot::{Cause, Change, RobotCase};
-use crate::geometry::robot_file::{ERS7_TOML, JointFriction};
+use crate::geometry::robot_file::{ERS7_TOML, FRICTION_SET, GAIN_SET, JointFriction};
 use crate::joint::EffectId;
 use crate::log::{LogError, RobotScenario, RobotStudy};
 use crate::robot::FloorParameters;
 
 /// Name of the repaired robot's file.
 pub const REPAIRED_FILE: &str = "repaired.toml";
-
-/// Friction set and gain set that a study builds on, and that walks take unless told otherwise.
-const FRICTION: &str = "chosen";
-const GAINS: &str = "printed";
 
 /// The robot of a study with the changes of an answer, as a robot file.
 ///
@@ -41,7 +37,7 @@ pub fn repaired_robot(case: &RobotCase, changes: &[Change], sentence: &str) -> R
     let model = &case.nominal.model;
     robot.insert("name".into(), format!("{}-repaired", model.name()).into());
     let friction = friction(case, changes);
-    table(&mut robot, "friction").insert(FRICTION.into(), friction.into());
+    table(&mut robot, "friction").insert(FRICTION_SET.into(), friction.into());
     gains(&mut robot, &case.study);
     let names = |change: &Change| Value::Array(change.place.names(&case.names).into_iter().map(Value::from).collect());
     for change in changes {
@@ -111,7 +107,7 @@ fn friction(case: &RobotCase, changes: &[Change]) -> Table {
     let model = &case.nominal.model;
     let mut rows: Vec<(String, JointFriction)> = Vec::new();
     for (id, joint) in model.joint_ids().zip(model.joints()) {
-        let mut row = model.friction(FRICTION, id).unwrap_or_default();
+        let mut row = model.friction(FRICTION_SET, id).unwrap_or_default();
         let law = &case.nominal.joints.drive(id).chain.friction;
         (row.coulomb_nm, row.viscous_nm_s_rad) = (law.coulomb_nm, law.viscous_nm_s_rad);
         for change in changes.iter().filter(|change| change.place.joints.contains(&id.index())) {
@@ -143,7 +139,7 @@ fn gains(robot: &mut Table, study: &RobotStudy) {
     if study.control.gains.is_empty() {
         return;
     }
-    let set = table(table(robot, "gains"), GAINS);
+    let set = table(table(robot, "gains"), GAIN_SET);
     set.entry("shift").or_insert_with(|| Value::Array(vec![Value::Integer(0); 3]));
     let si = table(set, "si");
     let rows: BTreeMap<_, _> = study.control.gains.iter().collect();

@@ -7,6 +7,7 @@ use super::{waterfall, words};
 use crate::gap::robot::{GaitCell, GaitPhase, RobotCandidate, RobotDiagnosis, RobotGap};
 use crate::report::chances::power;
 use crate::report::gap::text::{WIDTH, file, mrad, opening, paragraph, rms_row, rms_table};
+use crate::report::gap::waterfall::closes_alone;
 use crate::report::gap::words as joint_words;
 use crate::report::measure::ANGLE;
 use crate::report::number::{share, significant};
@@ -63,7 +64,7 @@ fn excess(cell: &GaitCell) -> String {
 fn ranking(diagnosis: &RobotDiagnosis) -> String {
     let gap = &diagnosis.gap;
     let words = ["which", "parameters with 95 % intervals"];
-    let mut table = table(WIDTH, &words, &["RMS\n[mrad]", "gap\nclosed", "behind", "probability"]);
+    let mut table = table(WIDTH, &words, &["RMS\n[mrad]", "closes\nalone", "worse\nby", "probability"]);
     let plain = |table: &mut Table, name: &str, rms: f64| {
         table.add_row([Cell::new(name), Cell::new(""), mrad(rms)]);
     };
@@ -74,13 +75,14 @@ fn ranking(diagnosis: &RobotDiagnosis) -> String {
     }
     let chances = words::chances(diagnosis);
     for (candidate, chance) in diagnosis.ranking.iter().zip(&chances.candidates) {
-        let RobotCandidate { found, after, closed, behind, .. } = candidate;
+        let RobotCandidate { found, after, behind, .. } = candidate;
+        let closes = closes_alone([gap.calibrated, gap.floor], *after);
         let mark = if words::is_named(&diagnosis.answer, candidate) { " *" } else { "" };
         table.add_row([
             Cell::new(format!("{}{mark}", words::found(found).replacen(' ', "\n  ", 1))),
             Cell::new(found.parameters.iter().map(joint_words::parameter).collect::<Vec<_>>().join("\n")),
             mrad(*after),
-            number(closed.map_or_else(|| "-".to_owned(), share)),
+            number(closes.map_or_else(|| "-".to_owned(), share)),
             number(significant(*behind, 2)),
             number(chance),
         ]);

@@ -15,7 +15,7 @@ pub(super) const DETECTABLE: &str = "Smallest size of each cause that these logs
      value), on the joint where it shows best:";
 
 /// What the columns of the ranking mean.
-pub(super) const BEHIND: &str = "Gap closed: share of the whole gap above the sensor's noise. Behind: how much worse than the best a cause \
+pub(super) const BEHIND: &str = "Closes alone: share of what refitted numbers leave above the sensor's noise. Worse by: how much worse than the best a cause \
     explains the samples it was fitted to, as a sum of squares in units of the sensor's noise; below ten or so it may be chance. \
     Causes that are not here explain less already to first order. Both are of a robot simulated with the cause, masses and friction \
     adapted within what is uncertain anyway; on a floor these to first order only.";
@@ -157,17 +157,6 @@ pub(super) fn threshold(detectable: &RobotDetectable) -> String {
     size(detectable.name, detectable.value, detectable.unit, 2)
 }
 
-/// What the changes of the answer alone leave over the held-out samples, masses and friction as the study has them
-/// \[rad RMS\]; `None` where nothing was held out.
-pub(super) fn repaired_rms_rad(diagnosis: &RobotDiagnosis) -> Option<f64> {
-    let squares = diagnosis.traces.iter().flat_map(|trace| {
-        let both = trace.measured_rad.iter().zip(&trace.after_rad).zip(&trace.held);
-        both.filter(|(_, held)| **held).map(|((measured, after), _)| (measured - after).powi(2))
-    });
-    let (sum, count) = squares.fold((0.0, 0.0), |(sum, count), square| (sum + square, count + 1.0));
-    (count > 0.0).then(|| f64::sqrt(sum / count)).filter(|rms| rms.is_finite())
-}
-
 /// The repaired robot is worth a note where it leaves so much more than the answer.
 const WORSE: f64 = 1.2;
 
@@ -175,7 +164,7 @@ const WORSE: f64 = 1.2;
 pub(super) fn notes(report: &RobotGapReport) -> Vec<String> {
     let mut notes = report.diagnosis.notes.clone();
     let after = report.diagnosis.gap.after;
-    if let Some(rms) = repaired_rms_rad(&report.diagnosis).filter(|rms| *rms > WORSE * after) {
+    if let Some(rms) = report.diagnosis.repaired_rms_rad().filter(|rms| *rms > WORSE * after) {
         notes.push(format!(
             "The repaired robot itself leaves {}, more than the {} above: those have masses and friction adapted within \
              what is uncertain anyway, which its file does not have.",

@@ -1,11 +1,12 @@
 //! Figures B.1 to B.3.
 
-use super::{SensorReport, SweepPart};
+use super::SensorReport;
 use crate::report::plot::axis::Axis;
 use crate::report::plot::canvas::{
     EXTENSIVE, LEGEND_END, MEASURED, SETPOINT, Sign, chart, dots, filled, legend, line, sketch, stroke,
 };
 use crate::report::{Figure, ReportError};
+use crate::robot::simulate::Swept;
 use plotters::style::Color;
 
 const PANEL: f64 = 330.0;
@@ -43,7 +44,7 @@ fn figure(name: &str, title: String, caption: &str, svg: String) -> Figure {
 
 fn draw(
     title: &str,
-    sweep: &SweepPart,
+    sweep: &Swept,
     [dotted, lined]: [(&str, &Vec<f64>); 2],
     with_reference: bool,
     label: &str,

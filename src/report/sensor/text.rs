@@ -1,16 +1,17 @@
 //! A sensor test for a terminal and as a page.
 
-use super::{SensorReport, SweepPart, sensor_figures};
+use super::{SensorReport, sensor_figures};
 use crate::report::ReportError;
 use crate::report::html::{both, figure_views, render};
 use crate::report::number::significant;
 use crate::report::text::{finish, number, table, wrap};
+use crate::robot::simulate::Swept;
 use comfy_table::Cell;
 use minijinja::context;
 
 const WIDTH: usize = 100;
 
-fn cells(sweep: &SweepPart) -> [String; 6] {
+fn cells(sweep: &Swept) -> [String; 6] {
     let milli = |value: f64| significant(1e3 * value, 3);
     let [low, high] = sweep.sensor_range_rad;
     [
@@ -23,7 +24,7 @@ fn cells(sweep: &SweepPart) -> [String; 6] {
     ]
 }
 
-fn name(sweep: &SweepPart) -> String {
+fn name(sweep: &Swept) -> String {
     let [first, last] = sweep.range_rad.map(|angle_rad| (1e4 * angle_rad).round() / 1e4);
     format!("{first} to {last} rad, {} measurements", sweep.measurements)
 }
@@ -51,7 +52,7 @@ pub fn sensor_text(report: &SensorReport) -> String {
 /// # Errors
 /// [`ReportError::Draw`] or [`ReportError::Font`] from the figures, [`ReportError::Page`] from the template.
 pub fn sensor_html(report: &SensorReport) -> Result<String, ReportError> {
-    let row = |sweep: &SweepPart| context! { name => name(sweep), cells => cells(sweep).to_vec() };
+    let row = |sweep: &Swept| context! { name => name(sweep), cells => cells(sweep).to_vec() };
     let values = context! {
         joint => report.joint.as_str(),
         sentence => report.sentence.as_str(),

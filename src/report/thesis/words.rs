@@ -4,7 +4,7 @@ use super::ThesisReport;
 use super::sections::Shown;
 use crate::report::RefitSummary;
 use crate::report::full::refit_words;
-use crate::report::number::{as_given, format_with_uncertainty, mrad, percent, significant};
+use crate::report::number::{as_given, extent, format_with_uncertainty, mrad, percent, significant};
 use crate::thesis::{
     Approach, BARE_FACTOR, JointPuzzle, Knee, LOADED_FACTOR, NEAR, Printed, Puzzle, Shoulder, Tables, Weighed, Whole,
 };
@@ -122,7 +122,7 @@ fn of_joint(joint: &JointPuzzle) -> Vec<String> {
     sentences.push(format!("{} alone, nearest first: {}.", joint.joint, list(&alone[..alone.len().min(4)])));
     if let Some(load) = joint.alone.iter().find(|scan| scan.candidate.name == "load_friction") {
         let masses: Vec<f64> = load.curve.iter().filter_map(|(_, [v1, v2])| mass(joint, *v1, *v2)).collect();
-        let (low, high) = masses.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), m| (l.min(*m), h.max(*m)));
+        let [low, high] = extent(masses.iter().copied());
         sentences.push(format!(
             "{}, load friction alone: the mass goes from {} to {} kg over its range; it pushes the masses up.",
             joint.joint,

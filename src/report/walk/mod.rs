@@ -18,6 +18,7 @@ pub use text::walk_text;
 
 use super::plot::canvas::{EXTENSIVE, GREEN, SETPOINT, SIMPLE};
 use super::{Figure, Provenance};
+use crate::robot::simulate::{Footfalls, TrunkCurves, Walked};
 use plotters::style::RGBColor;
 use serde::Serialize;
 
@@ -45,7 +46,7 @@ pub struct WalkReport {
     pub duration_s: f64,
     /// How far the trunk went; absent in the air.
     #[serde(flatten)]
-    pub ground: Option<Ground>,
+    pub ground: Option<Walked>,
     /// Simulated time over the time that the simulation took; no figure or page shows it.
     pub realtime_factor: f64,
     /// Evaluations of the equations of motion.
@@ -84,51 +85,6 @@ impl WalkReport {
         let place = if self.ground.is_some() { "on the floor" } else { "in the air" };
         format!("{}: {} {place}", self.robot, self.gait)
     }
-}
-
-/// How far the trunk went.
-#[derive(Clone, Debug, Serialize)]
-pub struct Ground {
-    /// The walk begins, and is measured from then to the end \[s\].
-    pub from_s: f64,
-    /// Forward, horizontally \[m\].
-    pub displacement_m: f64,
-    /// To the right \[m\].
-    pub drift_m: f64,
-    /// To the left about the vertical \[rad\].
-    pub turn_rad: f64,
-    /// Forward, on average \[m/s\].
-    pub speed_m_s: f64,
-    /// Between the trunk's lowest and highest place over the floor, the walk's first second left out \[m\].
-    pub bob_m: f64,
-    /// Of the trunk's centre over the floor when the walk begins \[m\].
-    pub height_m: f64,
-    /// Steps: how often the robot's first foot, the left front one, came down on the floor.
-    pub steps: usize,
-    /// Largest angle between the trunk's vertical axis and the floor's normal since the walk began \[rad\].
-    pub tilt_rad: f64,
-}
-
-/// Which feet are on the floor.
-#[derive(Clone, Debug)]
-pub struct Footfalls {
-    /// \[s\]
-    pub t_s: Vec<f64>,
-    /// Each foot's name, and whether it is down at each time.
-    pub feet: Vec<(String, Vec<bool>)>,
-}
-
-/// The trunk over time.
-#[derive(Clone, Debug)]
-pub struct TrunkCurves {
-    /// \[s\]
-    pub t_s: Vec<f64>,
-    /// From the start \[m\].
-    pub forward_m: Vec<f64>,
-    /// From the start \[m\].
-    pub right_m: Vec<f64>,
-    /// Over the floor \[m\].
-    pub height_m: Vec<f64>,
 }
 
 /// A motion that ran away.

@@ -3,10 +3,11 @@
 
 use super::panels::{Curve, Panel, stacked};
 use super::study_plot::{at, plane};
-use super::{Footfalls, JointCurves, LegCurves, TrunkCurves, WalkReport};
+use super::{JointCurves, LegCurves, WalkReport};
 use crate::report::plot::axis::Axis;
 use crate::report::plot::canvas::{EXTENSIVE, INK, SETPOINT, Sign, filled, px, spot};
 use crate::report::{Figure, ReportError};
+use crate::robot::simulate::{Footfalls, TrunkCurves};
 use plotters::prelude::Rectangle;
 use plotters::style::Color;
 

@@ -1,16 +1,17 @@
 //! Figures of studies: rows against printed ones, how far a result moves, joints and trunk of single runs.
 
+use super::COLOURS;
 use super::panels::{Curve, Panel, stacked};
 use super::plot::draw_trunk;
-use super::{COLOURS, TrunkCurves};
 use crate::report::number::significant;
 use crate::report::plot::axis::Axis;
 use crate::report::plot::canvas::{
-    Area, Drawn, EXTENSIVE, INK, LegendEntry, Look, MEASURED, POSITIVE, RIGHT, Sign, diamond, filled, legend, px,
+    Area, Drawn, EXTENSIVE, GRID, INK, LegendEntry, Look, MEASURED, POSITIVE, RIGHT, Sign, diamond, filled, legend, px,
     sketch, spot, stroke, text, width,
 };
 use crate::report::plot::layout::is_narrow;
 use crate::report::{Figure, ReportError};
+use crate::robot::simulate::TrunkCurves;
 use plotters::prelude::{Circle, PathElement, Rectangle};
 use plotters::style::text_anchor::HPos;
 use plotters::style::{Color, RGBColor};
@@ -20,7 +21,6 @@ const ROW: f64 = 24.0;
 fn names_end() -> f64 {
     if is_narrow() { 150.0 } else { 290.0 }
 }
-const GRID: RGBColor = RGBColor(224, 224, 224);
 
 /// A row of a comparison.
 #[derive(Clone, Debug)]

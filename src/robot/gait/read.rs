@@ -1,6 +1,7 @@
 //! Reads a gait's file.
 
 use super::wave::{Gait, Setpoints, Shape, Wave};
+use crate::geometry::robot_file::FRAME_S;
 use crate::log::{Document, LogError, NOT_NEGATIVE, POSITIVE, Range64, finite_within, range};
 use crate::robot::{JointId, Model, RobotError};
 use serde::Deserialize;
@@ -10,8 +11,6 @@ use std::path::Path;
 use toml::Spanned;
 
 const SCHEMA: i64 = 1;
-/// A controller's frame: setpoints are checked at this period \[s\].
-const FRAME_S: f64 = 0.008;
 /// The angle that a limit may be missed by, for values that are written with three digits \[rad\].
 const ROUNDING_RAD: f64 = 1e-9;
 

@@ -1,6 +1,7 @@
 //! Setpoints as a controller gets them.
 
 use super::wave::Setpoints;
+use crate::geometry::robot_file::FRAME_S;
 use crate::robot::JointId;
 
 /// A time this share of a period before a frame counts as that frame's: 0.128 / 0.008 is not 16 in binary numbers.
@@ -29,7 +30,7 @@ pub struct Sampled<S> {
 impl<S> Sampled<S> {
     /// Frames of 8 ms joined by lines: the reference walk's.
     pub fn frames(source: S) -> Self {
-        Self { source, period_s: 0.008, between: Between::Linear }
+        Self { source, period_s: FRAME_S, between: Between::Linear }
     }
 
     /// Frames of a motion file, 128 ms (section 4.2.1).

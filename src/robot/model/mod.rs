@@ -37,11 +37,6 @@ impl JointId {
         self.0
     }
 
-    /// Place in the generalised velocity, behind the base.
-    pub fn velocity_index(self) -> usize {
-        BASE_FREEDOMS + self.0
-    }
-
     /// The body that it moves.
     pub fn child(self) -> BodyId {
         BodyId(self.0 + 1)

@@ -1,7 +1,7 @@
 //! A described robot as one to simulate: revolute joints, friction and gains as the description has them.
 
 use super::{Attached, Body, BodyId, Following, Model};
-use crate::geometry::robot_file::{Base, FrictionSet, GainSet, JointFriction, RobotTables};
+use crate::geometry::robot_file::{Base, FRICTION_SET, FrictionSet, GAIN_SET, GainSet, JointFriction, RobotTables};
 use crate::geometry::{Joint, JointSpring, Part};
 use crate::log::Derivative;
 use crate::robot::RobotError;
@@ -9,9 +9,6 @@ use crate::robot::description::{Actuator, Coupling, Description, JointKind, Move
 use crate::robot::tree::{Jointed, Tree, TreeBase};
 use nalgebra::Vector3;
 
-/// Names of the sets that a run takes where it is not told otherwise.
-const FRICTION: &str = "chosen";
-const GAINS: &str = "printed";
 /// Diameters of bodies that have no extent, for figures \[m\].
 const THIN_M: f64 = 2e-3;
 
@@ -157,7 +154,7 @@ fn friction(description: &Description, jointed: &[Jointed]) -> FrictionSet {
             JointFriction { coulomb_nm: mover.friction_nm, viscous_nm_s_rad: mover.damping[0], ..Default::default() };
         (mover.name.clone(), friction)
     };
-    FrictionSet { name: FRICTION.to_owned(), by_joint: jointed.iter().map(row).collect() }
+    FrictionSet { name: FRICTION_SET.to_owned(), by_joint: jointed.iter().map(row).collect() }
 }
 
 /// The largest torque of a joint's servo at the joint; the same both ways, as motors are limited here.
@@ -190,7 +187,7 @@ fn gains(description: &Description, tree: &Tree) -> Option<GainSet> {
     let servos = tree.servos(description);
     let gains = |servo: Actuator| (description.joints[servo.joint.0].name.clone(), [servo.gain, 0.0, -servo.bias[2]]);
     let si: Vec<(String, [f64; 3])> = servos.iter().filter_map(Actuator::as_servo).map(gains).collect();
-    (!si.is_empty()).then(|| GainSet { name: GAINS.to_owned(), shift: [0; 3], by_joint: Vec::new(), si })
+    (!si.is_empty()).then(|| GainSet { name: GAIN_SET.to_owned(), shift: [0; 3], by_joint: Vec::new(), si })
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::SimulateError;
 use crate::geometry::JointSpring;
+use crate::geometry::robot_file::{FRICTION_SET, GAIN_SET};
 use crate::joint::{
     Chain, Contact, EffectForm, EffectId, EndStop, Friction, Knee, Link, Motor, Push, Stribeck, StribeckCurve,
     TorqueLimit,
@@ -132,8 +133,8 @@ impl Joints {
     /// [`SimulateError::NoSet`] where the robot's file does not have these sets.
     pub fn of_thesis(model: &Model) -> Result<Self, SimulateError> {
         let mut joints = Self::passive(model);
-        joints.set_friction(model, "chosen")?;
-        joints.set_control(model, "printed", Control::default())?;
+        joints.set_friction(model, FRICTION_SET)?;
+        joints.set_control(model, GAIN_SET, Control::default())?;
         joints.add_effects_of_file(model)?;
         Ok(joints)
     }
@@ -286,4 +287,31 @@ impl Joints {
 
 fn no_set(model: &Model, kind: &'static str, name: &str) -> SimulateError {
     SimulateError::NoSet { robot: model.name().to_owned(), kind, name: name.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_abs_diff_eq;
+
+    #[test]
+    fn soft_stops_push_back_beyond_the_hardware_limits_only() {
+        let model = Model::ers7();
+        let (bare, mut joints) = (Joints::passive(model), Joints::passive(model));
+        joints.set_stops(model, 5.0, 0.02);
+        assert!(joints.drives().iter().any(|drive| drive.stops.len() == 2));
+        for id in model.joint_ids() {
+            let Some([low, high]) = model.joints()[id.index()].hardware_rad else {
+                assert!(joints.drive(id).stops.is_empty());
+                continue;
+            };
+            let added_nm = |angle_rad: f64, rate_rad_s: f64| {
+                joints.drive(id).elastic_nm(angle_rad, rate_rad_s) - bare.drive(id).elastic_nm(angle_rad, rate_rad_s)
+            };
+            assert_eq!([added_nm(low, -1.0), added_nm(high, 1.0)], [0.0, 0.0]);
+            // 0.1 rad deep at 1 rad/s: 5 N m/rad and 0.02 N m s/rad.
+            assert_abs_diff_eq!(added_nm(low - 0.1, -1.0), 0.52, epsilon = 1e-9);
+            assert_abs_diff_eq!(added_nm(high + 0.1, 1.0), -0.52, epsilon = 1e-9);
+        }
+    }
 }

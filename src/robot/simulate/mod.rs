@@ -6,6 +6,7 @@
 //! - [`Scenario`]: model, joints, setpoints, start and [`Surroundings`]: the problem, which no run changes.
 //! - [`Method`]: how to step. [`run`] answers with a [`Recording`]: samples at the sensors' period, what it cost, joints
 //!   beyond their speed limits, and where and why the motion diverged if it did.
+//! - [`follow()`] and [`Walked`]: what a recording says of joints and of a walk.
 //!
 //! The controllers' derivative gains make joints of 1e-6 kg m^2 as fast as 1.5e6 1/s, so no method takes them along
 //! explicitly. [`Method::Stiff`] solves `(M + g h B + (g h)^2 K) a = ...` with the joints' own damping B and stiffness K
@@ -33,6 +34,7 @@ mod sweep;
 mod terms;
 #[cfg(test)]
 mod tests;
+mod walked;
 mod world;
 
 pub use error::SimulateError;
@@ -45,4 +47,5 @@ pub use scenario::{External, Scenario, Still, Surroundings};
 pub(crate) use sensor::standard_normal;
 pub use sensor::{Accelerometer, PositionSensor};
 pub use setpoints::{Column, Setpoints};
-pub use sweep::{SweepPoint, sweep};
+pub use sweep::{SweepPoint, Swept, sweep};
+pub use walked::{Footfalls, TrunkCurves, Walked, distortion_rad, tilt_rad};

@@ -2,7 +2,9 @@
 
 use super::{Column, Joints, Method, PositionSensor, Recording, Scenario, Setpoints, SimulateError, readings, run};
 use crate::log::Hold;
+use crate::number::extent;
 use crate::robot::{JointId, Model, State};
+use serde::Serialize;
 
 /// One measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,6 +15,61 @@ pub struct SweepPoint {
     pub angle_rad: f64,
     /// What the encoder says \[rad\].
     pub reading_rad: f64,
+}
+
+/// A sweep, and what in it is the sensor's and what the controller's.
+#[derive(Clone, Debug, Serialize)]
+pub struct Swept {
+    /// First and last setpoint \[rad\].
+    pub range_rad: [f64; 2],
+    /// Measurements.
+    pub measurements: usize,
+    /// RMS of reading less setpoint \[rad\].
+    pub rms_rad: f64,
+    /// RMS of reading less true angle: the sensor \[rad\].
+    pub sensor_rms_rad: f64,
+    /// RMS of true angle less setpoint: the controller under gravity and friction \[rad\].
+    pub droop_rms_rad: f64,
+    /// Largest of these \[rad\].
+    pub droop_worst_rad: f64,
+    /// Least and greatest of reading less true angle \[rad\].
+    pub sensor_range_rad: [f64; 2],
+    /// Share of readings that are not below their setpoint.
+    pub not_below: f64,
+    /// Setpoints \[rad\].
+    #[serde(skip)]
+    pub setpoint_rad: Vec<f64>,
+    /// Readings \[rad\].
+    #[serde(skip)]
+    pub reading_rad: Vec<f64>,
+    /// True angles \[rad\].
+    #[serde(skip)]
+    pub angle_rad: Vec<f64>,
+}
+
+impl Swept {
+    /// Of the measurements of a sweep.
+    pub fn of(points: &[SweepPoint]) -> Self {
+        let rms = |of: &dyn Fn(&SweepPoint) -> f64| {
+            (points.iter().map(|p| of(p).powi(2)).sum::<f64>() / points.len().max(1) as f64).sqrt()
+        };
+        let not_below = points.iter().filter(|p| p.reading_rad >= p.setpoint_rad - 1e-12).count();
+        let column = |of: fn(&SweepPoint) -> f64| points.iter().map(of).collect::<Vec<f64>>();
+        let end = |point: Option<&SweepPoint>| point.map_or(f64::NAN, |point| point.setpoint_rad);
+        Self {
+            range_rad: [end(points.first()), end(points.last())],
+            measurements: points.len(),
+            rms_rad: rms(&|p| p.reading_rad - p.setpoint_rad),
+            sensor_rms_rad: rms(&|p| p.reading_rad - p.angle_rad),
+            droop_rms_rad: rms(&|p| p.angle_rad - p.setpoint_rad),
+            droop_worst_rad: points.iter().map(|p| (p.angle_rad - p.setpoint_rad).abs()).fold(0.0, f64::max),
+            sensor_range_rad: extent(points.iter().map(|p| p.reading_rad - p.angle_rad)),
+            not_below: not_below as f64 / points.len().max(1) as f64,
+            setpoint_rad: column(|p| p.setpoint_rad),
+            reading_rad: column(|p| p.reading_rad),
+            angle_rad: column(|p| p.angle_rad),
+        }
+    }
 }
 
 /// Each setpoint is held for so long, and read at the end \[s\].

@@ -4,10 +4,10 @@ use super::composite::mass_matrix;
 use super::factor::Factors;
 use super::motion::Motions;
 use super::newton_euler::Loads;
-use super::spatial::{Frame, times};
+use super::spatial::times;
 use super::{Tree, TreeState};
 use crate::robot::description::{LinkId, RigidInertia};
-use nalgebra::{DMatrix, Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{DMatrix, Isometry3, Vector3};
 
 /// Why there are no accelerations: nothing resists a freedom.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -221,13 +221,6 @@ impl<'t> TreeDynamics<'t> {
         }
     }
 
-    /// Pose of a link's frame in the world.
-    pub fn link_pose(&mut self, state: &TreeState, link: LinkId) -> Isometry3<f64> {
-        self.motions.set(self.tree, state);
-        let (body, pose) = &self.tree.links[link.0];
-        body.map_or_else(|| *pose, |body| pose_of(&self.motions.in_world[body]) * pose)
-    }
-
     /// Places of all links' frames in the world \[m\].
     pub fn link_places_m(&mut self, state: &TreeState) -> Vec<Vector3<f64>> {
         self.motions.set(self.tree, state);
@@ -270,9 +263,4 @@ impl<'t> TreeDynamics<'t> {
             potential_j: -all.mass_kg * self.tree.gravity_m_s2.dot(&all.centre_m),
         }
     }
-}
-
-fn pose_of(frame: &Frame) -> Isometry3<f64> {
-    let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(frame.rotation));
-    Isometry3::from_parts(Translation3::from(frame.origin), rotation)
 }

@@ -161,7 +161,8 @@ pub(super) fn ranking(diagnosis: &Diagnosis) -> Result<String, ReportError> {
         let named = words::is_named(answer, candidate.effect);
         let colour = if named { AFTER } else { SHADE };
         let mut bar = Bar { bold: named, ..bar(candidate.effect.id(), candidate.after, colour) };
-        bar.words[1] = closes_alone(gap, candidate.after).map_or_else(|| "–".to_owned(), number::share);
+        bar.words[1] =
+            closes_alone([gap.calibrated, gap.floor], candidate.after).map_or_else(|| "–".to_owned(), number::share);
         bar.words[2] = chance;
         bars.push(bar);
     }

@@ -7,7 +7,7 @@ use crate::report::ReportError;
 use crate::report::gap::words::{files_and_phases, names_without_folder};
 use crate::report::number;
 use crate::report::plot::canvas::{AFTER, POSITIVE, SHADE};
-use crate::report::plot::heat::{Heat, HeatCell, NO_VALUE, heat, tint};
+use crate::report::plot::heat::{Heat, HeatCell, NO_VALUE, UNUSED, heat, tint};
 
 /// Draws the share of the gap by log and phase, with the sums.
 pub(super) fn map(diagnosis: &Diagnosis) -> Result<String, ReportError> {
@@ -81,9 +81,6 @@ pub(super) fn confusion(joint: &str, table: &Confusion) -> Result<String, Report
         }
     })
 }
-
-/// Ground of an answer that was never given, light enough for the others to stand out.
-const UNUSED: RGBColor = RGBColor(247, 247, 247);
 
 fn share_of_cause(share: f64) -> RGBColor {
     tint(AFTER, share)

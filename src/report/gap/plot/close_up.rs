@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use crate::gap::inverse::TorqueTraces;
 use crate::gap::{Diagnosis, LogTraces, Verdict};
+use crate::number::extent;
 use crate::report::ReportError;
 use crate::report::gap::words;
 use crate::report::plot::axis::drawable;
@@ -98,8 +99,7 @@ pub(super) fn torques(diagnosis: &Diagnosis, logs: &[TorqueTraces]) -> Option<(T
 
 /// Samples at which a motion turns round.
 fn turns(values: &[f64]) -> Vec<usize> {
-    let finite = || values.iter().copied().filter(|value| drawable(*value));
-    let (low, high) = finite().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+    let [low, high] = extent(values.iter().copied().filter(|value| drawable(*value)));
     let back = TURNS_BY * (high - low);
     if !(back > 0.0) {
         return Vec::new();

@@ -5,7 +5,7 @@ use plotters::style::{Color, RGBColor};
 
 use super::ruled::{RULER, Ruled, row_height};
 use crate::gap::{Diagnosis, LogGap};
-use crate::number::math;
+use crate::number::{extent, math};
 use crate::report::ReportError;
 use crate::report::gap::words;
 use crate::report::measure::Measure;
@@ -61,9 +61,8 @@ pub(in crate::report) fn errors(
                 let shown = drawable(rms) && rms > 0.0 && (colour != AFTER || answer.is_some());
                 (shown.then(|| rows.x(math::log10(measure.scale * rms))), colour)
             });
-            let shown = || places.iter().filter_map(|(x, _)| *x);
             rows.says(root, row, &said(log, measure, answer.as_deref()));
-            let (low, high) = shown().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+            let [low, high] = extent(places.iter().filter_map(|(x, _)| *x));
             let y = rows.y(row);
             if low < high {
                 root.draw(&PathElement::new([(px(low), px(y)), (px(high), px(y))], stroke(SHADE, 1.0)))?;

@@ -5,32 +5,30 @@ use plotters::style::Color;
 
 use super::figure;
 use crate::joint::{Curve, LawActs, LawTable, LawVariable};
-use crate::report::plot::axis::{Axis, drawable};
+use crate::report::plot::axis::Axis;
 use crate::report::plot::canvas::{
-    AFTER, INK, MEASURED, SHADE, Sign, band, band_name, chart, dashed, dots, filled, legend, line, notice, sketch,
-    stroke,
+    AFTER, BAND_OPACITY, INK, MEASURED, Sign, band, band_name, chart, dashed, dots, filled, legend, line, notice,
+    sketch, stroke,
 };
 use crate::report::rows::typeset_unit;
 use crate::report::{Figure, ReportError};
 
 const HEIGHT: f64 = 400.0;
-const BAND_OPACITY: f64 = 0.22;
 /// Points of the curve.
 const POINTS: usize = 400;
-/// Ticks of the rug, and their height as a share of the axis.
-const MOST_TICKS: usize = 500;
-const TICK: f64 = 0.025;
+/// Height of the ticks under the knots, as a share of the axis.
+const TICK: f64 = 0.05;
 /// Share of the width that the curve is drawn beyond its ends, where it is constant.
 const BEYOND: f64 = 0.04;
 
 /// Draws a law against its variable, with its knots.
 ///
-/// `sd` are standard deviations of the table's values, `seen` places of the variable at which the logs have samples; both
-/// may be missing, and a table that is no law gives a figure that says so.
+/// `sd` are standard deviations of the table's values and may be missing; a table that is no law gives a figure that says
+/// so.
 ///
 /// # Errors
 /// [`ReportError::Font`] and [`ReportError::Draw`], neither of which depends on the data.
-pub fn law_figure(joint: &str, law: &LawTable, sd: Option<&[f64]>, seen: &[f64]) -> Result<Figure, ReportError> {
+pub fn law_figure(joint: &str, law: &LawTable, sd: Option<&[f64]>) -> Result<Figure, ReportError> {
     let what = what(law.acts);
     let by = law.variable().map_or("several variables", variable_words);
     let title = format!("{joint}: {what} against the {by}");
@@ -41,11 +39,11 @@ pub fn law_figure(joint: &str, law: &LawTable, sd: Option<&[f64]>, seen: &[f64])
     if !law.looks_like.is_empty() {
         caption += &format!(" Its shape: {}.", law.looks_like);
     }
-    let svg = drawing(&title, law, sd, seen)?;
+    let svg = drawing(&title, law, sd)?;
     Ok(figure("law", &format!("The law: {what} against the {by}"), &caption, svg))
 }
 
-fn drawing(title: &str, law: &LawTable, sd: Option<&[f64]>, seen: &[f64]) -> Result<String, ReportError> {
+fn drawing(title: &str, law: &LawTable, sd: Option<&[f64]>) -> Result<String, ReportError> {
     let (Ok(variable), Ok(curve)) = (law.variable(), law.law()) else {
         return sketch(title, HEIGHT, |root| notice(root, "the table is no law"));
     };
@@ -64,7 +62,6 @@ fn drawing(title: &str, law: &LawTable, sd: Option<&[f64]>, seen: &[f64]) -> Res
         .collect();
     let ends = limits.iter().flat_map(|(_, low, high)| [*low, *high]);
     let value = Axis::over(points.iter().map(|(_, y)| *y).chain(ends).chain([0.0]), 0.08);
-    let rug: Vec<f64> = thinned(seen, [at.low(), at.high()]);
 
     let band_words = band_name(&limits, &value, HEIGHT - 120.0, &typeset_unit(unit(law.acts)));
     sketch(title, HEIGHT, |root| {
@@ -73,32 +70,19 @@ fn drawing(title: &str, law: &LawTable, sd: Option<&[f64]>, seen: &[f64]) -> Res
         if !limits.is_empty() {
             names.push((Sign::Box, AFTER.mix(BAND_OPACITY), band_words));
         }
-        if !rug.is_empty() {
-            names.push((Sign::Line, SHADE.to_rgba(), "samples of the logs".to_owned()));
-        }
         let top = legend(root, &names)?;
         let x_label = format!("{} [{}]", axis_words(law.acts, variable), typeset_unit(variable.unit()));
         let y_label = format!("{} [{}]", what(law.acts), typeset_unit(unit(law.acts)));
         let mut chart = chart(root, (top, HEIGHT - 4.0), (&at, &value), (&x_label, &y_label))?;
         let foot = |share: f64| value.low() + share * (value.high() - value.low());
-        for place in &rug {
-            line(&mut chart, &[(*place, foot(0.0)), (*place, foot(TICK))], stroke(SHADE.mix(0.5), 0.75))?;
-        }
         for (place, _) in &knots {
-            line(&mut chart, &[(*place, foot(0.0)), (*place, foot(2.0 * TICK))], stroke(MEASURED, 1.25))?;
+            line(&mut chart, &[(*place, foot(0.0)), (*place, foot(TICK))], stroke(MEASURED, 1.25))?;
         }
         dashed(&mut chart, (at.low(), at.high()), 0.0, stroke(INK, 0.75))?;
         band(&mut chart, &limits, filled(AFTER, BAND_OPACITY))?;
         line(&mut chart, &points, stroke(AFTER, 1.75))?;
         dots(&mut chart, &knots, 2.75, filled(AFTER, 1.0))
     })
-}
-
-/// Places within the axis, evenly picked where they are many.
-fn thinned(seen: &[f64], [low, high]: [f64; 2]) -> Vec<f64> {
-    let inside: Vec<f64> = seen.iter().copied().filter(|x| drawable(*x) && (low..=high).contains(x)).collect();
-    let stride = inside.len().div_ceil(MOST_TICKS).max(1);
-    inside.into_iter().step_by(stride).collect()
 }
 
 fn what(acts: LawActs) -> &'static str {
@@ -147,18 +131,16 @@ mod tests {
     #[test]
     fn a_law_is_drawn_with_its_axes_its_band_and_its_knots() {
         let law = LawTable { looks_like: "repeats every 0.40 rad".into(), ..cogging() };
-        let seen: Vec<f64> = (0..3000).map(|k| 0.9 * (0.01 * f64::from(k)).sin()).collect();
-        let drawn = law_figure("knee", &law, Some(&[0.004; 41]), &seen).unwrap();
+        let drawn = law_figure("knee", &law, Some(&[0.004; 41])).unwrap();
         assert_eq!(drawn.file_name, "law.svg");
         assert!(drawn.caption.ends_with("Its shape: repeats every 0.40 rad."), "{}", drawn.caption);
         let texts_of = texts(&drawn.svg);
         let labels = ["knee: added torque against the angle", "angle [rad]", "added torque [N m]", "95 % band"];
-        for label in labels.iter().chain(&["law", "its knots", "samples of the logs"]) {
+        for label in labels.iter().chain(&["law", "its knots"]) {
             assert!(texts_of.iter().any(|text| text == label), "{label}: {texts_of:?}");
         }
-        let bare = law_figure("knee", &cogging(), None, &[]).unwrap();
-        assert!(!texts(&bare.svg).iter().any(|text| text.contains("band") || text.contains("samples")));
-        assert!(drawn.svg.len() < 200_000, "{}", drawn.svg.len());
+        let bare = law_figure("knee", &cogging(), None).unwrap();
+        assert!(!texts(&bare.svg).iter().any(|text| text.contains("band")));
     }
 
     #[test]
@@ -167,13 +149,13 @@ mod tests {
             for acts in LawActs::ALL {
                 for y in [vec![0.0; 3], vec![-0.3, 0.1, 0.2], vec![1e30, -1e30, 0.0]] {
                     let law = LawTable::new(variable, acts, vec![0.0, 1.0, 5.0], y);
-                    let drawn = law_figure("<joint>", &law, Some(&[f64::NAN, 0.1, 1e200]), &[f64::NAN, 2.0]).unwrap();
+                    let drawn = law_figure("<joint>", &law, Some(&[f64::NAN, 0.1, 1e200])).unwrap();
                     assert!(!texts(&drawn.svg).is_empty());
                 }
             }
         }
         let none = LawTable { variables: Vec::new(), ..cogging() };
-        let drawn = law_figure("knee", &none, None, &[]).unwrap();
+        let drawn = law_figure("knee", &none, None).unwrap();
         assert!(texts(&drawn.svg).iter().any(|text| text == "the table is no law"));
     }
 }

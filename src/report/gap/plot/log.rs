@@ -1,13 +1,11 @@
 //! One log: measured against the model before and after, what is left over, and the torque that is missing.
 
 use crate::gap::{Diagnosis, LogTraces, Phase};
+use crate::number::chance::HALF_95;
 use crate::report::ReportError;
 use crate::report::gap::words;
 use crate::report::plot::canvas::{AFTER, BEFORE, CALIBRATED};
 use crate::report::plot::overlay::{Curve, Overlay, TorqueCurve, overlay};
-
-/// Half-width of a 95 % band in standard deviations.
-const SPREAD: f64 = 1.96;
 
 /// Draws one log; `half_step_rad` is 0 where its quantisation is unknown.
 pub(super) fn log(diagnosis: &Diagnosis, log: &LogTraces, half_step_rad: f64) -> Result<String, ReportError> {
@@ -31,7 +29,7 @@ pub(super) fn log(diagnosis: &Diagnosis, log: &LogTraces, half_step_rad: f64) ->
             name: "torque that the recalibrated model lacks, with its 95 % band",
             t_s: &missing.t_s,
             torque_nm: &missing.torque_nm,
-            half_width_nm: missing.sigma_nm.iter().map(|sigma| SPREAD * sigma).collect(),
+            half_width_nm: missing.sigma_nm.iter().map(|sigma| HALF_95 * sigma).collect(),
         }),
     })
 }

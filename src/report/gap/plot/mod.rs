@@ -66,7 +66,7 @@ impl GapFigures {
         }
         let mut laws = Vec::new();
         if let Some(law) = &diagnosis.law {
-            laws.push(law_figure(&diagnosis.joint, &law.table, law.sd.as_deref(), &[])?);
+            laws.push(law_figure(&diagnosis.joint, &law.table, law.sd.as_deref())?);
         }
         let mut which = Vec::new();
         if !diagnosis.ranking.is_empty() {

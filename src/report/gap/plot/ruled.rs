@@ -5,7 +5,7 @@ use plotters::style::RGBColor;
 use plotters::style::text_anchor::HPos;
 
 use crate::report::plot::axis::Axis;
-use crate::report::plot::canvas::{Area, Drawn, Look, px, spot, stroke, text, width};
+use crate::report::plot::canvas::{Area, Drawn, GRID, Look, px, spot, stroke, text, width};
 use crate::report::plot::layout::is_narrow;
 
 /// Height of a row \[px\]; in a narrow figure its name stands above it.
@@ -19,7 +19,6 @@ const NARROW_LEFT: f64 = 10.0;
 /// Width of a mark, and how far it reaches to both sides of a narrow figure's bars \[px\].
 const MARK: f64 = 2.0;
 const BESIDE: f64 = 11.0;
-const GRID: RGBColor = RGBColor(224, 224, 224);
 
 /// Rows under each other, a ruler below them.
 pub(super) struct Ruled<'a> {

@@ -7,13 +7,12 @@ use crate::report::ReportError;
 use crate::report::gap::words;
 use crate::report::plot::axis::{Axis, drawable};
 use crate::report::plot::canvas::{
-    AFTER, INK, POSITIVE, SHADE, Sign, band, band_name, block, chart, dots, filled, legend, line, notice, px, sketch,
-    stroke, width,
+    AFTER, BAND_OPACITY, INK, POSITIVE, SHADE, Sign, band, band_name, block, chart, dots, filled, legend, line, notice,
+    px, sketch, stroke, width,
 };
 use crate::report::rows::typeset_unit;
 
 const HEIGHT: f64 = 400.0;
-const BAND_OPACITY: f64 = 0.22;
 /// Dots of the shape's figure: enough to see it, few enough to open quickly.
 const MOST_DOTS: usize = 4000;
 

@@ -5,6 +5,7 @@ use plotters::style::Color;
 use crate::gap::robot::RobotDiagnosis;
 use crate::report::ReportError;
 use crate::report::gap::plot::bars::{Bar, Bars, draw};
+use crate::report::gap::waterfall::closes_alone;
 use crate::report::number::{share, significant};
 use crate::report::plot::axis::drawable;
 use crate::report::plot::canvas::{AFTER, BAND, BEFORE, CALIBRATED, LegendEntry, MEASURED, SHADE, Sign};
@@ -14,26 +15,29 @@ use crate::report::robot_gap::words;
 pub(super) fn ranking(diagnosis: &RobotDiagnosis) -> Result<String, ReportError> {
     let (gap, answer) = (&diagnosis.gap, &diagnosis.answer);
     let dash = || "–".to_owned();
-    let bar = |name: String, rms_rad: f64, colour, closed: Option<f64>| Bar {
+    let bar = |name: String, rms_rad: f64, colour, closes: Option<f64>| Bar {
         name,
         value: 1e3 * rms_rad,
         down_from: None,
         colour,
         bold: false,
-        words: vec![significant(1e3 * rms_rad, 3), closed.map_or_else(dash, share), String::new()],
+        words: vec![significant(1e3 * rms_rad, 3), closes.map_or_else(dash, share), String::new()],
     };
+    let closes = |rms_rad: f64| closes_alone([gap.calibrated, gap.floor], rms_rad);
     let mut bars = vec![
         bar("as given".to_owned(), gap.before, BEFORE, None),
         bar("recalibrated".to_owned(), gap.calibrated, CALIBRATED, None),
     ];
     if let (Some(_), Some(both)) = (&answer.second, words::answer(answer)) {
-        bars.push(Bar { bold: true, ..bar(both, gap.after, AFTER, gap.closed) });
+        bars.push(Bar { bold: true, ..bar(both, gap.after, AFTER, closes(gap.after)) });
     }
     for (candidate, chance) in diagnosis.ranking.iter().zip(words::chances(diagnosis).candidates) {
         let named = words::is_named(answer, candidate);
         let colour = if named { AFTER } else { SHADE };
-        let mut bar =
-            Bar { bold: named, ..bar(words::found(&candidate.found), candidate.after, colour, candidate.closed) };
+        let mut bar = Bar {
+            bold: named,
+            ..bar(words::found(&candidate.found), candidate.after, colour, closes(candidate.after))
+        };
         bar.words[2] = chance;
         bars.push(bar);
     }
@@ -49,7 +53,7 @@ pub(super) fn ranking(diagnosis: &RobotDiagnosis) -> Result<String, ReportError>
         title: &format!("{}: error on held-out samples with each cause", diagnosis.robot),
         legend,
         label: "RMS of the angle error over all joints, held-out samples [mrad]",
-        columns: &["RMS [mrad]", "gap closed", "probability"],
+        columns: &["RMS [mrad]", "closes alone", "probability"],
         bars,
         mark: Some(1e3 * gap.floor).filter(|floor| drawable(*floor)),
         are_errors: true,

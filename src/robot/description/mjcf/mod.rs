@@ -28,6 +28,7 @@ mod unread;
 use super::error::DescriptionError;
 use super::xml::Element;
 use super::{Description, Format};
+use crate::number::STANDARD_GRAVITY_M_S2;
 use compiler::Compiler;
 use defaults::Classes;
 use nalgebra::Vector3;
@@ -92,7 +93,7 @@ pub(super) fn read(file: &Path, root: Element) -> Result<Description, Descriptio
 
 /// `<option gravity>`, which `<flag gravity="disable"/>` switches off.
 fn gravity(root: &Element) -> Result<Vector3<f64>, DescriptionError> {
-    let (mut gravity, mut is_on) = (Vector3::new(0.0, 0.0, -9.81), true);
+    let (mut gravity, mut is_on) = (Vector3::new(0.0, 0.0, -STANDARD_GRAVITY_M_S2), true);
     for option in root.all("option") {
         if let Some(written) = option.exactly::<3>("gravity")? {
             gravity = Vector3::from(written);

@@ -14,6 +14,7 @@ use super::error::DescriptionError;
 use super::format::xacro_hint;
 use super::xml::Element;
 use super::{Description, Format};
+use crate::number::STANDARD_GRAVITY_M_S2;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use std::path::Path;
 
@@ -31,7 +32,7 @@ pub(super) fn read(file: &Path, root: &Element) -> Result<Description, Descripti
         name,
         format: Format::Urdf,
         files: vec![file.to_path_buf()],
-        gravity_m_s2: Vector3::new(0.0, 0.0, -9.81),
+        gravity_m_s2: Vector3::new(0.0, 0.0, -STANDARD_GRAVITY_M_S2),
         links: Vec::new(),
         joints: Vec::new(),
         free_joint: None,
