@@ -69,6 +69,10 @@ impl GapModel {
         let law_sd = |name: &str, is_there: fn(&DrivenReach) -> bool| {
             if reach.driven.as_ref().is_some_and(is_there) { uncertain.gain.of(name) } else { 0.0 }
         };
+        let mut gain = Parameter::positive("gain", "c", "", Some(1.0), 1.0).believed(gain_sd);
+        if reach.driven.as_ref().is_some_and(|driven| !driven.by_setpoint) {
+            gain.belief = gain.belief.map(Belief::of_measured);
+        }
         let parameters = vec![
             Parameter::positive("inertia", "I*", "kg m^2", Some(n.inertia_kg_m2), n.inertia_kg_m2).believed(sd.inertia),
             if n.moment_kg_m > 0.0 {
@@ -80,7 +84,7 @@ impl GapModel {
                 .believed(sd.coulomb_nm),
             Parameter::friction("viscous", "mu_v", "N m s/rad", Some(n.viscous_nm_s_rad), n.viscous_nm_s_rad, damping)
                 .believed(sd.viscous_nm_s_rad),
-            Parameter::positive("gain", "c", "", Some(1.0), 1.0).believed(gain_sd),
+            gain,
             Parameter::positive("kd", "c_d", "", Some(1.0), 1.0).believed(law_sd("kd", |driven| driven.by_derivative)),
             Parameter::positive("ki", "c_i", "", Some(1.0), 1.0).believed(law_sd("ki", |driven| driven.by_integral)),
             Parameter::angle("rest", "q_rest", Some(rest_rad), rest_rad).fixed(),

@@ -58,20 +58,29 @@ pub struct Belief {
     pub sd: f64,
     /// Degrees of freedom; infinite: a normal distribution.
     pub freedom: f64,
+    /// From so many standard deviations on the tails are those of a normal distribution again; infinite: nowhere.
+    pub tails_to: f64,
 }
 
 /// Degrees of freedom of a belief, unless it is normal.
 const TAIL: f64 = 4.0;
+/// What was measured is off by so many standard deviations at the most without paying for each.
+const MEASURED_TO: f64 = 10.0;
 
 impl Belief {
     /// A belief with the tails of Student's t.
     pub fn new(at: f64, sd: f64) -> Self {
-        Self { at, sd, freedom: TAIL }
+        Self { at, sd, freedom: TAIL, tails_to: f64::INFINITY }
     }
 
     /// The same without heavy tails.
     pub fn normal(self) -> Self {
         Self { freedom: f64::INFINITY, ..self }
+    }
+
+    /// The same of what was measured: it may be off by what is written down wrongly, but not by anything.
+    pub fn of_measured(self) -> Self {
+        Self { tails_to: MEASURED_TO, ..self }
     }
 
     /// Root of what a value of the search coordinate costs in deviance, with its sign: how many standard deviations it
@@ -82,8 +91,9 @@ impl Belief {
             return [away, 1.0 / self.sd];
         }
         let share = away * away / self.freedom;
-        let root = (self.freedom * math::ln_1p(share)).sqrt();
-        let slope = if root > 1e-6 { away.abs() / (1.0 + share) / root } else { 1.0 };
+        let beyond = (away.abs() - self.tails_to).max(0.0);
+        let root = (self.freedom * math::ln_1p(share) + beyond * beyond).sqrt();
+        let slope = if root > 1e-6 { (away.abs() / (1.0 + share) + beyond) / root } else { 1.0 };
         [root.copysign(away), slope / self.sd]
     }
 }
@@ -239,6 +249,19 @@ pub(crate) fn starts_of(parameters: &[Parameter]) -> Vec<f64> {
 mod tests {
     use super::*;
     use approx::assert_relative_eq;
+
+    #[test]
+    fn what_is_written_down_may_be_far_off_and_what_is_measured_pays_for_it() {
+        let (written, measured) = (Belief::new(0.0, 0.1), Belief::new(0.0, 0.1).of_measured());
+        for x in [-0.9, 0.05, 1.0] {
+            assert_eq!(written.strain(x), measured.strain(x));
+        }
+        assert!(written.strain(2.9)[0] < 5.0 && measured.strain(2.9)[0] > 19.0);
+        for x in [-2.9, -0.3, 0.2, 1.5] {
+            let [before, after] = [x - 1e-6, x + 1e-6].map(|x| measured.strain(x)[0]);
+            assert_relative_eq!(measured.strain(x)[1], (after - before) / 2e-6, max_relative = 1e-5);
+        }
+    }
 
     #[test]
     fn coordinates_go_there_and_back() {
