@@ -183,7 +183,7 @@ pub(super) fn run(args: &GapArgs) -> Result<u8, CliError> {
     drop(progress);
     if !args.common.quiet {
         // The search shows more than the numbers alone.
-        report.doubts.iter().filter(|doubt| !told.contains(doubt)).for_each(|doubt| warn(doubt));
+        report.diagnosis.doubts.iter().filter(|doubt| !told.contains(doubt)).for_each(|doubt| warn(doubt));
         print(&gap_text(&report));
         print(&format!("\nreport: {}\n", page.display()));
     }

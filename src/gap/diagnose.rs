@@ -9,6 +9,7 @@ use super::diagnosis::{
     Answer, Candidate, Detectable, Diagnosis, Gap, GapOptions, LogGap, LogTraces, Next, Number, ResidualTorque, Verdict,
 };
 use super::differs::{Differs, differing};
+use super::doubts::{found_gain, simulated_doubts};
 use super::evidence::{Evidence, WholeLeft};
 use super::held_out::{HeldOut, closed};
 use super::law_found::law_found;
@@ -133,6 +134,10 @@ pub(super) fn diagnose_from(
         described.show(&mut traces);
     }
     let mut notes = notes(&evidence, &attribution, &decision, &differs);
+    let mut doubts = case.doubts();
+    if !options.deadline.leaves_aside("slips in the study that simulations show") {
+        doubts.extend(simulated_doubts(case, found_gain(&causes, &beliefs), [gap.before, gap.floor]));
+    }
     let budget = options.deadline.spent();
     let is_finished = budget.as_ref().is_none_or(|spent| spent.finished);
     if let Some(spent) = &budget {
@@ -161,6 +166,7 @@ pub(super) fn diagnose_from(
         next,
         confusion: twins.map(|t| t.confusion),
         traces,
+        doubts,
         notes,
         differs,
         withheld: EffectId::ALL.iter().copied().filter(|e| !effects.contains(e)).collect(),

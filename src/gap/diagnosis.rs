@@ -459,6 +459,9 @@ pub struct Diagnosis {
     pub confusion: Option<Confusion>,
     /// Curves of every log that moves.
     pub traces: Vec<LogTraces>,
+    /// What is to be questioned of the study, in sentences: what [`Case::doubts`](crate::identify::Case::doubts) says, and
+    /// what shows in what was found.
+    pub doubts: Vec<String>,
     /// Honest remarks, most important first.
     pub notes: Vec<String>,
     /// Effects that were withheld from the catalogue.

@@ -5,7 +5,7 @@
 
 use super::calibrate::calibrate;
 use super::check::rms_rad;
-use super::diagnosis::{CauseShare, Diagnosis};
+use super::diagnosis::CauseShare;
 use super::evidence::Evidence;
 use super::trial::Trial;
 use crate::identify::{BeliefFound, Case};
@@ -25,14 +25,11 @@ const OTHER_RESTS_RAD: [f64; 3] = [PI, FRAC_PI_2, -FRAC_PI_2];
 /// It is another where the model leaves less than this share of its error.
 const SHARE: f64 = 1.0 / 3.0;
 
-impl Diagnosis {
-    /// What is to be questioned of the study that was diagnosed, beside what [`Case::doubts`] says, in sentences.
-    pub fn doubts(&self, case: &Case) -> Vec<String> {
-        let is_everywhere = |cause: &&CauseShare| cause.effect == EffectId::MotorGain && cause.only.is_none();
-        let cause = self.causes.iter().find(is_everywhere).and_then(|cause| cause.parameters.first());
-        let gain = cause.map(|number| number.value).or_else(|| share_of_gain(&self.beliefs));
-        doubts(case, gain, [self.gap.before, self.gap.floor])
-    }
+/// What logs make of the drive's gain once causes were found, as a cause or as a number, by what is stated.
+pub(super) fn found_gain(causes: &[CauseShare], beliefs: &[BeliefFound]) -> Option<f64> {
+    let is_everywhere = |cause: &&CauseShare| cause.effect == EffectId::MotorGain && cause.only.is_none();
+    let cause = causes.iter().find(is_everywhere).and_then(|cause| cause.parameters.first());
+    cause.map(|number| number.value).or_else(|| share_of_gain(beliefs))
 }
 
 /// What logs make of the drive's gain, by what is stated; `None` where it is exact or there is no drive.
@@ -42,7 +39,7 @@ pub(super) fn share_of_gain(beliefs: &[BeliefFound]) -> Option<f64> {
 
 /// What is to be questioned: `gain` is what the logs make of the drive's, by what is stated; the errors are that of the
 /// model as given and the sensor's own.
-pub(super) fn doubts(case: &Case, gain: Option<f64>, errors_rad: [f64; 2]) -> Vec<String> {
+pub(super) fn simulated_doubts(case: &Case, gain: Option<f64>, errors_rad: [f64; 2]) -> Vec<String> {
     if case.has_crossed_columns() {
         return Vec::new();
     }

@@ -134,6 +134,7 @@ fn of_another_gain(joint: &str) -> Diagnosis {
         next: None,
         confusion: None,
         traces: Vec::new(),
+        doubts: Vec::new(),
         notes: Vec::new(),
         withheld: Vec::new(),
         demands: Directives::default(),

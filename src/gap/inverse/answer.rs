@@ -131,6 +131,7 @@ pub(super) fn diagnosis(
         next: None,
         confusion: None,
         traces: Vec::new(),
+        doubts: Vec::new(),
         notes: refuted(found),
         withheld: Vec::new(),
         demands: Directives::default(),

@@ -105,7 +105,8 @@ pub(super) fn believed(setup: &ClampedSetup, logs: &[&RobotLog], found: &[FoundN
         add(FoundKey::Armature, name, "kg m^2", armature, ARMATURE * (armature + links));
         if let Some(kp) = said.kp_nm_rad {
             // A drive whose torques are logged has the gain that they show, as well as they are known.
-            let is_seen = matches!(said.tau_is, Some(TauIs::Applied | TauIs::Current { .. }));
+            let is_logged = logs.iter().any(|log| log.joint(name).is_some_and(|own| own.tau_nm.is_some()));
+            let is_seen = is_logged && matches!(said.tau_is, Some(TauIs::Applied | TauIs::Current { .. }));
             let shown = found.iter().find(|own| is_seen && own.key == FoundKey::Kp && own.name == name);
             let sd = if is_seen { spreads.torque.of(name) } else { gain };
             let kp = shown.map_or(kp, |own| own.value);

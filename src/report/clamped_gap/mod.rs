@@ -98,8 +98,7 @@ impl ClampedGapReport {
         let report = |((name, diagnosis), torques): ((&String, Diagnosis), Vec<TorqueTraces>)| {
             let (options, provenance) = (options.clone(), provenance.clone());
             let health = health_rows_of_joint(setup, name);
-            let (armature_kg_m2, doubts) = (None, Vec::new());
-            GapReport { diagnosis, options, health, armature_kg_m2, doubts, provenance, torques }
+            GapReport { diagnosis, options, health, armature_kg_m2: None, provenance, torques }
         };
         let joints = in_folders(diagnosed.zip(traces).map(report));
         let numbers = found_robot(setup, Some(&found)).unwrap_or_default();
@@ -116,7 +115,11 @@ impl ClampedGapReport {
     /// What is to be questioned of the study, each once, after the joints that it is true of.
     pub fn doubts(&self) -> Vec<String> {
         let told = self.joints.iter().map(|(_, report)| report);
-        by_joint(told.flat_map(|of| of.doubts.iter().map(move |doubt| (of.diagnosis.joint.as_str(), doubt.as_str()))))
+        by_joint(
+            told.flat_map(|of| {
+                of.diagnosis.doubts.iter().map(move |doubt| (of.diagnosis.joint.as_str(), doubt.as_str()))
+            }),
+        )
     }
 
     /// What the logs leave open, joint by joint.

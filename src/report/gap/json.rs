@@ -47,7 +47,7 @@ pub fn gap_json(report: &GapReport) -> impl Serialize + '_ {
         confusion: diagnosis.confusion.as_ref(),
         notes: &diagnosis.notes,
         health,
-        doubts: &report.doubts,
+        doubts: &diagnosis.doubts,
         withheld: &diagnosis.withheld,
         only: &options.only,
         twins: options.twins,

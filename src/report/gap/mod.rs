@@ -46,8 +46,6 @@ pub struct GapReport {
     pub health: Vec<LogHealthRow>,
     /// What the study states of the rotor \[kg m^2\]; `None`: nothing, or not the same of all logs.
     pub armature_kg_m2: Option<f64>,
-    /// Numbers of the study that are far from any joint that moves like its logs, or from what was found, in sentences.
-    pub doubts: Vec<String>,
     /// Where the report comes from.
     pub provenance: Provenance,
     /// Curves of the logs where torques are predicted.
@@ -58,7 +56,6 @@ impl GapReport {
     /// The report of a case's diagnosis.
     pub fn new(case: &Case, diagnosis: Diagnosis, options: GapOptions, provenance: Provenance) -> Self {
         let (health, armature_kg_m2) = (health_rows(case), stated_armature_kg_m2(case));
-        let doubts = case.doubts().into_iter().chain(diagnosis.doubts(case)).collect();
-        Self { diagnosis, options, health, armature_kg_m2, doubts, provenance, torques: Vec::new() }
+        Self { diagnosis, options, health, armature_kg_m2, provenance, torques: Vec::new() }
     }
 }

@@ -244,7 +244,6 @@ fn report(sizes: [f64; 4], sentence: &str) -> GapReport {
     GapReport {
         health: logs.iter().map(health).collect(),
         armature_kg_m2: None,
-        doubts: Vec::new(),
         options: GapOptions { twins: 0, seed: 7, ..GapOptions::default() },
         provenance: Provenance {
             version: "0.1.0".into(),
@@ -315,6 +314,7 @@ fn report(sizes: [f64; 4], sentence: &str) -> GapReport {
             next: None,
             confusion: None,
             traces: logs,
+            doubts: Vec::new(),
             notes: vec!["The nominal moment 0.005 kg m lies outside its 95 % interval.".into()],
             withheld: Vec::new(),
             demands: Directives::default(),

@@ -240,7 +240,7 @@ pub(super) fn part(share: f64) -> String {
 
 /// Doubts of the study's numbers, the notes of the diagnosis, then what was left out by demand.
 pub(super) fn notes(report: &GapReport) -> Vec<String> {
-    let mut notes = report.doubts.clone();
+    let mut notes = report.diagnosis.doubts.clone();
     notes.extend(report.diagnosis.notes.iter().cloned());
     if !report.diagnosis.withheld.is_empty() {
         let ids: Vec<&str> = report.diagnosis.withheld.iter().map(|effect| effect.id()).collect();
