@@ -11,6 +11,31 @@ use std::time::{Duration, Instant};
 /// Share of the time after which nothing new is tried: weighing what was found takes time as well.
 const SEARCHES: f64 = 0.6;
 
+/// The longest time that is allowed: a year.
+const LONGEST: Duration = Duration::from_secs(31_557_600);
+
+/// A time in which nothing can be answered, or for which nobody waits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("expected more than 0 s and no more than a year")]
+pub struct NoBudget;
+
+/// So many seconds as a time for an answer.
+///
+/// ```
+/// use aibo_fit::deadline::{NoBudget, budget};
+///
+/// assert_eq!(budget(90.0)?.as_secs(), 90);
+/// assert_eq!(budget(f64::NAN), Err(NoBudget));
+/// # Ok::<(), NoBudget>(())
+/// ```
+///
+/// # Errors
+/// [`NoBudget`] where that is no time, or more than a year.
+pub fn budget(time_s: f64) -> Result<Duration, NoBudget> {
+    let time = Duration::try_from_secs_f64(time_s).ok().filter(|time| *time <= LONGEST);
+    time.filter(|_| time_s > 0.0).ok_or(NoBudget)
+}
+
 /// Until when a computation may take; by default as long as it does.
 #[derive(Clone, Debug, Default)]
 pub struct Deadline(Option<Arc<Limit>>);
@@ -37,10 +62,10 @@ struct Omitted {
 }
 
 impl Deadline {
-    /// So much time from now on.
+    /// So much time from now on, of which a year at most is taken.
     pub fn within(asked: Duration) -> Self {
         let began = Instant::now();
-        Self::between((asked, began), (began, asked), Self::default())
+        Self::between((asked, began), (began, asked.min(LONGEST)), Self::default())
     }
 
     fn between((asked, began): (Duration, Instant), (from, time): (Instant, Duration), whole: Self) -> Self {
@@ -163,6 +188,17 @@ fn seconds(time_s: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_time_is_more_than_none_and_no_more_than_a_year() {
+        assert_eq!(budget(0.5), Ok(Duration::from_millis(500)));
+        assert_eq!(budget(365.25 * 86_400.0), Ok(LONGEST));
+        for wrong in [0.0, -0.0, -1.0, f64::NAN, f64::INFINITY, 31_557_601.0, 1e19, 1e300] {
+            assert_eq!(budget(wrong), Err(NoBudget), "{wrong}");
+        }
+        // What is more than any clock has is no panic.
+        assert!(!Deadline::within(Duration::MAX).leaves_out("causes"));
+    }
 
     #[test]
     fn without_a_limit_nothing_is_left_out() {

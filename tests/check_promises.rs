@@ -101,6 +101,31 @@ fn what_the_text_says_of_a_log_the_document_says_too() {
     assert!(said.contains("columns not used: lamp") && remarks.contains("columns not used: lamp"), "{said}\n{remarks}");
 }
 
+/// It went unread where a log has several joints, and one joint was refused for want of a drive that its health does not need.
+#[test]
+fn a_sidecar_that_tells_columns_alone_is_enough_for_the_health_of_a_log() {
+    let dir = tempfile::tempdir().unwrap();
+    let in_degrees = |name: &str| format!("\"{name}\" = {{ name = \"{name}\", unit = \"deg\" }}\n");
+    let row = |k: u32| {
+        let t = 0.01 * f64::from(k);
+        format!("{t:.2},{:.5},{:.5}\n", 3.0 * (3.0 * t).sin(), 3.0 * (3.0 * t + 0.1).sin())
+    };
+    let rows: String = (0..400).map(row).collect();
+    for (file, [first, second]) in [("one", ["q", "q_ref"]), ("two", ["a.q", "b.q"])] {
+        let [log, sidecar, answer] = ["csv", "toml", "json"].map(|ending| format!("{file}.{ending}"));
+        fs::write(dir.path().join(&log), format!("t,{first},{second}\n{rows}")).unwrap();
+        let columns = in_degrees(first) + &in_degrees(second);
+        fs::write(dir.path().join(&sidecar), format!("schema = 1\n[columns]\n{columns}")).unwrap();
+        expect_code(dir.path(), &["check", &log, "--json", &answer], 0);
+        let document = json(&dir.path().join(&answer));
+        let of_joint = document["joints"].get("a").unwrap_or(&document);
+        let travel_rad = of_joint["health"][0]["travel_rad"].as_f64().unwrap();
+        assert!((travel_rad - 6f64.to_radians()).abs() < 1e-3, "{log}: {travel_rad} rad");
+        // What was read is not written over.
+        expect_code(dir.path(), &["check", &log, "--json", &sidecar], 2);
+    }
+}
+
 /// An example's study in a folder, with other words in it and other readings.
 fn changed(folder: &Path, example: &str, words: [&str; 2], reading: impl Fn(&str) -> String) {
     for entry in fs::read_dir(root().join("data/examples").join(example)).unwrap() {
@@ -131,7 +156,7 @@ fn a_firmware_gain_in_the_place_of_newton_metres_is_questioned() {
     let dir = tempfile::tempdir().unwrap();
     changed(dir.path(), "delay", ["kp = 8.0", "kp = 400.0"], |line| format!("{line}\n"));
     let doubts = questioned(dir.path());
-    assert!(doubts.contains("in place of 400: is kp in N m/rad?") && doubts.contains("servo.md"), "{doubts}");
+    assert!(doubts.contains("in place of 400: is kp in N m/rad") && doubts.contains("servo.md"), "{doubts}");
 }
 
 /// The same of a joint that was simulated upside down, because its ticks count from the other side.
@@ -165,6 +190,7 @@ fn a_study_that_predicts_torques_is_told_no_errors_of_a_motion() {
     for joint in JOINTS {
         let own = &document["joints"][joint];
         assert!(own["health"].is_array() && own.get("gap").is_none() && own.get("detectable").is_none(), "{own}");
+        assert!(own["doubts"].is_array(), "where nothing is questioned, too: {own}");
     }
     let page = fs::read_to_string(dir.path().join("out/check.html")).unwrap();
     assert!(page.contains("This study predicts torques") && !page.contains("they tell nothing of its numbers"));
@@ -179,5 +205,30 @@ fn nothing_to_check_is_said_with_the_exit_codes_of_every_command() {
     fs::write(dir.path().join("still.csv"), format!("t,q\n{still}")).unwrap();
     assert!(expect_code(dir.path(), &["check", "still.csv"], 1).contains("nothing to check"));
     fs::write(dir.path().join("dog.toml"), "schema = 1\n[robot]\nmodel = \"ers7\"\n").unwrap();
-    expect_code(dir.path(), &["check", "dog.toml"], 2);
+    assert!(refused(dir.path(), "dog.toml").contains("`[robot] scenario` is missing"));
+}
+
+/// What is said of a study that cannot be read.
+fn refused(folder: &Path, study: &str) -> String {
+    let output = run_in(folder, &["check", study]);
+    assert_eq!(output.status.code(), Some(3), "{}", stdout(&output));
+    stderr(&output)
+}
+
+#[test]
+fn what_is_wrong_with_the_study_of_a_robot_is_said_by_its_key() {
+    let dir = tempfile::tempdir().unwrap();
+    let study = |robot: &str| {
+        let log = "[[log]]\nfile = \"log.csv\"\nrole = \"fit\"\n";
+        fs::write(dir.path().join("log.csv"), "t,a.q\n0,0\n0.01,0\n").unwrap();
+        fs::write(dir.path().join("arm.toml"), format!("schema = 1\n[robot]\n{robot}\n[joints.a]\nkp = 1.0\n{log}"))
+            .unwrap();
+        refused(dir.path(), "arm.toml")
+    };
+    let held = study("model = \"arm.urdf\"");
+    assert!(held.contains("`[robot] scenario` is missing") && held.contains("\"fixed\""), "{held}");
+    let nowhere = study("model = \"package://arm/arm.urdf\"\nscenario = \"fixed\"");
+    for part in ["arm.toml", "`[robot] model`", "relative to the study", "package:// is not resolved"] {
+        assert!(nowhere.contains(part), "`{part}` is missing in\n{nowhere}");
+    }
 }

@@ -61,7 +61,7 @@ fn a_gain_in_another_unit_is_questioned() {
     fs::write(&study, fs::read_to_string(&study).unwrap().replace("kp = 8.0", "kp = 400.0")).unwrap();
     let (found, _) = diagnosed(dir.path(), &["--only", "end_stop"]);
     let doubts = found["doubts"].to_string();
-    assert!(doubts.contains("in place of 400: is kp in N m/rad?"), "{doubts}");
+    assert!(doubts.contains("in place of 400: is kp in N m/rad"), "{doubts}");
 }
 
 #[test]

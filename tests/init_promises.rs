@@ -106,8 +106,40 @@ fn a_sidecar_tells_init_and_convert_what_the_columns_are() {
     let log = aibo_fit::log::read_log(&dir.path().join("log.csv")).unwrap();
     assert!(log.q_rad.iter().all(|q| q.abs() < 0.53) && log.q_ref_rad.is_some());
     // What tells the columns is not written over.
-    expect_code(dir.path(), &["init", "raw.csv", "--study", "raw.toml", "--force"], 2);
+    let refused = stderr(&run_in(dir.path(), &["init", "raw.csv", "--study", "raw.toml", "--force"]));
+    assert!(refused.contains("raw.toml") && refused.contains("--study") && !refused.contains("--out"), "{refused}");
     assert_eq!(fs::read_to_string(dir.path().join("raw.toml")).unwrap(), sidecar);
+}
+
+/// A study with its log's name was once read as the log's sidecar: it could not be written anew, and guesses were told as known.
+#[test]
+fn a_study_that_has_the_name_of_its_log_is_no_sidecar_until_somebody_changes_its_columns() {
+    let dir = tempfile::tempdir().unwrap();
+    let row = |k: u32| {
+        let t = 0.01 * f64::from(k);
+        format!("{t:.2},{:.3},{:.3}\n", 30.0 * (5.0 * t - 0.1).sin(), 30.0 * (5.0 * t).sin())
+    };
+    fs::write(dir.path().join("swing.csv"), format!("time,angle,goal\n{}", (0..200).map(row).collect::<String>()))
+        .unwrap();
+    let init = |study: &str| {
+        let output = run_in(dir.path(), &["init", "swing.csv", "--study", study, "--force"]);
+        let text = fs::read_to_string(dir.path().join(study)).unwrap();
+        (output.status.code(), stderr(&output), text)
+    };
+    for study in ["swing.toml", "swing.toml", "other.toml"] {
+        let (code, said, text) = init(study);
+        assert_eq!(code, Some(0), "{said}");
+        assert!(text.contains("# guess: by the columns' names") && !text.contains("sidecar says"), "{text}");
+    }
+    let (_, _, text) = init("swing.toml");
+    let turned =
+        text.replace("q = { name = \"angle\", unit = \"deg\" }", "q = { name = \"angle\", unit = \"deg\", sign = -1 }");
+    fs::write(dir.path().join("swing.toml"), &turned).unwrap();
+    let (code, said, text) = init("other.toml");
+    assert_eq!(code, Some(0), "{said}");
+    assert!(text.contains("as the log's sidecar says") && text.contains("unit = \"deg\", sign = -1 }"), "{text}");
+    let (code, said, text) = init("swing.toml");
+    assert_eq!((code, &text), (Some(2), &turned), "{said}");
 }
 
 #[test]

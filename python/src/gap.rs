@@ -5,7 +5,7 @@ use crate::ask::{Asked, Question, Subject, provenance};
 use crate::demands::{self, Demands};
 use crate::errors::Failed;
 use crate::run::{Listener, run};
-use aibo_fit::deadline::Deadline;
+use aibo_fit::deadline::{Deadline, budget};
 use aibo_fit::gap::clamped::{ClampedSetup, NamedCause};
 use aibo_fit::gap::inverse::{TorqueError, diagnose_setup};
 use aibo_fit::gap::robot::{Cause, RobotCase, RobotGapError, RobotOptions, UnknownCause, diagnose_robot};
@@ -16,7 +16,6 @@ use aibo_fit::report::{
     gap_text, render_gap_html, robot_gap_html, robot_gap_json, robot_gap_text,
 };
 use pyo3::prelude::*;
-use std::time::Duration;
 
 /// Keywords of the Python half.
 #[derive(FromPyObject)]
@@ -83,8 +82,7 @@ pub fn gap(
 
 /// So many seconds from now on.
 fn deadline(time_s: f64) -> Result<Deadline, Failed> {
-    let time = Duration::try_from_secs_f64(time_s).ok().filter(|time| !time.is_zero());
-    time.map(Deadline::within).ok_or_else(|| Failed::of(format!("budget: {time_s} s, expected more than 0 s")))
+    budget(time_s).map(Deadline::within).map_err(|error| Failed::of(format!("budget: {time_s} s, {error}")))
 }
 
 fn named(ids: &[String]) -> Result<Vec<NamedCause>, UnknownCause> {

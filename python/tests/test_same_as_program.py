@@ -60,6 +60,15 @@ def test_errors_have_the_words_of_the_program(program, tmp_path, text, named, co
     assert isinstance(raised.value, ValueError)
 
 
+@pytest.mark.parametrize("budget", [0.0, -1.0, float("nan"), float("inf"), 1e19])
+def test_a_time_that_is_none_is_refused_in_the_words_of_the_program(program, budget):
+    study = "data/examples/delay/study.toml"
+    with pytest.raises(aibo_fit.Error, match="expected more than 0 s and no more than a year"):
+        aibo_fit.gap(study, budget=budget)
+    said = program("gap", study, f"--budget={budget}s", code=2).stderr
+    assert "expected more than 0 s and no more than a year" in said
+
+
 def test_the_program_comes_with_the_wheel(program):
     assert program("--version").stdout.splitlines()[0] == f"aibo-fit {aibo_fit.__version__}"
     assert "Exit codes" in program("--help").stdout

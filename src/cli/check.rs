@@ -8,9 +8,10 @@ use super::provenance::provenance;
 use super::still::never_moved;
 use crate::gap::clamped::{ClampedCase, ClampedSetup};
 use crate::gap::{Checkup, GapError, check};
-use crate::identify::Case;
+use crate::identify::{Case, CaseError};
 use crate::log::{
-    ArrayLog, Columns, JointSpec, Outputs, Predict, SensorSpec, Source, StudyKind, Uncertain, read_source, study_kind,
+    ArrayLog, JointSpec, LogError, Outputs, Predict, SensorSpec, Source, StudyKind, Uncertain, read_robot_study,
+    read_source, sidecar_columns, sidecar_of, study_kind,
 };
 use crate::report::{
     CheckReport, PREDICTS_TORQUES, Provenance, check_html, check_json, check_text, checks_json, checks_text,
@@ -208,12 +209,20 @@ fn next(args: &CheckArgs, reports: &[CheckReport]) -> String {
 /// A study of a joint or of a robot with a clamped base; those of walking robots are refused.
 fn study(path: &Path) -> Result<Checked, CliError> {
     match study_kind(path)? {
-        StudyKind::Robot => Err(CliError::Usage(format!(
-            "{}: the study of a walking robot; check looks at the study of a joint or of a robot with scenario = \"fixed\", or at a log",
-            path.display()
-        ))),
+        StudyKind::Robot => Err(of_walking(path)),
         StudyKind::Clamped => robot_study(path),
         StudyKind::Joint => Ok(of_joint(Case::of_study(path)?, Some(Predict::Motion))),
+    }
+}
+
+/// What is wrong with the study of a walking robot, or else that it is one.
+fn of_walking(path: &Path) -> CliError {
+    match read_robot_study(path) {
+        Err(error) => error.into(),
+        Ok(_) => CliError::Usage(format!(
+            "{}: the study of a walking robot; check looks at the study of a joint or of a robot with scenario = \"fixed\", or at a log",
+            path.display()
+        )),
     }
 }
 
@@ -231,25 +240,38 @@ fn robot_study(path: &Path) -> Result<Checked, CliError> {
     Ok(Checked::Joints { name, cases, inputs, predict, notes })
 }
 
-/// A log with its sidecar, or each joint of a log without one.
+/// A log by its sidecar: each joint of several, or the only one.
 fn log(path: &Path) -> Result<Checked, CliError> {
-    let is_told = path.with_extension("toml").is_file();
-    let Ok(mut source) = read_source(path, &Columns::default()) else {
-        // A sidecar may say more of it than the file does.
+    let Ok(mut source) = read_source(path, &sidecar_columns(path)?) else {
+        // Read as the log of one joint it is told what is wrong with it.
         return Ok(of_joint(Case::of_logs(&[path.to_path_buf()], None)?, None));
     };
     let names: Vec<Option<String>> = source.joints().into_iter().map(|name| name.map(str::to_owned)).collect();
-    let inputs = vec![path.to_path_buf()];
-    if !is_told && matches!(names[..], [None]) {
-        return Ok(Checked::Joint { case: joint_of(&Mutex::new(source), None)?, inputs, predict: None });
+    let sidecar = sidecar_of(path);
+    let is_told = sidecar.is_some();
+    let inputs: Vec<PathBuf> = std::iter::once(path.to_path_buf()).chain(sidecar).collect();
+    if matches!(names[..], [None]) {
+        let told = if is_told { by_sidecar(path)? } else { None };
+        return match told {
+            Some(case) => Ok(of_joint(case, None)),
+            None => Ok(Checked::Joint { case: joint_of(&Mutex::new(source), None)?, inputs, predict: None }),
+        };
     }
     let names: Vec<String> = names.into_iter().flatten().collect();
     if names.is_empty() {
-        return Ok(of_joint(Case::of_logs(&inputs, None)?, None));
+        return Ok(of_joint(Case::of_logs(&[path.to_path_buf()], None)?, None));
     }
     // What is not looked at need not be held.
     source.channels.retain(|channel| !channel.ours.as_ref().is_none_or(|ours| ours.ends_with(".dq")));
     Ok(Checked::Log { source, names, inputs })
+}
+
+/// The log of one joint with all that its sidecar says; `None`: that is not what moves the joint, and only its health is told.
+fn by_sidecar(path: &Path) -> Result<Option<Case>, CliError> {
+    match Case::of_logs(&[path.to_path_buf()], None) {
+        Err(CaseError::Log(LogError::DriveUnknown { .. })) => Ok(None),
+        case => Ok(Some(case?)),
+    }
 }
 
 fn joint_of(source: &Mutex<Source>, name: Option<&str>) -> Result<Box<Case>, CliError> {

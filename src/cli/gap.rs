@@ -8,7 +8,7 @@ use super::progress::Progress;
 use super::provenance::provenance;
 use super::still::never_moved;
 use super::{CliError, clamped_gap, robot_gap};
-use crate::deadline::Deadline;
+use crate::deadline::{self, Deadline};
 use crate::gap::clamped::{BodyKind, NoSuchCause};
 use crate::gap::robot::{Cause, UnknownCause};
 use crate::gap::{GapError, GapOptions, diagnose};
@@ -68,7 +68,7 @@ pub(super) struct GapArgs {
 fn after_help() -> String {
     let ids: Vec<&str> = EffectId::ALL.iter().map(|effect| effect.id()).collect();
     let of_walking = Cause::all().filter(|cause| !matches!(cause, Cause::Effect(_))).map(Cause::id);
-    let of_arms = [BodyKind::Payload, BodyKind::BodyMass, BodyKind::BodyCom].map(BodyKind::id);
+    let of_arms = BodyKind::ALL.map(BodyKind::id);
     format!(
         "Effects: {}; of a robot that walks also {}, of one with a clamped base {}.\n\
          Names for --fix, --free, --bound and --start (of a joint): inertia, moment, coulomb, viscous, gain, kd, ki, rest, and \
@@ -98,14 +98,8 @@ pub(super) fn budget(text: &str) -> Result<Duration, String> {
         (None, None) => return Err(expected()),
     };
     let time_s = unit_s * number.trim().parse::<f64>().map_err(|_| expected())?;
-    let is_time = time_s > 0.0 && time_s <= LONGEST_S;
-    is_time
-        .then(|| Duration::from_secs_f64(time_s))
-        .ok_or_else(|| "expected more than 0 s and no more than a year".to_owned())
+    deadline::budget(time_s).map_err(|error| error.to_string())
 }
-
-/// A year \[s\].
-const LONGEST_S: f64 = 365.25 * 86_400.0;
 
 /// Causes of a robot that is simulated as a whole; those of bodies are looked for along the motion of clamped ones.
 pub(super) fn causes(named: &[Named]) -> Result<Vec<Cause>, CliError> {

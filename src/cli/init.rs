@@ -53,7 +53,7 @@ pub(super) fn run(args: &InitArgs) -> Result<u8, CliError> {
         return Err(CliError::Usage(why));
     }
     let draft = draft_study(&args.logs, args.robot.as_deref(), args.joint.as_deref(), folder_of(&study))?;
-    write_draft(&study, &draft)?;
+    write_draft(&study, &draft).map_err(not_over_inputs)?;
     if !args.quiet {
         print(&format!("study: {}\n\nWhat the logs do not tell:\n", study.display()));
         draft.untold.iter().for_each(|sentence| print(&(list_item(sentence) + "\n")));
@@ -97,6 +97,19 @@ fn write_draft(study: &Path, draft: &Draft) -> Result<(), CliError> {
     let mut outputs = Outputs::default();
     outputs.add_apart(study, draft.text.clone());
     write_outputs(outputs, &draft.inputs)
+}
+
+/// Says what to do where the study would take the place of a file that it is made from.
+fn not_over_inputs(error: CliError) -> CliError {
+    match error {
+        CliError::Overwrites { input } => {
+            let input = input.display();
+            CliError::Usage(format!(
+                "{input}: the study is made from this file and not written over it; name another by --study"
+            ))
+        }
+        other => other,
+    }
 }
 
 fn folder_of(study: &Path) -> &Path {

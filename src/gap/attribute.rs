@@ -6,7 +6,7 @@ use super::explore::one_of_each;
 use super::floor::noise_rad;
 use super::grow::Growth;
 use super::judged::Judged;
-use super::laws::lawful;
+use super::laws::{Lawful, lawful};
 use super::model::BASELINE;
 use super::refuted::{predicts_clearly_worse, refuted_by, refutes};
 use super::score::Measure;
@@ -37,6 +37,8 @@ pub(super) struct Attribution {
     pub firsts: Vec<Trial>,
     /// The best with a law beside its causes, where one predicts what the causes leave.
     pub law: Option<Trial>,
+    /// A law that parts of logs show, where whole logs bear none out.
+    hint: Option<Trial>,
     /// Causes that the fitted logs ask for and the held-out ones refute.
     pub refuted: Vec<EffectId>,
     /// Whether they refute a law that the fitted logs ask for.
@@ -122,14 +124,14 @@ impl Attribution {
         stage("looking for a law in what is left")?;
         let step_rad = coarse.reach.resolution_rad;
         let worth_a_law = best.fit_loss(coarse) > samples * step_rad.max(noise_of_law(noise)).powi(2);
-        let law = if worth_a_law && !law_refuted && !evidence.deadline.leaves_out("a law in what is left") {
-            lawful(coarse, &best, &calibrated)
-        } else {
-            None
-        };
         let refutes_it = |law: &Trial| refutes(coarse, evidence, law, &best);
-        let law_refuted = law_refuted || law.as_ref().is_some_and(refutes_it);
-        let law = law.filter(|_| !law_refuted);
+        let Lawful { law, hint, refuted: refutes_one } =
+            if worth_a_law && !law_refuted && !evidence.deadline.leaves_out("a law in what is left") {
+                lawful(coarse, &best, &calibrated, &refutes_it)
+            } else {
+                Lawful::default()
+            };
+        let law_refuted = law_refuted || refutes_one;
         let best = match &law {
             Some(law) if law.effects().len() < best.effects().len() => {
                 let kept: Vec<usize> =
@@ -154,6 +156,7 @@ impl Attribution {
             rivals,
             firsts,
             law,
+            hint: hint.map(|hint| hint.law),
             refuted,
             law_refuted,
             set_refuted,
@@ -166,7 +169,8 @@ impl Attribution {
         this.on_all_samples(evidence, found.filter(|t| t.effects() == this.best.effects()).cloned());
         // Where it has come to rest on all samples a law may predict worse than on the way there.
         if this.law.as_ref().is_some_and(|law| is_refuted(evidence, coarse, law, &this.best, &judged.best)) {
-            return Self::carried(evidence, growth, judged, &Known { law_refuted: true, ..known.clone() }, found);
+            let bare = Self::carried(evidence, growth, judged, &Known { law_refuted: true, ..known.clone() }, found)?;
+            return Ok(Self { hint: this.law, ..bare });
         }
         Ok(this)
     }
@@ -361,6 +365,11 @@ impl Attribution {
         self.law.as_ref().unwrap_or(&self.best)
     }
 
+    /// The law that says where to look where the answer has none: it was dropped, or only parts of logs show it.
+    pub fn hint(&self) -> Option<&Trial> {
+        self.law.as_ref().or(self.hint.as_ref())
+    }
+
     /// Whether held-out logs refute anything that the fitted ones ask for.
     pub fn held_out_refuted(&self) -> bool {
         !self.refuted.is_empty() || self.law_refuted || self.set_refuted
@@ -377,15 +386,18 @@ impl Attribution {
     }
 }
 
-/// Whether a law at rest on all samples predicts held-out logs clearly worse than the causes beside it, or than all that there
-/// were before it took the place of some.
+/// Whether a law at rest on all samples predicts held-out logs no better than the causes beside it, or clearly worse than all
+/// that there were before it took the place of some.
 fn is_refuted(evidence: &Evidence, coarse: &Evidence, law: &Trial, beside: &Trial, before: &Trial) -> bool {
+    if !evidence.held.is_empty() && law.held_loss(evidence) >= beside.held_loss(evidence) {
+        return true;
+    }
     if beside.effects().len() == before.effects().len() {
-        return predicts_clearly_worse(evidence, law, beside);
+        return false;
     }
     let mut before = before.carried(coarse, evidence, AGAIN);
     before.predict(evidence, Some(beside));
-    predicts_clearly_worse(evidence, law, beside) || predicts_clearly_worse(evidence, law, &before)
+    predicts_clearly_worse(evidence, law, &before)
 }
 
 /// Where residuals stay below this no law is looked for \[rad\].

@@ -14,6 +14,9 @@ pub enum BodyKind {
 }
 
 impl BodyKind {
+    /// All there are.
+    pub const ALL: [Self; 3] = [Self::Payload, Self::BodyMass, Self::BodyCom];
+
     /// The word in reports and JSON.
     pub fn id(self) -> &'static str {
         match self {

@@ -5,7 +5,7 @@ use super::compare::correlation_length;
 use super::detect::detectable;
 use super::diagnose::GapError;
 use super::diagnosis::Detectable;
-use super::doubts::{share_of_gain, simulated_doubts};
+use super::doubts::Simulated;
 use super::evidence::{Evidence, counts};
 use super::floor::noise_rad;
 use super::numbers::numbers;
@@ -68,7 +68,8 @@ pub fn check(case: &Case) -> Result<Checkup, GapError> {
     let (beliefs, undetermined) = (calibrated.beliefs(), calibrated.undetermined(&evidence));
     let noise = (floor_rad, correlation_length(&evidence, &calibrated));
     let detectable = detectable(&evidence, noise, &calibrated, EffectId::ALL);
-    let doubts = simulated_doubts(case, share_of_gain(&beliefs), [given_rad, floor_rad]);
+    let deadline = &evidence.deadline;
+    let doubts = Simulated { causes: &[], beliefs: &beliefs, given_rad, floor_rad, deadline }.doubts(case);
     Ok(Checkup { given_rad, calibrated_rad, floor_rad, parameters, beliefs, undetermined, detectable, doubts })
 }
 

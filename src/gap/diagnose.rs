@@ -9,10 +9,10 @@ use super::diagnosis::{
     Answer, Candidate, Detectable, Diagnosis, Gap, GapOptions, LogGap, LogTraces, Next, Number, ResidualTorque, Verdict,
 };
 use super::differs::{Differs, differing};
-use super::doubts::{found_gain, simulated_doubts};
+use super::doubts::Simulated;
 use super::evidence::{Evidence, WholeLeft};
 use super::held_out::{HeldOut, closed};
-use super::law_found::law_found;
+use super::law_found::{law_found, law_hinted};
 use super::model::{GAIN, INERTIA};
 use super::next::next;
 use super::numbers::{UNNAMED, numbers, numbers_beside};
@@ -20,7 +20,7 @@ use super::place::place;
 use super::rates::{Rates, probability, share_out, standing};
 use super::refuted::soundly_believed;
 use super::rotor;
-use super::sentence::{far, followed, sentence};
+use super::sentence::{far, followed, law_words, sentence};
 use super::together::all_together;
 use super::told::{AtBest, tell};
 use super::trial::{Trial, loss};
@@ -136,7 +136,9 @@ pub(super) fn diagnose_from(
     let mut notes = notes(&evidence, &attribution, &decision, &differs);
     let mut doubts = case.doubts();
     if !options.deadline.leaves_aside("slips in the study that simulations show") {
-        doubts.extend(simulated_doubts(case, found_gain(&causes, &beliefs), [gap.before, gap.floor]));
+        let (given_rad, floor_rad, deadline) = (gap.before, gap.floor, &options.deadline);
+        let simulated = Simulated { causes: &causes, beliefs: &beliefs, given_rad, floor_rad, deadline };
+        doubts.extend(simulated.doubts(case));
     }
     let budget = options.deadline.spent();
     let is_finished = budget.as_ref().is_none_or(|spent| spent.finished);
@@ -518,6 +520,14 @@ fn notes(evidence: &Evidence, a: &Attribution, decision: &Decision<'_>, differs:
             refuted.join(", ")
         );
         notes.push(flattered(&what));
+    }
+    let is_open = decision.verdict == Verdict::Unexplained && decision.answer.model.law().is_none();
+    if let Some(hint) = a.hint().filter(|_| is_open).and_then(law_hinted) {
+        notes.push(format!(
+            "What is left is most like {}: with that, parts of logs are predicted better by the rest of them. Whole logs are \
+             not, so it says where to look, not what is there.",
+            law_words(&hint)
+        ));
     }
     if a.set_refuted && !evidence.held.is_empty() {
         notes.push(flattered(

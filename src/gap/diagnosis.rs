@@ -13,10 +13,12 @@ use serde::Serialize;
 pub struct GapOptions {
     /// Effects that are withheld from the catalogue.
     pub without: Vec<EffectId>,
-    /// The only effects that are considered; empty: all.
+    /// The only effects that are considered; empty: all, or none where `only_bodies` names any.
     pub only: Vec<EffectId>,
     /// Of a robot with a clamped base what of bodies is withheld.
     pub without_bodies: Vec<BodyKind>,
+    /// All of bodies that is considered there; empty: everything, or nothing where `only` names effects.
+    pub only_bodies: Vec<BodyKind>,
     /// Twins of the study on which the probabilities are measured; 0: the shipped rates are used.
     pub twins: usize,
     /// Seed of the twins.
@@ -30,7 +32,12 @@ pub struct GapOptions {
 impl GapOptions {
     /// Whether an effect is asked for: it is not withheld, and one of the only ones where there are such.
     pub(super) fn considers(&self, effect: EffectId) -> bool {
-        !self.without.contains(&effect) && (self.only.is_empty() || self.only.contains(&effect))
+        !self.without.contains(&effect) && (self.only.contains(&effect) || !self.names_alone())
+    }
+
+    /// Whether anything is named that alone is considered.
+    pub(super) fn names_alone(&self) -> bool {
+        !(self.only.is_empty() && self.only_bodies.is_empty())
     }
 }
 

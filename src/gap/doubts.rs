@@ -8,14 +8,19 @@ use super::check::rms_rad;
 use super::diagnosis::CauseShare;
 use super::evidence::Evidence;
 use super::trial::Trial;
+use crate::deadline::Deadline;
 use crate::identify::{BeliefFound, Case};
 use crate::joint::EffectId;
 use crate::log::{DriveMode, MotorModel, MotorSpec};
-use crate::number::{as_given, mrad, significant};
+use crate::number::{as_given, math, mrad, significant};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// A gain that logs put more than this factor away is one in another unit.
 const OTHER_UNIT: f64 = 5.0;
+/// A moment that was moved by more of its standard deviations has nothing to do with the link; at another zero one that was
+/// moved by fewer has.
+const FAR_SD: f64 = 10.0;
+const NEAR_SD: f64 = 3.0;
 /// Another zero is looked for where the model as given is off by so many times the sensor's own noise, and by so much
 /// \[rad\].
 const OFF: f64 = 10.0;
@@ -25,37 +30,104 @@ const OTHER_RESTS_RAD: [f64; 3] = [PI, FRAC_PI_2, -FRAC_PI_2];
 /// It is another where the model leaves less than this share of its error.
 const SHARE: f64 = 1.0 / 3.0;
 
-/// What logs make of the drive's gain once causes were found, as a cause or as a number, by what is stated.
-pub(super) fn found_gain(causes: &[CauseShare], beliefs: &[BeliefFound]) -> Option<f64> {
-    let is_everywhere = |cause: &&CauseShare| cause.effect == EffectId::MotorGain && cause.only.is_none();
-    let cause = causes.iter().find(is_everywhere).and_then(|cause| cause.parameters.first());
-    cause.map(|number| number.value).or_else(|| share_of_gain(beliefs))
+/// What simulations made of a study.
+pub(super) struct Simulated<'a> {
+    /// Causes of the answer; none before any is looked for.
+    pub causes: &'a [CauseShare],
+    /// The joint's numbers beside them.
+    pub beliefs: &'a [BeliefFound],
+    /// Error of the model as given \[rad\].
+    pub given_rad: f64,
+    /// The sensor's own \[rad\].
+    pub floor_rad: f64,
+    /// Until when more may be simulated.
+    pub deadline: &'a Deadline,
 }
 
-/// What logs make of the drive's gain, by what is stated; `None` where it is exact or there is no drive.
-pub(super) fn share_of_gain(beliefs: &[BeliefFound]) -> Option<f64> {
-    beliefs.iter().find(|belief| belief.name == "gain").map(|belief| belief.found / belief.believed)
-}
-
-/// What is to be questioned: `gain` is what the logs make of the drive's, by what is stated; the errors are that of the
-/// model as given and the sensor's own.
-pub(super) fn simulated_doubts(case: &Case, gain: Option<f64>, errors_rad: [f64; 2]) -> Vec<String> {
-    if case.has_crossed_columns() {
-        return Vec::new();
+impl Simulated<'_> {
+    /// What is to be questioned of the study, in sentences.
+    pub fn doubts(&self, case: &Case) -> Vec<String> {
+        if case.has_crossed_columns() {
+            return Vec::new();
+        }
+        let torque = self.torque().and_then(|share| other_gain(case, share));
+        torque.into_iter().chain(self.other_rest(case)).collect()
     }
-    let gain = gain.and_then(|share| other_gain(case, share));
-    gain.into_iter().chain(other_rest(case, errors_rad)).collect()
+
+    /// What is found of a number as a share of what is believed.
+    fn share(&self, name: &str) -> Option<f64> {
+        let own = self.beliefs.iter().find(|belief| belief.name == name && belief.believed > 0.0)?;
+        Some(own.found / own.believed)
+    }
+
+    /// Torque that the motion asks for beside the link as stated, as a share of what the drive is stated to give: logs may
+    /// tell no more than the ratio of both, and so it is in the gain, or in what turns and hangs alike. `None` where the gain is
+    /// exact or there is no drive.
+    fn torque(&self) -> Option<f64> {
+        let is_everywhere = |cause: &&CauseShare| cause.effect == EffectId::MotorGain && cause.only.is_none();
+        let cause = self.causes.iter().find(is_everywhere).and_then(|cause| cause.parameters.first());
+        let gain = cause.map(|number| number.value).or_else(|| self.share("gain"))?;
+        let link = match [self.share("inertia")?, self.share("moment").unwrap_or(1.0)] {
+            [inertia, moment] if (inertia > 1.0) == (moment > 1.0) => {
+                if math::ln(inertia).abs() < math::ln(moment).abs() { inertia } else { moment }
+            }
+            _ => 1.0,
+        };
+        Some(gain / link)
+    }
+
+    /// Whether the moment, or a spring, was bent to what hangs on the other side of the zero.
+    fn has_lost_its_link(&self) -> bool {
+        let moment = self.beliefs.iter().find(|belief| belief.name == "moment");
+        moment.is_some_and(|moment| moment.moved_sd.abs() > FAR_SD)
+            || self.causes.iter().any(|cause| cause.effect == EffectId::JointSpring)
+    }
+
+    /// A link that hangs elsewhere than at zero in the logs, where the study does not say it.
+    fn other_rest(&self, case: &Case) -> Option<String> {
+        let nominal = case.joint.nominal.filter(|nominal| nominal.moment_kg_m > 0.0)?;
+        if case.joint.rest_rad.is_some() || case.is_described() || self.given_rad <= OFF * self.floor_rad {
+            return None;
+        }
+        if self.given_rad <= OFF_RAD && !self.has_lost_its_link() {
+            return None;
+        }
+        let mut evidence = Evidence::of(case, nominal)?.coarse();
+        evidence.deadline = self.deadline.clone();
+        let here = Hung::at(&evidence, 0.0);
+        let others = OTHER_RESTS_RAD.map(|rest_rad| Hung::at(&evidence, rest_rad));
+        let best = others.into_iter().min_by(|a, b| a.given_rad().total_cmp(&b.given_rad()))?;
+        let given = [best.given_rad(), here.given_rad()];
+        if is_far_better(given) {
+            return Some(question(best.rest_rad, "as given", given));
+        }
+        // A drive may hide where the link hangs until numbers are refitted to it, and so may another cause.
+        let [there, here] = [&best, &here].map(Hung::refitted);
+        let refitted = [&there, &here].map(|trial| rms_rad(&best.evidence, trial));
+        let finds_its_link = moment_sd(&here) > FAR_SD && moment_sd(&there) < NEAR_SD && refitted[0] <= refitted[1];
+        (finds_its_link || is_far_better(refitted)).then(|| question(best.rest_rad, "with refitted numbers", refitted))
+    }
 }
 
-/// A gain of the drive that logs put far from the stated one.
+/// By how many of its standard deviations a moment was moved.
+fn moment_sd(trial: &Trial) -> f64 {
+    trial.beliefs().iter().find(|belief| belief.name == "moment").map_or(0.0, |moment| moment.moved_sd.abs())
+}
+
+/// A torque of the drive that logs put far from the stated one.
 fn other_gain(case: &Case, share: f64) -> Option<String> {
     if !share.is_finite() || (OTHER_UNIT.recip()..=OTHER_UNIT).contains(&share) {
         return None;
     }
-    let mut servos = case.items.iter().map(|item| &item.entry).filter(|entry| entry.drive == DriveMode::Position);
-    let asked = match servos.find_map(|entry| entry.motor) {
-        Some(motor) => format!("the drive is stated to give, {}", of_servo(&motor, share)),
-        None => "these logs state: is `tau` in N m at the joint?".to_owned(),
+    let servos = case.items.iter().map(|item| &item.entry).filter(|entry| entry.drive == DriveMode::Position);
+    let motors: Vec<&MotorSpec> = servos.filter_map(|entry| entry.motor.as_ref()).collect();
+    let asked = match motors[..] {
+        [] => "these logs state: is `tau` in N m at the joint?".to_owned(),
+        [first, ..] if motors.iter().all(|motor| *motor == first) => {
+            format!("the drive is stated to give, {}", of_servo(first, share))
+        }
+        _ => "the drives of these logs are stated to give: are their gains in N m/rad (docs/tutorials/servo.md)?"
+            .to_owned(),
     };
     Some(format!("The motion asks for {} times the torque that {asked}", significant(share, 3)))
 }
@@ -63,32 +135,14 @@ fn other_gain(case: &Case, share: f64) -> Option<String> {
 fn of_servo(motor: &MotorSpec, share: f64) -> String {
     let [found, stated] = [significant(share * motor.kp_nm_rad, 3), as_given(motor.kp_nm_rad)];
     let ask = match motor.model {
-        MotorModel::Torque => "is kp in N m/rad? A servo's firmware gain needs conversion (docs/tutorials/servo.md).",
+        MotorModel::Torque => {
+            "is kp in N m/rad (N/m where the joint slides)? A servo's firmware gain needs conversion (docs/tutorials/servo.md)."
+        }
         MotorModel::Voltage(_) => {
             "is kp the duty per rad, and are kt, resistance and supply those of this drive (docs/tutorials/servo.md)?"
         }
     };
     format!("as with kp = {found} in place of {stated}: {ask}")
-}
-
-/// A link that hangs elsewhere than at zero in the logs, where the study does not say it.
-fn other_rest(case: &Case, [given_rad, floor_rad]: [f64; 2]) -> Option<String> {
-    let nominal = case.joint.nominal.filter(|nominal| nominal.moment_kg_m > 0.0)?;
-    let is_off = given_rad > (OFF * floor_rad).max(OFF_RAD);
-    if !is_off || case.joint.rest_rad.is_some() || case.is_described() {
-        return None;
-    }
-    let evidence = Evidence::of(case, nominal)?.coarse();
-    let here = Hung::at(&evidence, 0.0);
-    let others = OTHER_RESTS_RAD.map(|rest_rad| Hung::at(&evidence, rest_rad));
-    let best = others.into_iter().min_by(|a, b| a.given_rad().total_cmp(&b.given_rad()))?;
-    let given = [best.given_rad(), here.given_rad()];
-    if is_far_better(given) {
-        return Some(question(best.rest_rad, "as given", given));
-    }
-    // A drive may hide where the link hangs until numbers are refitted to it.
-    let refitted = [best.refitted_rad(), here.refitted_rad()];
-    is_far_better(refitted).then(|| question(best.rest_rad, "with refitted numbers", refitted))
 }
 
 /// Whether what is left there is far less than what is left here.
@@ -124,8 +178,8 @@ impl Hung {
         rms_rad(&self.evidence, &self.given)
     }
 
-    fn refitted_rad(&self) -> f64 {
-        rms_rad(&self.evidence, &calibrate(&self.evidence, &self.evidence.baseline(), &self.given))
+    fn refitted(&self) -> Trial {
+        calibrate(&self.evidence, &self.evidence.baseline(), &self.given)
     }
 }
 
@@ -133,6 +187,7 @@ impl Hung {
 mod tests {
     use super::*;
     use crate::gap::check;
+    use crate::identify::Signal;
     use crate::log::VoltageMotor;
 
     const DRIVEN: &str = "data/examples/delay/study.toml";
@@ -171,7 +226,7 @@ mod tests {
         }
         let doubts = check(&case).unwrap().doubts;
         assert_eq!(doubts.len(), 1, "{doubts:?}");
-        for part in ["in place of 400", "is kp in N m/rad?", "docs/tutorials/servo.md"] {
+        for part in ["in place of 400", "is kp in N m/rad", "docs/tutorials/servo.md"] {
             assert!(doubts[0].contains(part), "{}", doubts[0]);
         }
     }
@@ -187,11 +242,34 @@ mod tests {
     }
 
     #[test]
+    fn what_turns_and_hangs_alike_is_told_as_torque() {
+        let belief = |name: &str, share| BeliefFound {
+            name: name.to_owned(),
+            believed: 2.0,
+            found: 2.0 * share,
+            ..BeliefFound::default()
+        };
+        let torque = |gain, inertia, moment| {
+            let beliefs = [belief("gain", gain), belief("inertia", inertia), belief("moment", moment)];
+            let deadline = &Deadline::default();
+            Simulated { causes: &[], beliefs: &beliefs, given_rad: 0.0, floor_rad: 0.0, deadline }.torque().unwrap()
+        };
+        // A torque logged in kgf m; a gain in a firmware's unit; a rotor that nobody stated; a delay that slows everything.
+        approx::assert_relative_eq!(torque(1.05, 0.105, 0.105), 10.0, max_relative = 1e-12);
+        assert!(torque(0.6, 45.0, 37.0) < 0.02);
+        assert_eq!(torque(1.0, 10.0, 0.98), 1.0);
+        assert!(torque(0.174, 0.43, 0.18) > 0.4);
+    }
+
+    #[test]
     fn of_each_kind_of_drive_its_own_numbers_are_questioned() {
         let mut case = case(DRIVEN);
         let asked = |case: &Case| other_gain(case, 0.01).unwrap();
         let fed = VoltageMotor { kt_nm_a: 1.5, resistance_ohm: 2.0, supply_v: 12.0, duty_limit: 1.0 };
+        case.items.push(case.items[0].clone());
         case.items[0].entry.motor.as_mut().unwrap().model = MotorModel::Voltage(fed);
+        assert!(asked(&case).contains("are their gains in N m/rad"), "{}", asked(&case));
+        case.items.iter_mut().for_each(|item| item.entry.motor.as_mut().unwrap().model = MotorModel::Voltage(fed));
         assert!(asked(&case).contains("is kp the duty per rad"), "{}", asked(&case));
         case.items.iter_mut().for_each(|item| item.entry.drive = DriveMode::Torque);
         assert!(asked(&case).contains("is `tau` in N m"), "{}", asked(&case));
@@ -205,5 +283,19 @@ mod tests {
         assert!(doubts[0].contains("At rest = 3.14 rad") && doubts[0].contains("state `rest`"), "{}", doubts[0]);
         case.joint.rest_rad = Some(PI);
         assert_eq!(check(&case).unwrap().doubts, [""; 0]);
+    }
+
+    #[test]
+    fn so_is_one_whose_servo_is_late_and_hides_it() {
+        let mut case = case(DRIVEN);
+        case.joint.rest_rad = None;
+        for e in case.items.iter_mut().flat_map(|item| &mut item.experiments) {
+            e.measured_rad.iter_mut().for_each(|reading| *reading += PI);
+            e.start.angle_rad += PI;
+            let Signal::Position { setpoint_rad, .. } = &mut e.signal else { panic!("driven") };
+            setpoint_rad.iter_mut().for_each(|setpoint| *setpoint += PI);
+        }
+        let doubts = check(&case).unwrap().doubts;
+        assert!(matches!(&doubts[..], [only] if only.contains("At rest = 3.14 rad")), "{doubts:?}");
     }
 }

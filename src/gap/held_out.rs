@@ -124,7 +124,7 @@ pub(super) struct Elsewhere {
     pub z: f64,
     /// Share of the squares that it leaves.
     pub left: f64,
-    /// The same of the log that it predicts worst.
+    /// What it predicts a single log worse at the most, as a share of the squares of all of them.
     pub worst: f64,
 }
 
@@ -144,14 +144,14 @@ impl Elsewhere {
         };
         let shown: Vec<(Vec<f64>, f64, f64)> = (0..logs).into_par_iter().filter_map(of_log).collect();
         if shown.is_empty() {
-            return Self { z: 0.0, left: 1.0, worst: 1.0 };
+            return Self { z: 0.0, left: 1.0, worst: 0.0 };
         }
         let lost: Vec<f64> = shown.iter().flat_map(|(lost, ..)| lost.iter().copied()).collect();
         let sum = |of: fn(&(Vec<f64>, f64, f64)) -> f64| shown.iter().map(of).sum::<f64>();
         Self {
             z: Difference::of(&lost).z(),
             left: sum(|s| s.2) / sum(|s| s.1),
-            worst: shown.iter().map(|(_, poor, rich)| rich / poor).fold(0.0, f64::max),
+            worst: shown.iter().map(|(_, poor, rich)| rich - poor).fold(0.0, f64::max) / sum(|s| s.1),
         }
     }
 

@@ -23,7 +23,7 @@ pub(super) fn law_found(
     let place = answer.model.law_place();
     let curve = |values: &[f64]| law.values(&values[place.clone()]);
     let sd = spread_of(evidence, answer, law.at.len(), &curve);
-    let mut table = LawTable::new(law.variable, law.acts, law.at.to_vec(), curve(&answer.found.values));
+    let mut table = table_of(answer)?;
     table.joints = vec![joint.to_owned()];
     let rms = |t: &Trial| held.rms_rad(&held.residuals(evidence, t));
     let (calibrated, before, after) = (rms(&a.calibrated), rms(&a.best), rms(answer));
@@ -34,4 +34,18 @@ pub(super) fn law_found(
     let seen = if seen.words == NOTHING { look(&table, None) } else { seen };
     seen.told(&mut table);
     Some(LawFound { table, sd, after })
+}
+
+/// The law of a hypothesis that parts of logs show and whole logs do not bear out, and what it looks like.
+pub(super) fn law_hinted(hint: &Trial) -> Option<LawTable> {
+    let mut table = table_of(hint)?;
+    look(&table, None).told(&mut table);
+    Some(table)
+}
+
+/// The curve of a hypothesis with a law.
+fn table_of(trial: &Trial) -> Option<LawTable> {
+    let law = trial.model.law()?;
+    let values = law.values(&trial.found.values[trial.model.law_place()]);
+    Some(LawTable::new(law.variable, law.acts, law.at.to_vec(), values))
 }

@@ -14,7 +14,7 @@ use super::model::GapModel;
 use super::projector::Projector;
 use super::score::{FOR_THE_CHOICE, Measure};
 use super::sight::weighted;
-use super::trial::{Trial, loss};
+use super::trial::{Trial, losses};
 use crate::fit::{Budget, Residuals};
 use crate::identify::{Found, JointModel, Problem};
 use crate::number::math;
@@ -35,25 +35,85 @@ const EARNS: f64 = 10.0;
 /// Standard deviations by which it has to predict parts better that were not fitted, and whole logs.
 const PREDICTS: f64 = 2.0;
 const ELSEWHERE: f64 = 1.0;
-/// Share of the squares, as predicted, to which it has to lower them.
+/// Share of the squares, as predicted, below which it has to leave of them.
 const MATTERS: f64 = 0.7;
-/// No single log may be predicted worse by more than this factor.
-const WORSE: f64 = 1.1;
+/// No single log may be predicted worse by more than this share of all squares.
+const WORSE: f64 = 0.02;
+/// Standard deviations by which a law has to predict parts better that were not fitted to say where the gap lies.
+const HINTS: f64 = 1.5;
 
-/// The best hypothesis with a law: beside the causes that were found, beside some of them, or instead of them all.
-/// `None` where no law earns its place.
-pub(super) fn lawful(evidence: &Evidence, best: &Trial, calibrated: &Trial) -> Option<Trial> {
-    let mut found = added(evidence, best);
+/// What was found of laws.
+#[derive(Default)]
+pub(super) struct Lawful {
+    /// The best hypothesis with a law: beside the causes that were found, beside some of them, or instead of them all.
+    /// `None` where no law earns its place.
+    pub law: Option<Trial>,
+    /// Where none does, what says where to look.
+    pub hint: Option<Hint>,
+    /// Whether held-out logs refute a law that would have earned its place.
+    pub refuted: bool,
+}
+
+/// A law that predicts parts of logs by the rest of them, which whole logs do not bear out.
+#[derive(Clone, Debug)]
+pub(super) struct Hint {
+    pub law: Trial,
+    /// Share of the squares of the parts that it leaves.
+    left: f64,
+}
+
+/// The laws beside the causes that were found, or instead of them, that held-out logs do not refute.
+pub(super) fn lawful(
+    evidence: &Evidence,
+    best: &Trial,
+    calibrated: &Trial,
+    refutes: &dyn Fn(&Trial) -> bool,
+) -> Lawful {
+    let mut found = Lawful::default();
+    let mut on_whole_logs = added(evidence, best);
     if !best.effects().is_empty() {
-        found.extend(added(evidence, calibrated));
+        on_whole_logs.extend(added(evidence, calibrated));
     }
-    let richest = found.iter().min_by(|a, b| a.fit_loss(evidence).total_cmp(&b.fit_loss(evidence)))?;
-    let measure = Measure::by(evidence, richest);
-    let score = |t: &Trial| measure.score(evidence, t);
-    found.retain(|t| score(t) < score(best) - EARNS);
-    found.sort_by(|a, b| score(a).total_cmp(&score(b)));
-    let first = found.into_iter().find(|t| predicts(evidence, best, t))?;
-    Some(pruned(evidence, measure, first))
+    found.look_among(on_whole_logs, evidence, best, refutes);
+    if found.law.is_none() {
+        found.look_among(added_in_parts(evidence, best), evidence, best, refutes);
+    }
+    found
+}
+
+impl Lawful {
+    /// Looks among hypotheses with laws: for the best that predicts whole logs, without the causes that it has made needless,
+    /// and for what predicts parts of logs best.
+    fn look_among(
+        &mut self,
+        mut those: Vec<Trial>,
+        evidence: &Evidence,
+        best: &Trial,
+        refutes: &dyn Fn(&Trial) -> bool,
+    ) {
+        let richest = those.iter().min_by(|a, b| a.fit_loss(evidence).total_cmp(&b.fit_loss(evidence)));
+        let Some(measure) = richest.map(|t| Measure::by(evidence, t)) else { return };
+        let score = |t: &Trial| measure.score(evidence, t);
+        those.retain(|t| score(t) < score(best) - EARNS);
+        those.sort_by(|a, b| score(a).total_cmp(&score(b)));
+        for law in those {
+            let Parts { z, left } = Parts::of(evidence, best, &law);
+            if !(left < MATTERS && z > HINTS) {
+                continue;
+            }
+            if z > PREDICTS && predicts_elsewhere(evidence, best, &law) {
+                let law = pruned(evidence, measure, law.clone());
+                if !refutes(&law) {
+                    *self = Self { law: Some(law), hint: None, refuted: false };
+                    return;
+                }
+                self.refuted = true;
+            }
+            if self.hint.as_ref().is_none_or(|hint| left < hint.left) {
+                self.hint = Some(Hint { law, left });
+            }
+        }
+    }
 }
 
 /// Without the causes that a law has made needless.
@@ -70,16 +130,25 @@ fn pruned(evidence: &Evidence, measure: Measure, mut best: Trial) -> Trial {
     best
 }
 
-/// Whether a hypothesis predicts parts of the logs better than one without its law, and whole logs: clearly, and by a
-/// share that matters.
-fn predicts(evidence: &Evidence, without: &Trial, with: &Trial) -> bool {
-    let folds = Folds::of(evidence);
-    let (poor, rich) = (folds.residuals(without), folds.residuals(with));
-    let lost = folds.difference(&poor, &rich);
-    let squares = |all: &[Vec<f64>]| evidence.fit.iter().zip(all).map(|(e, r)| loss(e, r)).sum::<f64>();
-    if !(lost.z() > PREDICTS && squares(&rich) < MATTERS * squares(&poor)) {
-        return false;
+/// How much better a hypothesis predicts parts of logs than one without its law.
+struct Parts {
+    /// By so many standard deviations.
+    z: f64,
+    /// Share of the squares that it leaves.
+    left: f64,
+}
+
+impl Parts {
+    fn of(evidence: &Evidence, without: &Trial, with: &Trial) -> Self {
+        let folds = Folds::of(evidence);
+        let (poor, rich) = (folds.residuals(without), folds.residuals(with));
+        let left = losses(&evidence.fit, &rich) / losses(&evidence.fit, &poor);
+        Self { z: folds.difference(&poor, &rich).z(), left }
     }
+}
+
+/// Whether a hypothesis predicts whole logs better than one without its law: clearly, and by a share that matters.
+fn predicts_elsewhere(evidence: &Evidence, without: &Trial, with: &Trial) -> bool {
     if evidence.fit.len() == 1 {
         return true;
     }
@@ -107,6 +176,21 @@ fn added(evidence: &Evidence, base: &Trial) -> Vec<Trial> {
     promising.retain(|p| p.score < 0.0);
     promising.truncate(FITTED);
     promising.into_par_iter().map(|p| fitted(evidence, base, p)).collect()
+}
+
+/// The same with laws that were found on short parts of the logs, along which no hypothesis runs far from them.
+fn added_in_parts(evidence: &Evidence, base: &Trial) -> Vec<Trial> {
+    if base.model.has_two_bodies() {
+        return Vec::new();
+    }
+    let short = evidence.in_parts();
+    let starts = short.fit.iter().map(|e| e.start_coordinates(&e.start)).collect();
+    let there = Trial::solved(&short, base.model.clone(), &base.found.values, starts, FULL);
+    let carried = |t: Trial| {
+        let starts = base.found.starts.clone();
+        Trial::solved(evidence, t.model, &t.found.values, starts, FULL).settled(evidence, BESIDE_A_LAW)
+    };
+    added(&short, &there).into_par_iter().map(carried).collect()
 }
 
 /// A law with the numbers that explain most to first order.

@@ -4,9 +4,11 @@ use super::attribute::Attribution;
 use super::decide::Decision;
 use super::diagnosis::{LawFound, ResidualTorque, Verdict, Where};
 use super::evidence::Evidence;
+use super::law_found::law_hinted;
 use super::localise::localise;
 use super::log_part::LogPart;
 use super::residual_torque::residual_torque;
+use super::trial::Trial;
 use crate::identify::{Experiment, JointModel};
 use crate::joint::Stage;
 use rayon::prelude::*;
@@ -34,6 +36,13 @@ pub(super) fn place(
         })
         .collect();
     let mut place = localise(&parts);
+    let by_law = |place: &mut Where, law: &Trial, stage: Option<Stage>| {
+        if let Some(shape) = law.model.law() {
+            place.stage = stage;
+            place.variable = Some(shape.variable.into());
+            place.range = Some(shape.strongest(&law.found.values[law.model.law_place()]));
+        }
+    };
     match (decision.verdict, decision.effect()) {
         (Verdict::Effect, Some(effect)) => place.stage = Some(effect.stage()),
         // Inertia, moment and friction are the link's.
@@ -41,13 +50,14 @@ pub(super) fn place(
         (Verdict::None, _) => place.stage = None,
         // A measured law is better evidence than a signature.
         (Verdict::Unexplained, _) if decision.answer.model.law().is_some() => {
-            if let Some(law) = decision.answer.model.law() {
-                place.stage = found.and_then(|found| found.table.stage());
-                place.variable = Some(law.variable.into());
-                place.range = Some(law.strongest(&decision.answer.found.values[decision.answer.model.law_place()]));
-            }
+            by_law(&mut place, decision.answer, found.and_then(|found| found.table.stage()));
         }
         (Verdict::Unexplained, Some(effect)) => place.stage = Some(effect.stage()),
+        (Verdict::Unexplained, None) => {
+            if let Some(hint) = a.hint() {
+                by_law(&mut place, hint, law_hinted(hint).and_then(|table| table.stage()));
+            }
+        }
         _ => {}
     }
     (place, parts.into_iter().map(|p| p.torque).collect())

@@ -6,7 +6,7 @@ use super::evidence::WholeLeft;
 use super::model::COULOMB;
 use super::numbers::includes_none;
 use crate::identify::BeliefFound;
-use crate::joint::{EffectId, LawActs};
+use crate::joint::{EffectId, LawActs, LawTable};
 use crate::number::{mrad, quantity, share};
 
 /// Words for an effect.
@@ -127,9 +127,8 @@ pub(crate) fn number_words(name: &str) -> &str {
 /// A law that closes less than this share has told next to nothing.
 const NEXT_TO_NOTHING: f64 = 0.05;
 
-/// What a law is, and what it closes.
-fn unnamed(law: &LawFound) -> String {
-    let table = &law.table;
+/// What a law without a name is, and what it looks like.
+pub(super) fn law_words(table: &LawTable) -> String {
     let what = match table.acts {
         LawActs::Torque => "a torque",
         LawActs::Friction => "a friction",
@@ -137,12 +136,18 @@ fn unnamed(law: &LawFound) -> String {
         LawActs::Gain => "a share of the motor's torque",
     };
     let of: Vec<&str> = table.variables.iter().map(|variable| variable.words()).collect();
+    format!("{what} that depends on the {} ({})", of.join(" and the "), table.looks_like)
+}
+
+/// What a law is, and what it closes.
+fn unnamed(law: &LawFound) -> String {
+    let table = &law.table;
     let closed = |closed: f64| match closed < NEXT_TO_NOTHING {
         true => "; it closes next to nothing of what refitted numbers leave".to_owned(),
         false => format!("; it closes {} of what refitted numbers leave", share(closed)),
     };
     let closed = table.closed.map_or(String::new(), closed);
-    format!("there is {what} that depends on the {} ({}){closed}.", of.join(" and the "), table.looks_like)
+    format!("there is {}{closed}.", law_words(table))
 }
 
 /// Where refitted numbers leave less than this share of the error, that is said first.

@@ -22,6 +22,10 @@ const FREQUENCY: f64 = 10.0;
 const UNDAMPED: &str = "Nothing damps this joint as stated: kd, coulomb and viscous are 0, so the model as given rings about its \
      setpoints without end. State kd or a friction, even as a guess.";
 
+/// What is said of a servo that pulls at nothing.
+const UNMOVED: &str = "kp is 0 in a log whose drive is \"position\": no setpoint moves the joint as stated. State kp in N m/rad, or \
+     drive = \"off\" where the motor was off.";
+
 /// From so many reversals on a swing has a frequency.
 const SWINGS: usize = 2;
 
@@ -31,7 +35,11 @@ impl Case {
     pub fn doubts(&self) -> Vec<String> {
         let crossed = self.crossed();
         // Columns that are wrong make every number look wrong.
-        if crossed.is_empty() { self.far_off().into_iter().chain(self.undamped()).collect() } else { crossed }
+        if crossed.is_empty() {
+            self.far_off().into_iter().chain(self.undamped()).chain(self.unmoved()).collect()
+        } else {
+            crossed
+        }
     }
 
     /// Whether columns do not belong together as the study says: whatever is made of them looks wrong.
@@ -52,6 +60,15 @@ impl Case {
         let has =
             |item: &Item| item.entry.drive == DriveMode::Position && item.entry.motor.as_ref().is_some_and(is_bare);
         self.items.iter().any(has).then(|| UNDAMPED.to_owned())
+    }
+
+    /// A servo whose setpoints move nothing.
+    fn unmoved(&self) -> Option<String> {
+        let pulls = |motor: &MotorSpec| motor.kp_nm_rad > 0.0 || motor.ki_nm_rad_s > 0.0;
+        let is_limp = |item: &Item| {
+            item.entry.drive == DriveMode::Position && item.entry.motor.as_ref().is_some_and(|motor| !pulls(motor))
+        };
+        self.items.iter().any(is_limp).then(|| UNMOVED.to_owned())
     }
 
     fn far_off(&self) -> Vec<String> {
@@ -237,6 +254,13 @@ mod tests {
         };
         assert_eq!(undamped(0.0), [UNDAMPED]);
         assert_eq!(undamped(0.1), [""; 0]);
+    }
+
+    #[test]
+    fn a_servo_that_pulls_at_nothing_is_questioned() {
+        let mut case = Case::of_study(Path::new(DRIVEN)).unwrap();
+        case.items[0].entry.motor.as_mut().unwrap().kp_nm_rad = 0.0;
+        assert_eq!(case.doubts(), [UNMOVED]);
     }
 
     #[test]

@@ -37,6 +37,7 @@ mod robot_log;
 mod robot_study;
 mod rows;
 mod schema;
+mod sidecar;
 mod source;
 mod study;
 mod thin;
@@ -56,6 +57,7 @@ pub(crate) use robot_study::{
     RawControl, RawFloor, RawFriction, RawRobot, RawRobotSensor, Sections, floor, robot_sections,
 };
 pub(crate) use schema::{RawSensor, RawUncertain};
+pub(crate) use sidecar::{sidecar_of, study_beside};
 pub(crate) use study::{check_schema, read_sidecar};
 pub(crate) use toml_text::{toml_key, toml_string};
 
@@ -81,7 +83,7 @@ pub use outputs::Outputs;
 pub use place::{Place, Subject};
 pub use plausible::check_period;
 pub use pose::{Pose, read_pose_for};
-pub use raw_columns::{sidecar_columns, study_columns};
+pub use raw_columns::study_columns;
 pub use read_log::{read_joint_log, read_joint_log_as, read_log, read_robot_log};
 pub use release::{HeldPhase, Start};
 pub use robot_log::{BaseColumns, JointColumns, RobotLog};
@@ -89,6 +91,7 @@ pub use robot_study::{
     ControlSpec, FloorSpec, Forward, LegFrictionSpec, RobotRelease, RobotScenario, RobotSensorSpec, RobotStudy,
     RobotStudyLog, StudyKind, read_robot_study, read_robot_study_logs, study_kind,
 };
+pub use sidecar::sidecar_columns;
 pub use source::{Channel, Source, log_files, read_source};
 pub use study::{read_sidecar_for, read_study};
 pub use thin::{liveliest, stretches, thinned};

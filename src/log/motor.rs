@@ -98,6 +98,19 @@ pub(super) fn model(document: &Document<'_>, table: &str, raw: &RawMotor) -> Res
     Ok(MotorModel::Torque)
 }
 
+/// Checks each key that turns the law's answer or a current into torque by itself: whether they go together is another question.
+pub(super) fn each_key(document: &Document<'_>, table: &str, raw: &RawMotor) -> Result<(), LogError> {
+    let key = |name: &str| format!("{table}{name}");
+    document.word(&key("model"), &raw.model, &MODELS)?;
+    document.word(&key("tau_is"), &raw.tau_is, &TAUS)?;
+    document.number(&key("duty_limit"), &raw.duty_limit, DUTY)?;
+    let positive = [("kt", &raw.kt), ("resistance", &raw.resistance), ("supply", &raw.supply), ("gear", &raw.gear)];
+    for (name, value) in positive {
+        document.number(&key(name), value, POSITIVE)?;
+    }
+    Ok(())
+}
+
 /// What the column `tau` of a log is: as the log says, or else its motor; `None` where nobody says it, and in logs that
 /// no controller drives.
 pub(super) fn tau_is(

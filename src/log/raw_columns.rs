@@ -65,18 +65,6 @@ pub fn study_columns(path: &std::path::Path) -> Result<Columns, LogError> {
     columns(&document, &only.columns)
 }
 
-/// What the sidecar `NAME.toml` beside a log `NAME.csv` says of its columns; nothing where there is none.
-///
-/// # Errors
-/// As [`study_columns`].
-pub fn sidecar_columns(log: &std::path::Path) -> Result<Columns, LogError> {
-    let sidecar = log.with_extension("toml");
-    if sidecar == log || !sidecar.is_file() {
-        return Ok(Columns::default());
-    }
-    study_columns(&sidecar)
-}
-
 fn unit(
     document: &Document<'_>,
     key: &str,

@@ -75,7 +75,8 @@ pub(super) fn study_of(document: &Document<'_>) -> Result<Study, LogError> {
         logs.push(study_log(document, &table, log, &raw.motor, (file, resolved, role, drive))?);
     }
     if !logs.iter().any(|log| log.role == Role::Fit) {
-        return Err(document.missing("[[log]] role", "at least one log with role = \"fit\""));
+        return Err(document
+            .missing("[[log]] role = \"fit\"", "at least one log with role = \"fit\", to which numbers are fitted"));
     }
     Ok(Study { file: document.file.to_path_buf(), joint, sensor, motor, uncertain, columns, logs, release: None })
 }

@@ -14,7 +14,7 @@ mod named;
 mod pooled;
 mod setup;
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 
 pub use super::BodyKind;
 pub(super) use body::{BELIEVED, BODY_OPEN};

@@ -42,9 +42,7 @@ pub enum NoSuchCause {
     NumberOfArm(&'static str),
 }
 
-/// What of a body may be other than described.
-const BODIES: [BodyKind; 3] = [BodyKind::Payload, BodyKind::BodyMass, BodyKind::BodyCom];
-/// What of it no other robot has.
+/// What of a body no other robot has.
 const OF_ARMS: [BodyKind; 2] = [BodyKind::BodyMass, BodyKind::BodyCom];
 
 impl FromStr for NamedCause {
@@ -124,7 +122,7 @@ impl GapOptions {
     /// use aibo_fit::gap::clamped::{BodyKind, NamedCause};
     ///
     /// let options = GapOptions::of_arm(&[], &[NamedCause::Body(BodyKind::BodyMass), "delay".parse()?])?;
-    /// assert_eq!(options.without_bodies, [BodyKind::Payload, BodyKind::BodyCom]);
+    /// assert_eq!(options.only_bodies, [BodyKind::BodyMass]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
@@ -132,17 +130,20 @@ impl GapOptions {
     /// [`NoSuchCause`] for what such a robot cannot have.
     pub fn of_arm(without: &[NamedCause], only: &[NamedCause]) -> Result<Self, NoSuchCause> {
         let ((without, without_bodies), (only, only_bodies)) = (of_arm(without)?, of_arm(only)?);
-        if only_bodies.is_empty() {
-            return Ok(Self { without, only, without_bodies, ..Self::default() });
-        }
-        // A search for some effects alone has no bodies in it: what is not named is withheld in its place.
-        let is_withheld = |effect: &EffectId| without.contains(effect) || !only.contains(effect);
-        let is_withheld_body = |kind: &BodyKind| without_bodies.contains(kind) || !only_bodies.contains(kind);
-        Ok(Self {
-            without: EffectId::ALL.iter().copied().filter(is_withheld).collect(),
-            without_bodies: BODIES.into_iter().filter(is_withheld_body).collect(),
-            ..Self::default()
-        })
+        Ok(Self { without, only, without_bodies, only_bodies, ..Self::default() })
+    }
+
+    /// What of bodies is not considered, by demand.
+    pub(crate) fn withheld_bodies(&self) -> Vec<BodyKind> {
+        let is_considered = |kind: &BodyKind| {
+            !self.without_bodies.contains(kind) && (self.only_bodies.contains(kind) || !self.names_alone())
+        };
+        BodyKind::ALL.into_iter().filter(|kind| !is_considered(kind)).collect()
+    }
+
+    /// Whether anything of bodies is considered.
+    pub(in crate::gap) fn considers_bodies(&self) -> bool {
+        self.withheld_bodies().len() < BodyKind::ALL.len()
     }
 }
 
@@ -171,23 +172,26 @@ mod tests {
     fn of_an_arm_what_is_withheld_is_withheld_and_the_rest_is_asked_for() {
         let asked = of_arm(&["payload", "delay"], &[]);
         assert_eq!(asked.without, [EffectId::Delay]);
-        assert_eq!(asked.without_bodies, [BodyKind::Payload]);
-        assert!(asked.only.is_empty());
+        assert!(!asked.considers(EffectId::Delay) && asked.considers(EffectId::Stribeck));
+        assert_eq!(asked.withheld_bodies(), [BodyKind::Payload]);
+        assert!(asked.only.is_empty() && asked.only_bodies.is_empty() && asked.considers_bodies());
     }
 
     #[test]
     fn who_names_effects_of_an_arm_alone_asks_for_no_bodies() {
         let asked = of_arm(&[], &["delay", "stribeck"]);
         assert_eq!(asked.only, [EffectId::Delay, EffectId::Stribeck]);
-        assert!(asked.without.is_empty() && asked.without_bodies.is_empty(), "bodies are not asked for beside `only`");
+        assert!(asked.without.is_empty() && asked.without_bodies.is_empty(), "nobody withheld anything");
+        assert!(!asked.considers_bodies());
     }
 
     #[test]
     fn who_names_bodies_of_an_arm_alone_asks_for_no_effects() {
         let asked = of_arm(&[], &["payload"]);
-        assert!(asked.only.is_empty(), "else no bodies are asked for");
-        assert!(EffectId::ALL.iter().all(|effect| !asked.considers(*effect)), "{:?}", asked.without);
-        assert_eq!(asked.without_bodies, [BodyKind::BodyMass, BodyKind::BodyCom]);
+        assert!(asked.only.is_empty() && asked.without.is_empty(), "what was named is kept as it was");
+        assert_eq!(asked.only_bodies, [BodyKind::Payload]);
+        assert!(EffectId::ALL.iter().all(|effect| !asked.considers(*effect)));
+        assert_eq!(asked.withheld_bodies(), [BodyKind::BodyMass, BodyKind::BodyCom]);
     }
 
     #[test]
@@ -195,8 +199,7 @@ mod tests {
         let asked = of_arm(&["body_mass"], &["delay", "body_com", "stribeck"]);
         let left: Vec<EffectId> = EffectId::ALL.iter().copied().filter(|effect| asked.considers(*effect)).collect();
         assert_eq!(left, [EffectId::Stribeck, EffectId::Delay]);
-        assert!(asked.only.is_empty(), "else no bodies are asked for");
-        assert_eq!(asked.without_bodies, [BodyKind::Payload, BodyKind::BodyMass]);
+        assert_eq!(asked.withheld_bodies(), [BodyKind::Payload, BodyKind::BodyMass]);
     }
 
     #[test]

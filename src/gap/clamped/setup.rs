@@ -42,13 +42,15 @@ impl ClampedSetup {
     /// # Errors
     /// As [`ClampedSetup::read`].
     pub fn of_read(study: ClampedStudy, logs: Vec<RobotLog>) -> Result<Self, ClampedCaseError> {
-        let setup = Self { logs, ..Self::of_study(study)? };
+        let setup = Self { logs, ..Self::of_robot(study)? };
         for log in &setup.logs {
             for joint in &log.joints {
                 let column = || format!("column `{}.q`", joint.name);
                 known_joint(&log.file, &column, &joint.name, &setup.description)?;
             }
         }
+        let is_logged = |name: &str| setup.logs.iter().any(|log| log.joint(name).is_some());
+        setup.lacking(&is_logged).map_or(Ok(()), Err)?;
         Ok(setup)
     }
 
@@ -57,6 +59,16 @@ impl ClampedSetup {
     /// # Errors
     /// As [`ClampedSetup::read`].
     pub fn of_study(study: ClampedStudy) -> Result<Self, ClampedCaseError> {
+        let setup = Self::of_robot(study)?;
+        setup.lacking(&|_| true).map_or(Ok(()), Err)?;
+        Ok(setup)
+    }
+
+    /// The same, whatever its joints lack.
+    fn of_robot(study: ClampedStudy) -> Result<Self, ClampedCaseError> {
+        if !study.model_path.exists() {
+            return Err(ClampedCaseError::NoModel { file: study.file, model: study.model_path });
+        }
         let description =
             Description::read(&study.model_path).map_err(|error| ClampedCaseError::Description(Box::new(error)))?;
         // The base is held by whoever took the logs, though a description of a robot that walks lets it go.
@@ -70,6 +82,14 @@ impl ClampedSetup {
         }
         check_names(&study, &description)?;
         Ok(Self { study, description, tree, logs: Vec::new() })
+    }
+
+    /// Why what all joints have is not enough for one of these that has no beliefs of its own.
+    fn lacking(&self, is_meant: &dyn Fn(&str) -> bool) -> Option<ClampedCaseError> {
+        let why = self.study.all_lacks.clone()?;
+        let is_bare = |name: &&str| is_meant(name) && !self.study.by_joint.contains_key(*name);
+        let joint = self.tree.joint_names().find(is_bare)?.to_owned();
+        Some(ClampedCaseError::Incomplete { joint, why })
     }
 
     /// Joints that may share a cause: the study's groups, and joints that the tree makes alike.
@@ -157,6 +177,19 @@ pub enum ClampedCaseError {
     /// The description cannot be read or is wrong.
     #[error(transparent)]
     Description(Box<DescriptionError>),
+    /// There is no such description.
+    #[error(
+        "{}: `[robot] model`: there is no file {}; expected the path of a URDF, MJCF or TOML, relative to the study \
+         (package:// is not resolved)",
+        file.display(),
+        model.display()
+    )]
+    NoModel {
+        /// The study.
+        file: PathBuf,
+        /// The description that it names.
+        model: PathBuf,
+    },
     /// The description makes no tree.
     #[error("{}: {source}", file.display())]
     Tree {
@@ -194,6 +227,14 @@ pub enum ClampedCaseError {
         file: PathBuf,
         /// Why.
         what: String,
+    },
+    /// What all joints have makes no motor, and a joint says no more.
+    #[error("joint {joint} has no table [joints.{joint}], and what [joints.default] says is not enough for it: {why}")]
+    Incomplete {
+        /// Which joint.
+        joint: String,
+        /// What is wrong with it.
+        why: String,
     },
     /// Nobody says how setpoints become torques.
     #[error("{}: joint {joint} is driven by position, and neither [joints.{joint}] nor [joints.default] states kp [N m/rad], nor has the description a position actuator; it is a known torque by the angle that the joint gives under it", file.display())]
@@ -299,5 +340,24 @@ mod tests {
         let damping = |setup: &ClampedSetup| setup.beliefs(joint("j")).kd_nm_s_rad;
         assert!(damping(&setup).is_some_and(|kd| kd > 0.0));
         assert_eq!(damping(&setup), damping(&heavier));
+    }
+
+    #[test]
+    fn what_all_joints_have_is_enough_for_each_joint_that_logs_show_or_its_own_table_says_more() {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("study.toml");
+        std::fs::write(dir.path().join("arm.xml"), ARM).unwrap();
+        let joints = "[joints.default]\ntau_is = \"current\"\n[joints.j]\nkt = 2.0\n";
+        std::fs::write(&file, format!("{STUDY}{joints}")).unwrap();
+        let read = |log: &str| {
+            std::fs::write(dir.path().join("log.csv"), log).unwrap();
+            ClampedSetup::read(&file).map_err(|error| error.to_string())
+        };
+        assert!(read("t,j.q\n0,0\n0.01,0\n").is_ok());
+        let error = read("t,j.q,k.q\n0,0,0\n0.01,0,0\n").unwrap_err();
+        assert!(error.starts_with("joint k has no table [joints.k], "), "{error}");
+        assert!(error.contains("`[joints.default] kt` is missing"), "{error}");
+        let error = ClampedSetup::of_study(read_clamped_study(&file).unwrap()).unwrap_err().to_string();
+        assert!(error.starts_with("joint k has no table"), "before logs are read any joint may be meant: {error}");
     }
 }

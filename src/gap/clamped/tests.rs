@@ -86,7 +86,7 @@ fn a_joint_of_a_robot_is_a_pendulum_with_a_load_that_time_changes() {
 }
 
 /// A joint whose answer is the gain of its drive, as a number.
-fn of_another_gain(joint: &str) -> Diagnosis {
+pub fn of_another_gain(joint: &str) -> Diagnosis {
     let gain = Number {
         name: "gain".to_owned(),
         value: 1.3,

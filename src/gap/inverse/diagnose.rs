@@ -55,11 +55,11 @@ pub fn diagnose_torques(
     let as_described: Vec<JointAnswer> = answers.iter().map(|(answer, _)| answer.clone()).collect();
     let (mut changed, mut bodies) = (setup.clone(), Vec::<BodyCause>::new());
     // Whoever asks for some effects only does not ask for bodies.
-    let may_be_other = |bodies: &[BodyCause]| options.only.is_empty() && bodies.len() < MOST_BODIES;
+    let may_be_other = |bodies: &[BodyCause]| options.considers_bodies() && bodies.len() < MOST_BODIES;
     while may_be_other(&bodies) && !founds.is_empty() && !options.deadline.leaves_out(BODIES) {
         progress.go_on(Step::stage("payload and masses"))?;
         let taken: Vec<LinkId> = bodies.iter().map(|body| body.link).collect();
-        let found = find(&changed, &case, &founds, &taken, &options.without_bodies, MARGIN, &options.deadline)?;
+        let found = find(&changed, &case, &founds, &taken, &options.withheld_bodies(), MARGIN, &options.deadline)?;
         let Some(body) = found.into_iter().next() else { break };
         changed = changed.with_change(body.link, &body.change)?;
         bodies.push(body);
@@ -70,7 +70,7 @@ pub fn diagnose_torques(
     }
     let (mut joints, traces): (Vec<JointAnswer>, Vec<_>) = answers.into_iter().unzip();
     for diagnosis in joints.iter_mut().filter_map(|joint| joint.diagnosis.as_mut()) {
-        diagnosis.withheld.clone_from(&options.without);
+        diagnosis.withheld = EffectId::ALL.iter().copied().filter(|effect| !options.considers(*effect)).collect();
         let carries = bodies.iter().filter(|body| body.joints.contains(&diagnosis.joint));
         diagnosis.notes.extend(carries.map(|body| {
             format!("With {} in place, found over all joints that carry it: numbers are told beside it.", body.words())

@@ -59,7 +59,7 @@ fn searched_within(
     }
     // Beside what all joints have, as the whole robot tells it, no body is looked for.
     let has_common = first.causes.iter().any(|cause| cause.common);
-    let may_ask = options.only.is_empty() && !has_common && first.found().any(asks);
+    let may_ask = options.considers_bodies() && !has_common && first.found().any(asks);
     if !may_ask || options.deadline.leaves_out(BODIES) {
         return Ok((case, first));
     }
@@ -94,7 +94,7 @@ fn asked_for(
 ) -> Result<Option<Asked>, TorqueError> {
     let late_s: BTreeMap<String, f64> = first.found().filter_map(|d| Some((d.joint.clone(), late_s(d)?))).collect();
     let commanded = TorqueCase::commanded(setup, &late_s)?;
-    let (_, mut founds, moving) = searched(&commanded, &[], &|effect| is_asked(effect, options));
+    let (_, mut founds, moving) = searched(&commanded, &[], &|effect| options.considers(effect));
     for (own, data) in founds.iter_mut().zip(&moving.joints) {
         let simulated = first.found().find(|d| d.joint == data.name);
         own.with_causes(simulated.iter().flat_map(|d| &d.causes).map(|cause| cause.effect));
@@ -104,7 +104,7 @@ fn asked_for(
     }
     // Where numbers alone explain everything only what torques ask for is worth a look.
     let least = if needs_only_numbers(case, first) { MARGIN } else { f64::NEG_INFINITY };
-    let bodies = find(setup, &moving, &founds, &[], &options.without_bodies, least, &options.deadline)?;
+    let bodies = find(setup, &moving, &founds, &[], &options.withheld_bodies(), least, &options.deadline)?;
     Ok(best_of(setup, bodies, first, options))
 }
 
@@ -254,7 +254,7 @@ fn in_place(body: &BodyCause, needs_no_cause: bool) -> String {
 fn asks(diagnosis: &Diagnosis) -> bool {
     let is_load = |name: &str| ["inertia", "moment"].contains(&name);
     let moved = diagnosis.beliefs.iter().any(|belief| is_load(&belief.name) && belief.moved_sd.abs() > MOVED_SD);
-    moved || !diagnosis.causes.is_empty() || diagnosis.law.is_some()
+    moved || !diagnosis.causes.is_empty() || diagnosis.law.is_some() || is_unexplained(diagnosis)
 }
 
 fn late_s(diagnosis: &Diagnosis) -> Option<f64> {
@@ -262,6 +262,16 @@ fn late_s(diagnosis: &Diagnosis) -> Option<f64> {
     delay.parameters.first().map(|number| number.value)
 }
 
-fn is_asked(effect: EffectId, options: &GapOptions) -> bool {
-    !options.without.contains(&effect)
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::clamped::tests::of_another_gain;
+
+    #[test]
+    fn who_is_left_unexplained_asks_for_bodies_too() {
+        let mut own = of_another_gain("elbow");
+        assert!(!asks(&own));
+        own.answer.verdict = Verdict::Unexplained;
+        assert!(asks(&own));
+    }
 }

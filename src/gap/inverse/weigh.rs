@@ -89,7 +89,7 @@ fn by_torques(
     options: &GapOptions,
 ) -> Result<Option<(ClampedCase, Vec<FoundNumber>)>, TorqueError> {
     let commanded = TorqueCase::commanded(setup, &BTreeMap::new())?;
-    let (_, founds, moving) = searched(&commanded, &[], &|effect| !options.without.contains(&effect));
+    let (_, founds, moving) = searched(&commanded, &[], &|effect| options.considers(effect));
     if founds.is_empty() {
         return Ok(None);
     }

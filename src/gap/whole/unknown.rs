@@ -75,18 +75,15 @@ impl Unknown {
 /// in `found`, about where they are there.
 pub(super) fn believed(setup: &ClampedSetup, logs: &[&RobotLog], found: &[FoundNumber]) -> Vec<Unknown> {
     let (robot, spreads) = (&setup.description, &setup.study.uncertain);
-    let mut all = Vec::new();
-    let mut add = |key: FoundKey, name: &str, unit: &'static str, was: f64, sd: f64| {
-        if sd > 0.0 {
-            let quantity = Quantity::Number { key, name: name.to_owned(), unit };
-            all.push(Unknown { quantity, was, centre: was, sd }.with_found(found));
-        }
+    let stated = |key: FoundKey, name: &str, unit: &'static str, was: f64, sd: f64| {
+        number(key, name, unit, was, sd).map(|own| own.with_found(found))
     };
+    let mut all = Vec::new();
     for link in robot.heaviest() {
         let carrier = robot.carriers(link).last().map_or("", |joint| robot.joints[joint.0].name.as_str());
         let body = &robot.links[link.0];
         let mass_kg = body.inertia.mass_kg;
-        add(FoundKey::Mass, &body.name, "kg", mass_kg, spreads.mass.of(carrier) * mass_kg);
+        all.extend(stated(FoundKey::Mass, &body.name, "kg", mass_kg, spreads.mass.of(carrier) * mass_kg));
     }
     let inertias = own_inertias(setup, robot);
     for (at, mover) in robot.joints.iter().enumerate() {
@@ -97,23 +94,22 @@ pub(super) fn believed(setup: &ClampedSetup, logs: &[&RobotLog], found: &[FoundN
         let said = setup.beliefs(MoverId(at));
         let (friction, gain) = (spreads.friction.of(name), spreads.gain.of(name));
         let coulomb_nm = said.coulomb_nm.unwrap_or(mover.friction_nm);
-        add(FoundKey::Frictionloss, name, "N m", coulomb_nm, friction * coulomb_nm);
+        all.extend(stated(FoundKey::Frictionloss, name, "N m", coulomb_nm, friction * coulomb_nm));
         let viscous = said.viscous_nm_s_rad.unwrap_or(mover.damping[0]);
-        add(FoundKey::Damping, name, "N m s/rad", viscous, friction * viscous);
+        all.extend(stated(FoundKey::Damping, name, "N m s/rad", viscous, friction * viscous));
         let armature = said.armature_kg_m2.unwrap_or(mover.armature_kg_m2);
         let links = inertias.iter().find(|(joint, _)| joint == name).map_or(0.0, |(_, inertia)| *inertia);
-        add(FoundKey::Armature, name, "kg m^2", armature, ARMATURE * (armature + links));
+        all.extend(stated(FoundKey::Armature, name, "kg m^2", armature, ARMATURE * (armature + links)));
         if let Some(kp) = said.kp_nm_rad {
-            // A drive whose torques are logged has the gain that they show, as well as they are known.
             let is_logged = logs.iter().any(|log| log.joint(name).is_some_and(|own| own.tau_nm.is_some()));
             let is_seen = is_logged && matches!(said.tau_is, Some(TauIs::Applied | TauIs::Current { .. }));
-            let shown = found.iter().find(|own| is_seen && own.key == FoundKey::Kp && own.name == name);
-            let sd = if is_seen { spreads.torque.of(name) } else { gain };
-            let kp = shown.map_or(kp, |own| own.value);
-            add(FoundKey::Kp, name, "N m/rad", kp, sd * kp);
+            all.extend(match is_seen {
+                true => seen_gain(name, kp, [gain, spreads.torque.of(name)], found),
+                false => stated(FoundKey::Kp, name, "N m/rad", kp, gain * kp),
+            });
         }
         if let Some(kd) = said.kd_nm_s_rad {
-            add(FoundKey::Kd, name, "N m s/rad", kd, gain * kd);
+            all.extend(stated(FoundKey::Kd, name, "N m s/rad", kd, gain * kd));
         }
     }
     for body in found.iter().filter(|number| is_body(number)) {
@@ -128,6 +124,22 @@ pub(super) fn believed(setup: &ClampedSetup, logs: &[&RobotLog], found: &[FoundN
     all
 }
 
+/// A number of the description where it is stated, if it is uncertain.
+fn number(key: FoundKey, name: &str, unit: &'static str, was: f64, sd: f64) -> Option<Unknown> {
+    let quantity = Quantity::Number { key, name: name.to_owned(), unit };
+    (sd > 0.0).then_some(Unknown { quantity, was, centre: was, sd })
+}
+
+/// The gain of a drive whose torques are logged \[N m/rad\]: where they show it, and known as well as what is stated of it and
+/// they, each to a share of its own, do together.
+fn seen_gain(name: &str, was: f64, [gain, torque]: [f64; 2], found: &[FoundNumber]) -> Option<Unknown> {
+    let known_to = (gain.powi(-2) + torque.powi(-2)).sqrt().recip();
+    let own = number(FoundKey::Kp, name, "N m/rad", was, known_to * was)?;
+    let shown = own.found_in(found).map(|shown| shown.value).filter(|value| *value > 0.0);
+    let centre = shown.unwrap_or(was);
+    Some(Unknown { centre, sd: known_to * centre, ..own })
+}
+
 /// Whether a number is of a body with a place of its own.
 pub(super) fn is_body(number: &FoundNumber) -> bool {
     matches!(number.key, FoundKey::Payload | FoundKey::Centre)
@@ -137,19 +149,14 @@ pub(super) fn is_body(number: &FoundNumber) -> bool {
 mod tests {
     use super::*;
 
+    fn found(key: FoundKey, was: f64, value: f64) -> FoundNumber {
+        let (name, unit) = ("elbow".to_owned(), String::new());
+        FoundNumber { name, key, was: Some(was), value, interval: None, unit, place_m: None }
+    }
+
     fn friction(was: f64, found_nm: f64) -> Unknown {
-        let name = || "elbow".to_owned();
-        let quantity = Quantity::Number { key: FoundKey::Frictionloss, name: name(), unit: "N m" };
-        let found = FoundNumber {
-            name: name(),
-            key: FoundKey::Frictionloss,
-            was: Some(was),
-            value: found_nm,
-            interval: None,
-            unit: "N m".to_owned(),
-            place_m: None,
-        };
-        Unknown { quantity, was, centre: was, sd: 0.03 }.with_found(&[found])
+        let own = number(FoundKey::Frictionloss, "elbow", "N m", was, 0.03).unwrap();
+        own.with_found(&[found(FoundKey::Frictionloss, was, found_nm)])
     }
 
     #[test]
@@ -167,5 +174,18 @@ mod tests {
         let (found, little) = (friction(0.0, 0.9), friction(0.0, 0.05));
         assert_eq!((found.was, found.centre, found.sd), (0.0, 0.9, 0.03));
         assert_eq!((little.centre, little.sd), (0.0, 0.03));
+    }
+
+    #[test]
+    fn a_gain_that_torques_show_is_known_by_them_and_as_stated_and_was_what_is_stated() {
+        let shown = [found(FoundKey::Kp, 10.0, 12.5)];
+        let of = |gain: f64, torque: f64| seen_gain("elbow", 10.0, [gain, torque], &shown);
+        let both = of(0.3, 0.4).unwrap();
+        assert_eq!((both.was, both.centre), (10.0, 12.5));
+        assert!((both.sd - 0.24 * 12.5).abs() < 1e-12, "{}", both.sd);
+        assert_eq!(both.size_in(&shown), 0.0);
+        assert!(of(0.0, 0.1).is_none() && of(0.1, 0.0).is_none(), "what is exact is not uncertain");
+        let untold = seen_gain("elbow", 10.0, [0.3, 0.4], &[]).unwrap();
+        assert!(untold.centre == 10.0 && (untold.sd - 2.4).abs() < 1e-12, "{}", untold.sd);
     }
 }

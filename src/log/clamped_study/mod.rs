@@ -36,6 +36,8 @@ pub struct ClampedStudy {
     pub without: Vec<String>,
     /// What is believed of all joints.
     pub all: JointBeliefs,
+    /// What that lacks to be the motor of a joint without beliefs of its own, in words; `None`: nothing.
+    pub all_lacks: Option<String>,
     /// What is believed of single joints, by name.
     pub by_joint: BTreeMap<String, JointBeliefs>,
     /// Joints that may share a cause, by the group's name.

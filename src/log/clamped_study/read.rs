@@ -12,7 +12,7 @@ use crate::log::beliefs::{ANY_NAME, uncertain};
 use crate::log::columns::Columns;
 use crate::log::document::{Document, NOT_NEGATIVE, PERIOD, POSITIVE, Range64, range};
 use crate::log::error::LogError;
-use crate::log::motor::{DERIVATIVES, ENCODERS, HOLDS, model, tau_is};
+use crate::log::motor::{DERIVATIVES, ENCODERS, HOLDS, each_key, model, tau_is};
 use crate::log::motor_types::{Derivative, Hold};
 use crate::log::raw_columns::columns;
 use crate::log::read_log::read_robot_logs;
@@ -46,9 +46,11 @@ pub(in crate::log) fn clamped_study_of(document: &Document<'_>) -> Result<Clampe
     let logs = raw.log.iter().enumerate().map(|(i, entry)| log(document, i, entry, &mut seen));
     let logs: Vec<ClampedStudyLog> = logs.collect::<Result<_, _>>()?;
     if !logs.iter().any(|log| log.role == Role::Fit) {
-        return Err(document.missing("[[log]] role", "at least one log with role = \"fit\""));
+        return Err(document
+            .missing("[[log]] role = \"fit\"", "at least one log with role = \"fit\", to which numbers are fitted"));
     }
     let predict = predict(document, &raw.log, &logs)?;
+    tau_is_of_setpoints(document, &raw.joints, &logs)?;
     let columns = columns(document, &raw.columns)?;
     let RawClampedStudy { robot, joints, groups, control, sensor, uncertain, .. } = raw;
     let believed = believed(document, RawBelieved { robot, joints, groups, control, sensor, uncertain })?;
@@ -69,12 +71,13 @@ pub(crate) fn believed(document: &Document<'_>, raw: RawBelieved) -> Result<Clam
     }
     let folder = document.file.parent().unwrap_or(Path::new(""));
     let gravity_m_s2 = raw.robot.gravity.as_ref().map(|gravity| self::gravity(document, gravity)).transpose()?;
+    let of_all = raw.joints.get(ALL);
+    let (all, all_lacks) = of_all.map(|of_all| beliefs_of_all(document, of_all)).transpose()?.unwrap_or_default();
+    let motor_of_all = of_all.map(RawBeliefs::as_motor);
     let mut by_joint = BTreeMap::new();
-    let of_all = raw.joints.get(ALL).map(RawBeliefs::as_motor);
-    for (name, joint) in &raw.joints {
-        by_joint.insert(name.clone(), beliefs(document, name, joint, of_all.as_ref())?);
+    for (name, joint) in raw.joints.iter().filter(|(name, _)| *name != ALL) {
+        by_joint.insert(name.clone(), beliefs(document, name, joint, motor_of_all.as_ref())?);
     }
-    let all = by_joint.remove(ALL).unwrap_or_default();
     let hold = document.word("[control] hold", &raw.control.hold, &HOLDS)?.unwrap_or(Hold::Step);
     let derivative = document.word("[control] derivative", &raw.control.derivative, &DERIVATIVES)?;
     let derivative = derivative.unwrap_or(Derivative::Measurement);
@@ -90,6 +93,7 @@ pub(crate) fn believed(document: &Document<'_>, raw: RawBelieved) -> Result<Clam
         tip: raw.robot.tip.map(Spanned::into_inner),
         gravity_m_s2,
         all,
+        all_lacks,
         by_joint,
         groups: raw.groups.into_iter().map(|(name, joints)| (name, joints.into_inner())).collect(),
         hold,
@@ -138,13 +142,34 @@ fn beliefs(
     raw: &RawBeliefs,
     of_all: Option<&RawMotor>,
 ) -> Result<JointBeliefs, LogError> {
-    let table = format!("[joints.{joint}] ");
-    let number = |name: &str, value, of| document.number(&format!("{table}{name}"), value, of);
+    let table = table(joint);
     // Beside a torque that is logged, constants of currents that all joints have mean nothing.
     let is_torque = raw.tau_is.as_ref().is_some_and(|said| said.get_ref() != "current");
     let of_all = of_all.cloned().map(|of_all| if is_torque { of_all.without_current() } else { of_all });
     let motor = raw.as_motor().over(of_all.unwrap_or_default());
-    let model = model(document, &table, &motor)?;
+    with_motor(document, &table, raw, &motor, numbers(document, &table, raw)?)
+}
+
+/// What is believed of all joints, and what it lacks to be a motor, which the table of each joint may say; keys and values are
+/// checked here, for no joint may need them.
+fn beliefs_of_all(document: &Document<'_>, raw: &RawBeliefs) -> Result<(JointBeliefs, Option<String>), LogError> {
+    let (table, motor) = (table(ALL), raw.as_motor());
+    each_key(document, &table, &motor)?;
+    let said = numbers(document, &table, raw)?;
+    Ok(match with_motor(document, &table, raw, &motor, said) {
+        Ok(whole) => (whole, None),
+        Err(lacks) => (said, Some(lacks.to_string())),
+    })
+}
+
+/// What stands before a key of a joint.
+fn table(joint: &str) -> String {
+    format!("[joints.{joint}] ")
+}
+
+/// What a joint's table says of numbers and of the encoder, each by itself.
+fn numbers(document: &Document<'_>, table: &str, raw: &RawBeliefs) -> Result<JointBeliefs, LogError> {
+    let number = |name: &str, value, of| document.number(&format!("{table}{name}"), value, of);
     Ok(JointBeliefs {
         coulomb_nm: number("coulomb", &raw.coulomb, NOT_NEGATIVE)?,
         viscous_nm_s_rad: number("viscous", &raw.viscous, NOT_NEGATIVE)?,
@@ -154,10 +179,39 @@ fn beliefs(
         kd_nm_s_rad: number("kd", &raw.kd, NOT_NEGATIVE)?,
         torque_limit_nm: number("torque_limit", &raw.torque_limit, POSITIVE)?,
         speed_limit_rad_s: number("speed_limit", &raw.speed_limit, POSITIVE)?,
-        model: raw.says_of_motor().then_some(model),
         encoder: document.word(&format!("{table}encoder"), &raw.encoder, &ENCODERS)?,
-        tau_is: tau_is(document, &table, &RawLog::default(), Some((&table, &motor)), DriveMode::Position)?,
+        ..JointBeliefs::default()
     })
+}
+
+/// These beliefs with what turns the law's answer into torque, where the table says it, and with what logged torques are.
+fn with_motor(
+    document: &Document<'_>,
+    table: &str,
+    raw: &RawBeliefs,
+    motor: &RawMotor,
+    said: JointBeliefs,
+) -> Result<JointBeliefs, LogError> {
+    let model = model(document, table, motor)?;
+    let tau_is = tau_is(document, table, &RawLog::default(), Some((table, motor)), DriveMode::Position)?;
+    Ok(JointBeliefs { model: raw.says_of_motor().then_some(model), tau_is, ..said })
+}
+
+/// What logged torques are is said of logs that setpoints drive: in the others they are what is applied.
+fn tau_is_of_setpoints(
+    document: &Document<'_>,
+    joints: &BTreeMap<String, RawBeliefs>,
+    logs: &[ClampedStudyLog],
+) -> Result<(), LogError> {
+    if logs.iter().any(|log| log.drive == DriveMode::Position) {
+        return Ok(());
+    }
+    let Some((joint, said)) = joints.iter().find_map(|(joint, raw)| Some((joint, raw.tau_is.as_ref()?))) else {
+        return Ok(());
+    };
+    let found = format!("\"{}\" in a study without a log that is driven by position", said.get_ref());
+    let expected = "tau_is beside drive = \"position\" only: with drive = \"torque\" the column is applied, in N m";
+    Err(document.wrong(&format!("{}tau_is", table(joint)), said.span(), found, expected))
 }
 
 fn log(

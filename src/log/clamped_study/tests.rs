@@ -63,6 +63,58 @@ fn currents_of_all_joints_become_torques_by_each_joints_own_constant() {
     assert_eq!(tau_is(&all, "Shoulder").unwrap(), Some(TauIs::Current { nm_per_a: 0.5 }));
 }
 
+/// What is said of all joints was checked as if it were the motor of one.
+#[test]
+fn what_all_joints_have_may_lack_what_each_joint_says_of_itself() {
+    let of = |all: &str, own: &str| {
+        read(&format!("{ROBOT}[joints.default]\n{all}\n[joints.Elbow]\n{own}\n{LOG}")).map(|study| {
+            let elbow = study.of_joint("Elbow");
+            (elbow.tau_is, elbow.model, study.all_lacks)
+        })
+    };
+    let lacks = |lacks: &Option<String>, what: &str| lacks.as_ref().is_some_and(|lacks| lacks.contains(what));
+    let (tau_is, _, common) = of("tau_is = \"current\"", "kt = 2.0").unwrap();
+    assert_eq!(tau_is, Some(TauIs::Current { nm_per_a: 2.0 }));
+    assert!(lacks(&common, "`[joints.default] kt` is missing"), "{common:?}");
+    let (tau_is, _, common) = of("gear = 30.0", "kt = 0.1\ntau_is = \"current\"").unwrap();
+    assert_eq!(tau_is, Some(TauIs::Current { nm_per_a: 0.1 * 30.0 }));
+    assert!(lacks(&common, "[joints.default] gear"), "{common:?}");
+    let (_, model, common) = of("model = \"voltage\"\nresistance = 3.0\nsupply = 12.0", "kt = 4.0").unwrap();
+    assert!(matches!(model, Some(MotorModel::Voltage(motor)) if motor.kt_nm_a == 4.0), "{model:?}");
+    assert!(lacks(&common, "`[joints.default] kt` is missing"), "{common:?}");
+    assert_eq!(of("tau_is = \"current\"\nkt = 0.5", "gear = 2.0").unwrap().2, None);
+}
+
+#[test]
+fn a_fault_of_what_all_joints_have_is_told_there_and_what_a_joint_lacks_on_the_joint() {
+    for (all, own, expected) in [
+        ("tau_is = \"amperes\"", "kt = 2.0", "`[joints.default] tau_is`: found \"amperes\""),
+        ("tau_is = \"current\"\nkt = -1.0", "kt = 2.0", "`[joints.default] kt`: found -1"),
+        ("model = \"voltage\"\nduty_limit = 2.0", "kt = 2.0", "`[joints.default] duty_limit`: found 2"),
+        ("tau_is = \"current\"", "kp = 2.0", "`[joints.Elbow] kt` is missing"),
+        ("gear = 30.0", "kt = 2.0", "`[joints.Elbow] kt`"),
+    ] {
+        let text = format!("{ROBOT}[joints.default]\n{all}\n[joints.Elbow]\n{own}\n{LOG}");
+        let message = read(&text).unwrap_err().to_string();
+        assert!(message.contains(expected), "`{expected}` is not in\n{message}");
+    }
+}
+
+/// Amperes were once read as N m where torques drive the joints.
+#[test]
+fn what_a_torque_is_is_refused_where_no_log_is_driven_by_position() {
+    let second = "[[log]]\nfile = \"b.csv\"\nrole = \"validate\"\n";
+    for (joint, drives) in [("Elbow", "torque"), ("default", "torque"), ("Elbow", "off")] {
+        let joints = format!("[joints.{joint}]\nkt = 2.0\ntau_is = \"current\"\n");
+        let drives = format!("drive = \"{drives}\"\n");
+        let message = read(&format!("{ROBOT}{joints}{LOG}{drives}{second}{drives}")).unwrap_err().to_string();
+        let expected = format!("`[joints.{joint}] tau_is`: found \"current\" in a study without a log");
+        assert!(message.contains(&expected), "`{expected}` is not in\n{message}");
+        // Beside a log that setpoints drive it is said of that one.
+        assert!(read(&format!("{ROBOT}{joints}{LOG}{drives}{second}")).is_ok());
+    }
+}
+
 #[test]
 fn a_joint_fed_by_voltage_may_have_a_constant_of_its_own() {
     let all = "[joints.default]\nmodel = \"voltage\"\nkt = 2.0\nresistance = 3.0\nsupply = 12.0\n";

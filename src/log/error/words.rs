@@ -1,10 +1,11 @@
 //! The words of errors: what to do, lists of names, defects after the first.
 
+use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 use std::io;
 
 use super::LogError;
-use crate::log::column::Column;
+use crate::log::column::{Column, column_of};
 use crate::log::columns::{ColumnSpec, Columns, Unit};
 use crate::log::header::alias;
 
@@ -90,15 +91,10 @@ pub(super) fn tell_mend(mend: &Columns, first: &LogError, others: &[(LogError, u
         let mut all = std::iter::once(first).chain(others.iter().map(|(error, _)| error));
         return all.find_map(LogError::names_without_angle).map_or_else(String::new, tell_naming);
     }
-    // A sidecar is read as that of one joint.
-    let sidecar = if mend.0.keys().any(|ours| ours.contains('.')) {
-        ""
-    } else {
-        ", or in the sidecar NAME.toml of the log with `schema = 1`,"
-    };
     let lines = mend.toml();
     format!(
-        "\nin a study{sidecar} these lines would read the file as it is (units are guesses, check them):\n{}",
+        "\nin a study, or in the sidecar NAME.toml of the log with `schema = 1`, these lines would read the file as it is \
+         (units are guesses, check them):\n{}",
         lines.trim_end()
     )
 }
@@ -106,7 +102,9 @@ pub(super) fn tell_mend(mend: &Columns, first: &LogError, others: &[(LogError, u
 /// How to say which column is which, by the names that are there.
 fn tell_naming(names: &[String]) -> String {
     let is_stamp = |name: &String| alias(Column::Time, std::slice::from_ref(name)).is_some();
-    let angle = names.iter().find(|name| !is_stamp(name)).map_or("angle", String::as_str);
+    let Some(angle) = names.iter().find(|name| !is_stamp(name) && column_of(name).is_none()) else {
+        return tell_angles(names);
+    };
     let in_degrees = ColumnSpec { unit: Some(Unit::Angle(TAU / 360.0)), ..ColumnSpec::named(angle) };
     let mut lines = Columns([("joint_1.q".to_owned(), in_degrees)].into());
     let has_ours = names.iter().any(|name| name == Column::Time.name());
@@ -114,8 +112,18 @@ fn tell_naming(names: &[String]) -> String {
         lines.0.insert(Column::Time.name().to_owned(), ColumnSpec::named(stamp));
     }
     format!(
-        "\nthe names do not tell which column is which; name them in a study, or for `aibo-fit init` in NAME.toml beside the \
-         log with `schema = 1`, for each joint (`q` alone where there is one only) as in:\n{}",
+        "\nthe names do not tell which column is which; name them in a study, or in NAME.toml beside the log with `schema = 1` \
+         (`aibo-fit init`, `check`, `convert` and `drop` read it), for each joint (`q` alone where there is one only) as in:\n{}",
         lines.toml().trim_end()
     )
+}
+
+/// Which angles would go with the columns that are there, where all of them are known and none is an angle.
+fn tell_angles(names: &[String]) -> String {
+    let known = names.iter().filter_map(|name| column_of(name)).filter(|(_, column)| *column != Column::Time);
+    let of_joint =
+        |joint: Option<&str>| joint.map_or_else(String::new, |joint| format!("{joint}.")) + Column::Angle.name();
+    let angles: BTreeSet<String> = known.map(|(joint, _)| of_joint(joint)).collect();
+    let angles: Vec<String> = if angles.is_empty() { vec![of_joint(None)] } else { angles.into_iter().collect() };
+    format!("\nthe angle is missing: expected {} beside them", list(&angles))
 }

@@ -64,8 +64,12 @@ pub fn study_kind(path: &Path) -> Result<StudyKind, LogError> {
 pub(in crate::log) fn kind_of(document: &Document<'_>) -> StudyKind {
     match toml::from_str::<toml::Table>(document.text()) {
         Ok(table) => match table.get("robot") {
-            Some(robot) if robot.get("scenario").and_then(toml::Value::as_str) == Some("fixed") => StudyKind::Clamped,
-            Some(_) => StudyKind::Robot,
+            Some(robot) => match robot.get("scenario").map(toml::Value::as_str) {
+                Some(Some("fixed")) => StudyKind::Clamped,
+                // Beliefs of single joints are those of a robot whose base is held.
+                None if table.contains_key("joints") => StudyKind::Clamped,
+                _ => StudyKind::Robot,
+            },
             None => StudyKind::Joint,
         },
         Err(_) if document.text().lines().any(|line| line.trim_start().starts_with("[robot]")) => StudyKind::Robot,
@@ -109,7 +113,8 @@ pub(in crate::log) fn robot_study_of(document: &Document<'_>) -> Result<RobotStu
     let logs = raw.log.iter().enumerate().map(|(i, log)| self::log(document, i, log, scenario, &mut seen));
     let logs: Vec<RobotStudyLog> = logs.collect::<Result<_, _>>()?;
     if !logs.iter().any(|log| log.role == Role::Fit) {
-        return Err(document.missing("[[log]] role", "at least one log with role = \"fit\""));
+        return Err(document
+            .missing("[[log]] role = \"fit\"", "at least one log with role = \"fit\", to which numbers are fitted"));
     }
     let file = document.file.to_path_buf();
     Ok(RobotStudy {

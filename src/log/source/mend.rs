@@ -146,6 +146,23 @@ mod tests {
     }
 
     #[test]
+    fn what_is_known_to_be_no_angle_is_not_offered_as_one() {
+        let told = |header: &str| {
+            let error = read(header, |k| format!("{},0.1,0.2", 0.01 * k), Want::Any).unwrap_err();
+            error.to_string()
+        };
+        let message = told("t,elbow.q_ref,wrist.q_ref");
+        assert!(
+            message.contains("expected `elbow.q`, `wrist.q` beside them") && !message.contains("joint_1"),
+            "{message}"
+        );
+        let message = told("t,q_ref,tau");
+        assert!(message.contains("expected `q` beside them") && !message.contains("[columns]"), "{message}");
+        let message = told("t,q_ref,A1");
+        assert!(message.contains("\"joint_1.q\" = { name = \"A1\", unit = \"deg\" }"), "{message}");
+    }
+
+    #[test]
     fn a_robots_log_needs_lines_that_name_its_joints() {
         let row = |k: f64| format!("{},0.1", 0.01 * k);
         assert_eq!(lines(&read("time,q", row, Want::Robot).unwrap_err()), "");

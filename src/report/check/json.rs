@@ -51,7 +51,6 @@ struct Document<'a> {
     schema: u32,
     name: &'a str,
     health: &'a [LogHealthRow],
-    #[serde(skip_serializing_if = "<[String]>::is_empty")]
     doubts: &'a [String],
     #[serde(flatten)]
     can_tell: Option<CanTell<'a>>,

@@ -106,7 +106,7 @@ pub fn clamped_gap_html(report: &ClampedGapReport) -> Result<String, ReportError
         columns => report.columns(),
         undetermined => report.undetermined(),
         next => report.next(),
-        notes => diagnosis.notes.iter().map(|note| with_code(note)).collect::<Vec<_>>(),
+        notes => report.notes().iter().map(|note| with_code(note)).collect::<Vec<_>>(),
         version => provenance.version.as_str(),
         command => provenance.command.as_str(),
         inputs => provenance.inputs.clone(),

@@ -16,7 +16,11 @@ pub fn clamped_gap_json(report: &ClampedGapReport) -> Result<Value, serde_json::
     let mut documents = Map::new();
     let mut effects: Vec<Value> = diagnosis.bodies.iter().map(|body| of_body(body, diagnosis.gap.after)).collect();
     for (_, joint) in joints {
-        let document = serde_json::to_value(gap_json(joint))?;
+        let mut document = serde_json::to_value(gap_json(joint))?;
+        // The joint alone has no bodies.
+        if let Some(Value::Array(withheld)) = document.get_mut("withheld") {
+            withheld.extend(report.options.withheld_bodies().iter().map(|kind| json!(kind)));
+        }
         if let Some(Value::Array(own)) = document.get("effects") {
             effects.extend(own.iter().cloned());
         }

@@ -44,6 +44,8 @@ pub struct ClampedGapReport {
     pub whole: Option<Result<Whole, String>>,
     /// The robot as given, as found and logged; `None` where it was not simulated as a whole.
     pub animation: Option<Animation>,
+    /// What was asked.
+    pub options: GapOptions,
     /// Where the report comes from.
     pub provenance: Provenance,
 }
@@ -83,7 +85,8 @@ impl ClampedGapReport {
         let animation = whole.as_ref().ok().and_then(|whole| animation::animation(setup, whole, &told));
         let whole = Some(whole);
         let model = setup.study.model_path.clone();
-        Self { diagnosis, joints, model, found, whole, animation, provenance: provenance.clone() }
+        let (options, provenance) = (options.clone(), provenance.clone());
+        Self { diagnosis, joints, model, found, whole, animation, options, provenance }
     }
 
     /// The report of a diagnosis by torques.
@@ -103,8 +106,9 @@ impl ClampedGapReport {
         let joints = in_folders(diagnosed.zip(traces).map(report));
         let numbers = found_robot(setup, Some(&found)).unwrap_or_default();
         let model = setup.study.model_path.clone();
-        let (whole, animation, provenance) = (None, None, provenance.clone());
-        Self { diagnosis: found, joints, model, found: numbers, whole, animation, provenance }
+        let (options, provenance) = (options.clone(), provenance.clone());
+        let (whole, animation) = (None, None);
+        Self { diagnosis: found, joints, model, found: numbers, whole, animation, options, provenance }
     }
 
     /// The health of the logs, joint by joint.
@@ -140,6 +144,14 @@ impl ClampedGapReport {
         let (folder, report) = self.to_ask_next()?;
         let words = words::next(report.diagnosis.next.as_ref()?, &format!("{folder}/{NEXT_FILE}"));
         Some(format!("Next, on {}: {words}", report.diagnosis.joint))
+    }
+
+    /// The notes of the diagnosis, then what was left out or singled out by demand.
+    fn notes(&self) -> Vec<String> {
+        let GapOptions { without, only, without_bodies, only_bodies, .. } = &self.options;
+        let mut notes = self.diagnosis.notes.clone();
+        notes.extend(words::on_demand(&words::ids(without, without_bodies), &words::ids(only, only_bodies)));
+        notes
     }
 
     /// A joint's own sentence; that the search was ended by its time is told by the robot's.

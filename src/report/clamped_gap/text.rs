@@ -29,7 +29,7 @@ pub fn clamped_gap_text(report: &ClampedGapReport) -> String {
     if !still.is_empty() {
         blocks.push(paragraph(&format!("Never moved: {}.", still.join(", "))));
     }
-    let notes: Vec<String> = diagnosis.notes.iter().map(|note| wrap(WIDTH, note, "- ", "  ")).collect();
+    let notes: Vec<String> = report.notes().iter().map(|note| wrap(WIDTH, note, "- ", "  ")).collect();
     if !notes.is_empty() {
         blocks.push(notes.join("\n"));
     }

@@ -1,13 +1,12 @@
 //! The study of one joint.
 
 use super::seen::{Seen, SeenJoint, drive_word, is_hand, median, of_currents};
-use super::{DraftError, digits, relative};
+use super::shared::shared;
+use super::{DraftError, digits, listed, relative};
 use crate::log::{Columns, DriveMode, toml_string};
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// Joints told by name at the most.
-const NAMED: usize = 12;
 /// Readings that never come as near to 0 count from somewhere else than where the link hangs \[rad\].
 const FAR_RAD: f64 = 0.5;
 /// Who says what a log calls its columns, where nobody guesses.
@@ -52,7 +51,8 @@ pub(super) fn study(
              # coulomb = 0.0    # N m, dry friction: the torque that just turns it by hand\n\
              # viscous = 0.0    # N m s/rad: from the data sheet, or 0 if unknown ([uncertain] friction = 1.0 says so)\n\
              # gravity = 9.81   # m/s^2, in the plane of motion\n\
-             # rest = 0.0       # rad, the logged angle at which the link hangs straight down; 0 is assumed\n\n";
+             # rest = 0.0       # rad, the logged angle at which the link hangs straight down; `gap` and `check`\n\
+             #                  # take 0 where it is not stated, `drop` and `simulate` estimate it\n\n";
     text += &sensor(&joints, &mut untold);
     if is_driven {
         untold.push("the controller's gains: a log shows setpoints, not what the drive makes of them".to_owned());
@@ -63,7 +63,8 @@ pub(super) fn study(
                  # torque_limit = 0.0   # N m, where you know it\n\
                  # armature = 0.0   # kg m^2, rotor inertia x gear ratio^2\n";
     }
-    text += &told_columns(seen);
+    let lines: Vec<(&Seen, Columns)> = seen.iter().map(|log| (log, log.columns.clone())).collect();
+    text += &told_columns(seen, &shared(&lines)?);
     untold.extend(of_currents(seen).map(|currents| format!("the unit of {currents}")));
     for (k, (log, joint)) in of_joint.iter().enumerate() {
         let file = toml_string(&relative(&log.path, folder));
@@ -77,11 +78,9 @@ pub(super) fn study(
     others.sort_unstable();
     others.dedup();
     if !others.is_empty() && name.is_some() {
-        let more = if others.len() > NAMED { " ..." } else { "" };
-        others.truncate(NAMED);
-        let others = others.join(", ");
+        let others = listed(&others);
         let how = if asked.is_some() { "as asked" } else { "it moves most" };
-        untold.push(format!("the logs have several joints: this is the study of {title} ({how}); --joint chooses another of {others}{more}, --robot FILE makes one study of all, which is what an arm needs: of one joint alone the others are taken to stand still"));
+        untold.push(format!("the logs have several joints: this is the study of {title} ({how}); --joint chooses another of {others}, --robot FILE makes one study of all, which is what an arm needs: of one joint alone the others are taken to stand still"));
     }
     let mut to_fill = vec!["inertia", "moment", "coulomb", "viscous"];
     to_fill.extend(far.map(|_| "rest"));
@@ -100,8 +99,8 @@ fn far_from_zero(joints: &[&SeenJoint]) -> Option<[f64; 2]> {
 
 /// What no log tells of where the link hangs, by the range of its readings where that is far from 0.
 fn rest(far: Option<[f64; 2]>) -> String {
-    let taken = "the logged angle at which the link hangs straight down, and so the encoder's zero and sign: `rest` is taken to \
-                 be 0 unless you state it";
+    let taken = "the logged angle at which the link hangs straight down, and so the encoder's zero and sign: unless you state \
+                 `rest`, `gap` and `check` take 0 (`drop` and `simulate` estimate it)";
     let Some([low, high]) = far else { return taken.to_owned() };
     format!("{taken}, but readings stay from {low:.2} to {high:.2} rad: the encoder seems to count from somewhere else")
 }
@@ -141,16 +140,14 @@ pub(super) fn sensor(joints: &[&SeenJoint], untold: &mut Vec<String>) -> String 
 }
 
 /// `[columns]`, where names or units are not ours.
-fn told_columns(seen: &[Seen]) -> String {
-    let mut all = Columns::default();
-    seen.iter().for_each(|log| all.0.extend(log.columns.0.clone()));
-    if all.0.is_empty() {
+fn told_columns(seen: &[Seen], columns: &Columns) -> String {
+    if columns.0.is_empty() {
         return String::new();
     }
     let is_guessed = seen.iter().any(|log| log.is_guessed);
     let how = if is_guessed { "guess: by the columns' names and numbers; check units, signs and zeros" } else { TOLD };
     let currents = of_currents(seen).map_or_else(String::new, |currents| format!("# {currents}\n"));
-    format!("\n# {how}\n{currents}{}", all.toml())
+    format!("\n# {how}\n{currents}{}", columns.toml())
 }
 
 /// The role of a log, by its place among so many: of several the last may be the one to hold out.

@@ -1,10 +1,12 @@
 //! A study written from logs: everything that they show stands in it, guesses are marked as guesses, and what nobody can
 //! see in a log is there as a comment that says what to weigh or look up.
 
+mod beliefs;
 mod joint;
 mod match_joints;
 mod robot;
 mod seen;
+mod shared;
 #[cfg(test)]
 mod tests;
 
@@ -12,6 +14,9 @@ use crate::log::LogError;
 use crate::robot::description::{Description, DescriptionError};
 use seen::{Seen, look};
 use std::path::{Component, Path, PathBuf};
+
+/// Joints told by name at the most.
+const NAMED: usize = 12;
 
 /// A study as `init` writes it.
 #[derive(Clone, Debug)]
@@ -55,6 +60,23 @@ pub enum DraftError {
         found: String,
         /// Joints of the robot.
         known: String,
+    },
+    /// Logs need different lines in `[columns]`.
+    #[error(
+        "{}: read with `{line}`, but {} with `{instead}`; a study has one [columns] for all its logs: make a study of each, let \
+         their sidecars say the same, or write both down under our names with `aibo-fit convert`",
+        file.display(),
+        other.display()
+    )]
+    ColumnsDiffer {
+        /// A log.
+        file: PathBuf,
+        /// The line that reads a column of it.
+        line: String,
+        /// Another log.
+        other: PathBuf,
+        /// What reads that column there.
+        instead: String,
     },
 }
 
@@ -109,6 +131,13 @@ fn whole(path: &Path) -> Vec<String> {
         }
     }
     parts
+}
+
+/// Names in a row, the first of them where there are many.
+fn listed(names: &[&str]) -> String {
+    let more = if names.len() > NAMED { " ..." } else { "" };
+    let first: Vec<&str> = names.iter().take(NAMED).copied().collect();
+    first.join(", ") + more
 }
 
 /// A number for a study: six digits, and a decimal point.

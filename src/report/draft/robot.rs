@@ -1,11 +1,13 @@
 //! The study of a robot that somebody described.
 
+use super::beliefs::tables;
 use super::joint::{TOLD, notes, role, sensor, why};
 use super::match_joints::{How, pairs};
 use super::seen::{Seen, SeenJoint, drive_word, is_hand, of_currents};
+use super::shared::shared;
 use super::{DraftError, relative};
 use crate::log::{ColumnSpec, Columns, DriveMode, Unit, toml_string};
-use crate::robot::description::{Actuator, Description, LinkId, Mover};
+use crate::robot::description::{Description, JointKind, LinkId, Mover};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -21,7 +23,7 @@ pub(super) fn study(
     let names: Vec<String> = moving.iter().map(|joint| joint.name.clone()).collect();
     let mut untold = vec!["whether the robot's base was clamped: scenario = \"fixed\" says so".to_owned()];
     let mut to_fill = Vec::new();
-    let mut columns = Columns::default();
+    let mut lines: Vec<(&Seen, Columns)> = Vec::new();
     let mut without: Vec<String> = Vec::new();
     let mut by_order: Vec<String> = Vec::new();
     let mut comments: Vec<String> = Vec::new();
@@ -34,6 +36,7 @@ pub(super) fn study(
         }
         without.extend((0..own.len()).filter(|k| !found.iter().any(|(at, _, _)| at == k)).map(|k| own[k].clone()));
         let mut under_own_names = log.columns.0.clone();
+        let mut columns = Columns::default();
         for (at, of, how) in found {
             let (joint, mover) = (&log.joints[at], moving[of]);
             let range = fraction(joint, mover, log);
@@ -52,7 +55,9 @@ pub(super) fn study(
             }
         }
         columns.0.extend(under_own_names);
+        lines.push((log, columns));
     }
+    let columns = shared(&lines)?;
     for list in [&mut without, &mut by_order, &mut comments] {
         list.sort();
         list.dedup();
@@ -73,31 +78,12 @@ pub(super) fn study(
         let _ = writeln!(text, "without = [{}]   # joints of the logs that are none of the robot's", list.join(", "));
         untold.push(format!("which joints of the robot {} are: left out", without.join(", ")));
     }
-    text += "\n[joints.default]   # what you believe beyond the description; by name as in [joints.elbow]\n\
-             # coulomb = 0.0    # N m, dry friction of the joint and its gears; the description's where absent\n\
-             # viscous = 0.0    # N m s/rad; the description's where absent\n\
-             # armature = 0.0   # kg m^2, rotor inertia x gear ratio^2; the description's where absent\n";
     let joints: Vec<&SeenJoint> = seen.iter().flat_map(|log| &log.joints).collect();
     let is_driven = joints.iter().any(|joint| joint.drive == DriveMode::Position);
+    text += &tables(robot, &moving, is_driven, &mut untold, &mut to_fill);
     if is_driven {
-        let servos = robot.actuators.iter().filter_map(Actuator::as_servo).count();
-        text += "# kp = 0.0         # N m/rad: tau = kp (q_ref - q) - kd q'; the description's position actuator where absent\n\
-                 # kd = 0.0         # N m s/rad\n# torque_limit = 0.0   # N m\n";
-        if servos < moving.len() {
-            to_fill.extend(["kp", "kd"]);
-            untold.push(
-                "the gains of joints without a position actuator in the description: state kp and kd under \
-                 [joints.default]; kp is a known torque by the angle that the joint gives under it"
-                    .to_owned(),
-            );
-        } else {
-            untold.push(
-                "whether the description's gains are those of the drives: a log shows setpoints, not gains".to_owned(),
-            );
-        }
         text += "\n[control]\nhold = \"step\"      # guess: setpoints stay until the next\n";
     }
-    ask_for_undescribed(&moving, &mut untold, &mut to_fill);
     text += "\n";
     text += &sensor(&joints, &mut untold);
     if let Some(currents) = of_currents(seen) {
@@ -148,29 +134,6 @@ fn strongest(log: &Seen) -> Option<&SeenJoint> {
     drives.iter().find_map(|drive| log.joints.iter().find(|joint| joint.drive == *drive))
 }
 
-/// Asks for numbers of joints that the description does not have.
-fn ask_for_undescribed(moving: &[&Mover], untold: &mut Vec<String>, to_fill: &mut Vec<&'static str>) {
-    let has_friction = |joint: &Mover| joint.friction_nm != 0.0 || joint.damping.iter().any(|part| *part != 0.0);
-    let has_rotor = |joint: &Mover| joint.armature_kg_m2 != 0.0;
-    if let Some(none) = silence(moving, has_friction) {
-        to_fill.extend(["coulomb", "viscous"]);
-        untold.push(format!("friction: the description has {none}; state coulomb and viscous under [joints.default]"));
-    }
-    if let Some(none) = silence(moving, has_rotor) {
-        to_fill.push("armature");
-        untold.push(format!(
-            "rotor inertia: the description has {none}; state armature, rotor inertia times gear ratio squared, under \
-             [joints.default]"
-        ));
-    }
-}
-
-/// How a description is silent on something that joints have; `None`: it says it of half of them at least.
-fn silence(moving: &[&Mover], is_said: impl Fn(&Mover) -> bool) -> Option<&'static str> {
-    let silent = moving.iter().filter(|joint| !is_said(joint)).count();
-    if silent == moving.len() { Some("none") } else { (2 * silent > moving.len()).then_some("none of most joints") }
-}
-
 /// Joints that follow no other, in the file's order where it has parents before children, else in the tree's: many a URDF of
 /// an arm begins at its gripper, and nobody's log does.
 fn leaders(robot: &Description) -> Vec<&Mover> {
@@ -208,16 +171,26 @@ fn own_names(joint: &SeenJoint) -> [(&'static str, String); 5] {
 
 /// Adds the columns of a joint under the robot's name of it.
 fn map(log: &Seen, joint: &SeenJoint, mover: &Mover, range: Option<((f64, [f64; 2]), &str)>, columns: &mut Columns) {
+    let name = |column: &str| format!("{}.{column}", mover.name);
     for (column, own) in own_names(joint) {
         let Some(channel) = log.source.ours(&own) else { continue };
-        let told = log.columns.get(&own).cloned();
-        let mut spec = told.unwrap_or_else(|| ColumnSpec::named(&channel.theirs));
+        let mut spec = match (log.columns.get(&own), column) {
+            (Some(told), _) => told.clone(),
+            (None, "dq") => rate(&channel.theirs, columns.get(&name("q"))),
+            (None, _) => ColumnSpec::named(&channel.theirs),
+        };
         if let (Some(((whole, [low, high]), _)), "q" | "q_ref") = (range, column) {
             spec.unit = Some(Unit::Ticks { per_rev: rounded(TAU * whole / (high - low)) });
             spec.zero = rounded(-low);
         }
-        columns.0.insert(format!("{}.{column}", mover.name), spec);
+        columns.0.insert(name(column), spec);
     }
+}
+
+/// A rate of which nobody tells anything: in the unit that goes with its angle's, and with its sign.
+fn rate(theirs: &str, angle: Option<&ColumnSpec>) -> ColumnSpec {
+    let (unit, is_reversed) = angle.map_or((None, false), |angle| (angle.unit, angle.is_reversed));
+    ColumnSpec { unit, is_reversed, ..ColumnSpec::named(theirs) }
 }
 
 fn rounded(value: f64) -> f64 {
@@ -229,7 +202,8 @@ fn beyond(joint: &SeenJoint, mover: &Mover) -> Option<String> {
     const SLACK_RAD: f64 = 0.1;
     let [low, high] = mover.limit_rad?;
     let [from, to] = joint.range_rad;
+    let unit = if mover.kind == JointKind::Prismatic { "m" } else { "rad" };
     (from < low - SLACK_RAD || to > high + SLACK_RAD).then(|| {
-        format!("{}: read from {from:.2} to {to:.2} rad, but the description lets it go from {low:.2} to {high:.2}: is its zero or sign another?", mover.name)
+        format!("{}: read from {from:.2} to {to:.2} {unit}, but the description lets it go from {low:.2} to {high:.2}: is its zero or sign another?", mover.name)
     })
 }

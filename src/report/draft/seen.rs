@@ -1,6 +1,9 @@
 //! What a log shows by itself.
 
-use crate::log::{Columns, DriveMode, LogError, SensorSpec, Source, health, read_source, sidecar_columns};
+use crate::log::{
+    Columns, DriveMode, LogError, SensorSpec, Source, StudyKind, health, read_source, sidecar_columns, sidecar_of,
+    study_beside,
+};
 use std::path::{Path, PathBuf};
 
 /// A log that was looked at.
@@ -41,22 +44,39 @@ impl SeenJoint {
 
 /// Reads a log by its sidecar, where it has one; names and units that it does not tell are those that columns look like.
 pub(super) fn look(path: &Path) -> Result<Seen, LogError> {
-    let told = sidecar_columns(path)?;
-    let (source, columns) = match read_source(path, &told) {
-        Err(LogError::Defects { mend, first, count, others, beyond }) if !mend.0.is_empty() => {
-            match read_source(path, &mend) {
-                Ok(source) => (source, mend),
-                // What is wrong with it is more than names and units.
-                Err(_) => return Err(LogError::Defects { mend, first, count, others, beyond }),
-            }
-        }
-        read => (read?, told.clone()),
-    };
+    let told = told(path)?;
+    let (source, columns) = read(path, &told)?;
     let names: Vec<Option<String>> = source.joints().into_iter().map(|name| name.map(str::to_owned)).collect();
     let joints = names.into_iter().map(|name| joint(&source, name)).collect::<Result<_, _>>()?;
-    let sidecar = (!told.0.is_empty()).then(|| path.with_extension("toml"));
+    let sidecar = sidecar_of(path).filter(|_| !told.0.is_empty());
     let counts = currents_in_counts(&source, &columns, &told);
     Ok(Seen { path: path.to_path_buf(), source, is_guessed: columns != told, columns, sidecar, counts, joints })
+}
+
+/// What the sidecar of a log says of its columns. A study that has the log's name is none: that of a robot calls columns after
+/// the robot's joints, and that of a joint says what was guessed, unless somebody has changed it.
+fn told(path: &Path) -> Result<Columns, LogError> {
+    let said = sidecar_columns(path)?;
+    let is_guess = match study_beside(path) {
+        None => false,
+        Some(StudyKind::Joint) => read(path, &Columns::default()).is_ok_and(|(_, guess)| guess == said),
+        Some(StudyKind::Clamped | StudyKind::Robot) => true,
+    };
+    Ok(if is_guess { Columns::default() } else { said })
+}
+
+/// Reads a log by the lines of `[columns]` that are told, or by those that mend it; answers with the lines, too.
+fn read(path: &Path, told: &Columns) -> Result<(Source, Columns), LogError> {
+    match read_source(path, told) {
+        Err(LogError::Defects { mend, first, count, others, beyond }) if !mend.0.is_empty() => {
+            match read_source(path, &mend) {
+                Ok(source) => Ok((source, mend)),
+                // What is wrong with it is more than names and units.
+                Err(_) => Err(LogError::Defects { mend, first, count, others, beyond }),
+            }
+        }
+        read => Ok((read?, told.clone())),
+    }
 }
 
 /// Currents whose unit was left open because their numbers seem to be counts.

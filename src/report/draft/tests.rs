@@ -155,6 +155,7 @@ fn columns_of_joints_that_have_other_names_stand_under_the_robots_alone() {
     for line in [
         "\"arm/elbow.q\" = { name = \"A1.q\", unit = \"deg\" }",
         "\"arm/elbow.q_ref\" = { name = \"A1.q_ref\", unit = \"deg\" }",
+        "\"arm/elbow.dq\" = { name = \"A1.dq\", unit = \"deg\" }",
         "gripper.q\" = { name = \"A2.q\", unit = \"deg\" }",
     ] {
         assert!(draft.text.contains(line), "`{line}` is not in\n{}", draft.text);
@@ -188,6 +189,48 @@ fn friction_and_rotor_inertia_are_asked_for_where_the_description_has_none() {
     assert!(!tells(&draft, "friction"), "{:?}", draft.untold);
 }
 
+/// One joint more, and the end of the arm.
+const WRIST: &str = r#"<link name="c"><inertial><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="wrist" type="revolute"><parent link="b"/><child link="c"/><axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="9" velocity="9"/></joint>
+</robot>"#;
+
+/// The draft of a log of the elbow of this arm.
+fn drafted_of_elbow(arm: &str) -> (Draft, tempfile::TempDir) {
+    let log = table("t,elbow.q,elbow.q_ref", |wave| format!("{:.4},{:.4}", 0.5 * wave(2), 0.5 * wave(0)));
+    drafted(&log, Some(arm))
+}
+
+#[test]
+fn what_a_description_says_of_some_joints_is_asked_of_the_others_by_name() {
+    let arm = ARM.replace("</robot>", WRIST).replacen("<axis", "<dynamics damping=\"0.1\" friction=\"0.1\"/><axis", 1);
+    let (draft, dir) = drafted_of_elbow(&arm);
+    let asked =
+        "friction: the description has none of gripper, wrist; state coulomb and viscous under [joints.NAME] of each";
+    assert!(tells(&draft, asked), "{:?}", draft.untold);
+    assert!(tells(&draft, "gear ratio squared, under [joints.default]"), "{:?}", draft.untold);
+    assert_eq!(draft.to_fill, ["kp", "kd", "coulomb", "viscous", "armature"]);
+    let own = "# coulomb = 0.0        # N m\n# viscous = 0.0        # N m s/rad\n\n";
+    for joint in ["gripper", "wrist"] {
+        let its = format!("[joints.{joint}]   # the description does not have these\n{own}");
+        assert!(draft.text.contains(&its), "`{its}` is not in\n{}", draft.text);
+    }
+    assert!(!draft.text.contains("[joints.\"arm/elbow\"]"), "{}", draft.text);
+    read_clamped_study(&dir.path().join("study.toml")).unwrap();
+}
+
+#[test]
+fn a_joint_that_slides_is_asked_for_forces() {
+    let (draft, dir) =
+        drafted_of_elbow(&ARM.replace("name=\"gripper\" type=\"revolute\"", "name=\"gripper\" type=\"prismatic\""));
+    let its = "[joints.gripper]   # it slides: forces in N, ways in m\n# coulomb = 0.0        # N\n# viscous = 0.0        # N s/m\n\
+               # armature = 0.0       # kg\n# kp = 0.0             # N/m\n# kd = 0.0             # N s/m\n# torque_limit = 0.0   # N\n";
+    assert!(draft.text.contains(its), "`{its}` is not in\n{}", draft.text);
+    let study = dir.path().join("study.toml");
+    let (all, own) = draft.text.split_once("[joints.gripper]").unwrap();
+    fs::write(&study, format!("{all}[joints.gripper]{}", filled(own))).unwrap();
+    assert_eq!(read_clamped_study(&study).unwrap().of_joint("gripper").kp_nm_rad, Some(0.01));
+}
+
 #[test]
 fn torques_without_setpoints_may_be_compared_instead_of_simulated() {
     let log = table("t,elbow.q,elbow.dq,elbow.tau,gripper.q,gripper.dq,gripper.tau", |wave| {
@@ -210,8 +253,13 @@ fn an_encoder_that_counts_from_somewhere_else_has_rest_to_be_filled_in() {
     assert_eq!(draft.to_fill, ["inertia", "moment", "coulomb", "viscous", "rest", "kp", "kd"]);
     assert!(tells(&draft, "readings stay from 2.90 to 3.50 rad"), "{:?}", draft.untold);
     let (draft, _) = drafted(&log(0.1), None);
-    assert!(!draft.to_fill.contains(&"rest") && tells(&draft, "`rest` is taken to be 0"), "{:?}", draft.untold);
-    assert!(draft.text.contains("hangs straight down; 0 is assumed") && !draft.text.contains("estimated"));
+    assert!(!draft.to_fill.contains(&"rest"), "{:?}", draft.to_fill);
+    assert!(tells(&draft, "`gap` and `check` take 0 (`drop` and `simulate` estimate it)"), "{:?}", draft.untold);
+    assert!(
+        draft.text.contains("`drop` and `simulate` estimate it") && !draft.text.contains("assumed"),
+        "{}",
+        draft.text
+    );
 }
 
 #[test]
@@ -245,6 +293,54 @@ fn what_a_sidecar_says_of_columns_stands_in_the_study() {
     fs::write(&study, filled(&draft.text)).unwrap();
     let logs = crate::log::read_study_logs(&read_study(&study).unwrap()).unwrap();
     assert!((logs[0].q_rad[0] - 40f64.to_radians() * 0.2_f64.sin()).abs() < 1e-4, "{}", logs[0].q_rad[0]);
+}
+
+/// The draft of two logs with these headers and sidecars' `[columns]`.
+fn drafted_of_two(logs: [(&str, &str); 2]) -> Result<Draft, DraftError> {
+    let dir = tempfile::tempdir().unwrap();
+    let paths = ["one", "two"].map(|name| dir.path().join(name).with_extension("csv"));
+    for (path, (header, columns)) in paths.iter().zip(logs) {
+        fs::write(path, table(header, |wave| format!("{:.4},{:.4}", 0.5 * wave(2), 0.5 * wave(0)))).unwrap();
+        if !columns.is_empty() {
+            fs::write(path.with_extension("toml"), format!("schema = 1\n[columns]\n{columns}")).unwrap();
+        }
+    }
+    draft_study(&paths, None, None, dir.path())
+}
+
+#[test]
+fn logs_whose_sidecars_differ_make_no_study() {
+    let turned = "q = { name = \"q\", sign = -1, zero = 0.3 }\nq_ref = { name = \"q_ref\", sign = -1, zero = 0.3 }\n";
+    let in_degrees = "q = { name = \"q\", unit = \"deg\" }\nq_ref = { name = \"q_ref\", unit = \"deg\" }\n";
+    let later = "t = { name = \"t\", zero = 5.0 }\n";
+    for (first, second, parts) in [
+        (
+            "",
+            turned,
+            ["two.csv: read with `q = { name = \"q\", sign = -1, zero = 0.3 }`", "with `q = { name = \"q\" }`"],
+        ),
+        (turned, "", ["one.csv: read with `q = ", "two.csv with `q = { name = \"q\" }`"]),
+        (in_degrees, turned, ["one.csv: read with `q = { name = \"q\", unit = \"deg\" }`", "two.csv with `q = "]),
+        (later, "", ["one.csv: read with `t = ", "two.csv with `t = { name = \"t\" }`"]),
+    ] {
+        let error = drafted_of_two([("t,q,q_ref", first), ("t,q,q_ref", second)]).unwrap_err();
+        let said = error.to_string();
+        assert!(matches!(error, DraftError::ColumnsDiffer { .. }), "{said}");
+        assert!(parts.iter().all(|part| said.contains(part)), "{said}");
+    }
+    for (first, second) in [(turned, turned), ("q = { name = \"q\", unit = \"rad\" }\n", "")] {
+        assert!(drafted_of_two([("t,q,q_ref", first), ("t,q,q_ref", second)]).is_ok(), "{first}");
+    }
+}
+
+#[test]
+fn a_line_that_another_log_has_no_column_for_is_no_difference() {
+    let own = "t = { name = \"zeit\" }\nq = { name = \"winkel\", unit = \"deg\" }\nq_ref = { name = \"soll\", unit = \"deg\" }\n";
+    let draft = drafted_of_two([("zeit,winkel,soll", own), ("t,q,q_ref", "")]).unwrap();
+    assert!(draft.text.contains("q = { name = \"winkel\", unit = \"deg\" }"), "{}", draft.text);
+    // But where it has that column, too, the line would read it in the place of its own.
+    let error = drafted_of_two([("t,winkel,soll", "q = { name = \"winkel\" }\n"), ("t,q,winkel", "")]).unwrap_err();
+    assert!(error.to_string().contains("but ") && matches!(error, DraftError::ColumnsDiffer { .. }), "{error}");
 }
 
 #[test]

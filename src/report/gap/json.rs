@@ -3,6 +3,7 @@
 use super::GapReport;
 use super::fit::{joint, quantities};
 use super::waterfall::{Step, steps};
+use super::words::ids;
 use crate::deadline::Spent;
 use crate::gap::{
     BeliefFound, Candidate, CauseShare, Confusion, Detectable, Diagnosis, Differs, Gap, LawFound, MapCell, Next, Phase,
@@ -49,7 +50,7 @@ pub fn gap_json(report: &GapReport) -> impl Serialize + '_ {
         health,
         doubts: &diagnosis.doubts,
         withheld: &diagnosis.withheld,
-        only: &options.only,
+        only: ids(&options.only, &options.only_bodies),
         twins: options.twins,
         seed: options.seed,
         demands: Demands::of(&diagnosis.demands),
@@ -92,7 +93,7 @@ struct Document<'a> {
     health: &'a [LogHealthRow],
     doubts: &'a [String],
     withheld: &'a [EffectId],
-    only: &'a [EffectId],
+    only: Vec<&'static str>,
     twins: usize,
     seed: u64,
     demands: Demands<'a>,

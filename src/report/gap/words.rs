@@ -2,7 +2,9 @@
 
 use super::rows::{is_side, number_row};
 use super::{GapReport, NEXT_FILE};
-use crate::gap::{Answer, Candidate, Detectable, Diagnosis, MapCell, Next, Number, Phase, Variable, Verdict, Where};
+use crate::gap::{
+    Answer, BodyKind, Candidate, Detectable, Diagnosis, MapCell, Next, Number, Phase, Variable, Verdict, Where,
+};
 use crate::joint::{EffectId, Stage};
 pub(super) use crate::report::chances::power;
 use crate::report::chances::{self, Chances};
@@ -242,11 +244,20 @@ pub(super) fn part(share: f64) -> String {
 pub(super) fn notes(report: &GapReport) -> Vec<String> {
     let mut notes = report.diagnosis.doubts.clone();
     notes.extend(report.diagnosis.notes.iter().cloned());
-    if !report.diagnosis.withheld.is_empty() {
-        let ids: Vec<&str> = report.diagnosis.withheld.iter().map(|effect| effect.id()).collect();
-        notes.push(format!("Withheld from the catalogue on demand: {}.", ids.join(", ")));
-    }
+    notes.extend(on_demand(&ids(&report.diagnosis.withheld, &[]), &[]));
     notes
+}
+
+/// Ids of effects, and then of what may be other about bodies.
+pub(in crate::report) fn ids(effects: &[EffectId], bodies: &[BodyKind]) -> Vec<&'static str> {
+    effects.iter().map(|effect| effect.id()).chain(bodies.iter().map(|kind| kind.id())).collect()
+}
+
+/// What was left out and what was singled out by demand, by ids.
+pub(in crate::report) fn on_demand(without: &[&str], only: &[&str]) -> Vec<String> {
+    let told = |what: &str, ids: &[&str]| (!ids.is_empty()).then(|| format!("{what} on demand: {}.", ids.join(", ")));
+    let singled_out = told("Only these causes were considered,", only);
+    told("Withheld from the catalogue", without).into_iter().chain(singled_out).collect()
 }
 
 #[cfg(test)]

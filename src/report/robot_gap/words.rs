@@ -3,11 +3,12 @@
 use super::RobotGapReport;
 use crate::gap::Verdict;
 use crate::gap::robot::{
-    Found, GaitCell, GaitPhase, RobotAnswer, RobotCandidate, RobotDetectable, RobotDiagnosis, RobotStage, RobotWhere,
+    Cause, Found, GaitCell, GaitPhase, RobotAnswer, RobotCandidate, RobotDetectable, RobotDiagnosis, RobotStage,
+    RobotWhere,
 };
 use crate::joint::Stage;
 use crate::report::chances::{self, Chances};
-use crate::report::gap::words::{range, size, there, variable};
+use crate::report::gap::words::{on_demand, range, size, there, variable};
 use crate::report::number::mrad;
 
 /// What stands above the sizes that would have been seen.
@@ -172,12 +173,7 @@ pub(super) fn notes(report: &RobotGapReport) -> Vec<String> {
             mrad(after)
         ));
     }
-    let listed = |causes: &[crate::gap::robot::Cause]| causes.iter().map(|c| c.id()).collect::<Vec<_>>().join(", ");
-    if !report.diagnosis.withheld.is_empty() {
-        notes.push(format!("Withheld from the catalogue on demand: {}.", listed(&report.diagnosis.withheld)));
-    }
-    if !report.options.only.is_empty() {
-        notes.push(format!("Only these causes were considered, on demand: {}.", listed(&report.options.only)));
-    }
+    let ids = |causes: &[Cause]| causes.iter().map(|cause| cause.id()).collect::<Vec<_>>();
+    notes.extend(on_demand(&ids(&report.diagnosis.withheld), &ids(&report.options.only)));
     notes
 }
