@@ -251,8 +251,10 @@ impl<'a> Judge<'a, '_> {
         }
         let simpler = a.without.last().unwrap_or(&a.calibrated);
         let first = if effects.len() == 1 { Some(chosen) } else { a.ladder.first() };
-        // A law takes what it explains out of the numbers.
-        let answer = a.law.as_ref().filter(|law| law.effects() == chosen.effects()).unwrap_or(chosen);
+        // A law takes what it explains out of the numbers, where held-out logs bear it out as they are told.
+        let predicts = |law: &&Trial| self.held_rad(law) < self.held_rad(chosen);
+        let beside = a.law.as_ref().filter(|law| law.effects() == chosen.effects());
+        let answer = beside.filter(predicts).unwrap_or(chosen);
         if explained && is_beyond_belief(answer, GAIN) && self.names_gain_of(answer) {
             effects.push(EffectId::MotorGain);
         }
