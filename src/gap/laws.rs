@@ -70,15 +70,28 @@ pub(super) fn lawful(
     refutes: &dyn Fn(&Trial) -> bool,
 ) -> Lawful {
     let mut found = Lawful::default();
-    let mut on_whole_logs = added(evidence, best);
-    if !best.effects().is_empty() {
+    let beside = in_one_body(evidence, best, calibrated);
+    let mut on_whole_logs = added(evidence, &beside);
+    if !beside.effects().is_empty() {
         on_whole_logs.extend(added(evidence, calibrated));
     }
     found.look_among(on_whole_logs, evidence, best, refutes);
     if found.law.is_none() {
-        found.look_among(added_in_parts(evidence, best), evidence, best, refutes);
+        found.look_among(added_in_parts(evidence, &beside), evidence, best, refutes);
     }
     found
+}
+
+/// A hypothesis without the causes that part motor side and link: these imitate much, take many short steps, and a law says
+/// as much with less.
+fn in_one_body(evidence: &Evidence, best: &Trial, calibrated: &Trial) -> Trial {
+    let causes = best.effects();
+    let kept: Vec<usize> = (0..causes.len()).filter(|&k| !causes[k].parts_two_bodies()).collect();
+    match kept.len() {
+        0 => calibrated.clone(),
+        all if all == causes.len() => best.clone(),
+        _ => best.keeping(evidence, &kept, BESIDE_A_LAW),
+    }
 }
 
 impl Lawful {
@@ -156,12 +169,8 @@ fn predicts_elsewhere(evidence: &Evidence, without: &Trial, with: &Trial) -> boo
     elsewhere.z > ELSEWHERE && elsewhere.left < MATTERS && elsewhere.worst < WORSE
 }
 
-/// A hypothesis with each of the laws that promise most added and everything refitted; none where motor side and link
-/// move apart, which imitates much and takes many short steps.
+/// A hypothesis with each of the laws that promise most added and everything refitted.
 fn added(evidence: &Evidence, base: &Trial) -> Vec<Trial> {
-    if base.model.has_two_bodies() {
-        return Vec::new();
-    }
     let problem = Problem::new(&base.model, &evidence.fit);
     let Ok(blocks) = problem.linearise(&problem.coordinates_from(&base.found)) else { return Vec::new() };
     let projector = Projector::of(&blocks, base.model.free());
@@ -180,9 +189,6 @@ fn added(evidence: &Evidence, base: &Trial) -> Vec<Trial> {
 
 /// The same with laws that were found on short parts of the logs, along which no hypothesis runs far from them.
 fn added_in_parts(evidence: &Evidence, base: &Trial) -> Vec<Trial> {
-    if base.model.has_two_bodies() {
-        return Vec::new();
-    }
     let short = evidence.in_parts();
     let starts = short.fit.iter().map(|e| e.start_coordinates(&e.start)).collect();
     let there = Trial::solved(&short, base.model.clone(), &base.found.values, starts, FULL);

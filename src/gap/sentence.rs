@@ -282,6 +282,7 @@ pub(super) fn sentence(
                 ),
             };
             let unnamed = law.map_or(String::new(), |law| format!(" Without a name {}", unnamed(law)));
+            let apart = partial.map_or(String::new(), |first| apart_from(first, &decision.equivalent, causes));
             let [before, calibrated, after, floor] = figures.map(mrad);
             let stays = format!("{after} are left, and the sensor itself makes {floor}");
             if gap.calibrated < MOST_BY_NUMBERS * gap.before {
@@ -291,8 +292,8 @@ pub(super) fn sentence(
                     format!("refitting the numbers{beside}{most} takes the error from {before} to {calibrated}");
                 return match partial {
                     Some(_) => format!(
-                        "{joint}: {numbers}. {known}; {}. The effects I know do not explain the rest: the sensor itself makes \
-                         {floor}.{unnamed}",
+                        "{joint}: {numbers}. {known}; {}.{apart} The effects I know do not explain the rest: the sensor \
+                         itself makes {floor}.{unnamed}",
                         closing_rest(figures, &them)
                     ),
                     None => {
@@ -301,7 +302,7 @@ pub(super) fn sentence(
                 };
             }
             let nearest =
-                partial.map_or(String::new(), |_| format!(" {known}; {}.", closing(figures, refitted, &them)));
+                partial.map_or(String::new(), |_| format!(" {known}; {}.{apart}", closing(figures, refitted, &them)));
             format!("{joint}: the effects I know do not explain this gap; {stays}.{unnamed}{nearest}")
         }
     }
