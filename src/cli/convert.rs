@@ -51,7 +51,8 @@ pub(super) fn run(args: &ConvertArgs) -> Result<u8, CliError> {
         false => write_csv(&source, out),
     })?;
     if !args.quiet {
-        print(&format!("{}: {samples} samples, {joints} joints, from {format}\n", args.out.display()));
+        let joints = if joints == 1 { "1 joint".to_owned() } else { format!("{joints} joints") };
+        print(&format!("{}: {samples} samples, {joints}, from {format}\n", args.out.display()));
         notes.iter().for_each(|note| print(&format!("- {note}\n")));
     }
     Ok(0)

@@ -21,11 +21,15 @@ pub(super) fn none_of(effect: EffectId, coulomb_nm: f64) -> f64 {
     }
 }
 
-/// Whether what measures an effect's size is where the effect is absent, or its interval reaches there.
+/// Whether what measures an effect's size is where the effect is absent, or its interval reaches there. A limit is absent at
+/// infinity: the interval of its inverse reaches none where its own reaches 0.
 pub(super) fn includes_none(effect: EffectId, numbers: &[Number], coulomb_nm: f64) -> bool {
     let none = none_of(effect, coulomb_nm);
+    let is_limit =
+        effect.named_parameters().first().is_some_and(|size| size.zero.is_infinite() && !size.bounds.admit(0.0));
     numbers.first().is_some_and(|size| {
-        (size.value - none).abs() < NO_SIZE || size.interval.is_some_and(|[low, high]| low <= none && none <= high)
+        let reaches = |[low, high]: [f64; 2]| low <= none && none <= high || is_limit && low <= 0.0;
+        (size.value - none).abs() < NO_SIZE || size.interval.is_some_and(reaches)
     })
 }
 
@@ -82,7 +86,8 @@ pub(super) fn numbers_beside(
         let values = named(&trial.found.values);
         let of = |i: usize| {
             let p = effect.named_parameters()[i];
-            let [interval, interval_naive] = spread.intervals(&|v| named(v)[i], f64::NEG_INFINITY, f64::INFINITY);
+            let wide = spread.intervals(&|v| named(v)[i], f64::NEG_INFINITY, f64::INFINITY);
+            let [interval, interval_naive] = wide.map(|interval| interval.map(|interval| p.bounds.clip(interval)));
             Number { name: p.name.into(), value: values[i], unit: p.unit.into(), interval, interval_naive }
         };
         (effect.id, (0..values.len()).map(of).collect())
@@ -189,6 +194,9 @@ mod tests {
         assert!(!may_be_none(EffectId::Delay, 0.002, None));
         assert!(may_be_none(EffectId::Stribeck, 0.035, Some([0.028, 0.042])), "it covers the friction of motion");
         assert!(!may_be_none(EffectId::Stribeck, 0.05, Some([0.04, 0.06])));
+        assert!(may_be_none(EffectId::SpeedLimit, 6.0, Some([0.0, 18.0])), "a limit that may be anywhere");
+        assert!(!may_be_none(EffectId::SpeedLimit, 6.0, Some([4.0, 8.0])));
+        assert!(!may_be_none(EffectId::EndStop, -1.0, Some([-1.1, -0.9])), "a stop at a negative angle");
     }
 
     #[test]

@@ -21,8 +21,9 @@ pub(super) fn tell(at_best: &[AtBest], answer: &Trial, numbers: &mut [(EffectId,
     let is_same = forms.len() == at_best.len() && at_best.iter().all(|cause| forms.contains(&cause.form));
     for cause in at_best.iter().filter(|_| is_same) {
         let own = numbers.iter_mut().filter(|(effect, _)| *effect == cause.form.id).flat_map(|(_, own)| own);
-        for (number, (value, sd)) in own.zip(&cause.values).filter(|(_, (_, sd))| *sd > 0.0) {
-            let interval = Some([value - HALF_95 * sd, value + HALF_95 * sd]);
+        let own = own.zip(cause.form.named_parameters()).zip(&cause.values);
+        for ((number, named), (value, sd)) in own.filter(|(_, (_, sd))| *sd > 0.0) {
+            let interval = Some(named.bounds.clip([value - HALF_95 * sd, value + HALF_95 * sd]));
             *number = Number { value: *value, interval, interval_naive: interval, ..number.clone() };
         }
     }

@@ -18,6 +18,11 @@ const TINY: f64 = 1e-300;
 /// Half of what a normal deviate is within at 95 %, in its standard deviations.
 pub(crate) const HALF_95: f64 = 1.96;
 
+/// Standard deviation behind a value's 95 % interval, of which a bound may have cut one side.
+pub(crate) fn sd_of(value: f64, [low, high]: [f64; 2]) -> f64 {
+    (high - value).max(value - low) / HALF_95
+}
+
 /// Probability that a normal deviate is above `z`.
 pub(crate) fn normal_tail(z: f64) -> f64 {
     0.5 * libm::erfc(z / SQRT_2)

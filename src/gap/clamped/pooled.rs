@@ -6,7 +6,7 @@
 use super::diagnose::{JointAnswer, found_of};
 use crate::gap::sentence::number_words;
 use crate::gap::{Diagnosis, Number};
-use crate::number::chance::HALF_95;
+use crate::number::chance::{HALF_95, sd_of};
 use crate::number::{math, quantity};
 use crate::robot::description::{Description, LinkId, MoverId};
 use serde::Serialize;
@@ -72,9 +72,9 @@ pub(super) fn pooled(groups: &BTreeMap<String, Vec<String>>, joints: &[JointAnsw
             }
             let ratio = |name: &String| {
                 let own = found.iter().find(|d| d.joint == *name)?.parameters.iter().find(|p| p.name == number)?;
-                let (nominal, [low, high]) = (own.nominal.filter(|nominal| *nominal > 0.0)?, own.interval?);
+                let (nominal, interval) = (own.nominal.filter(|nominal| *nominal > 0.0)?, own.interval?);
                 let ratio = own.value / nominal;
-                Some((ratio, math::hypot(0.5 * (high - low) / HALF_95 / nominal, SCATTER * ratio)))
+                Some((ratio, math::hypot(sd_of(own.value, interval) / nominal, SCATTER * ratio)))
             };
             let Some(ratios) = joints.iter().map(ratio).collect::<Option<Vec<_>>>() else { continue };
             let Some((ratio, sd)) = agreed(&ratios) else { continue };
@@ -91,8 +91,7 @@ pub(super) fn pooled(groups: &BTreeMap<String, Vec<String>>, joints: &[JointAnsw
 /// The sizes of one cause on several joints as one, where they agree.
 pub(super) fn one_size(sizes: &[&Number]) -> Option<Number> {
     let own = |number: &&Number| {
-        let [low, high] = number.interval?;
-        Some((number.value, math::hypot(0.5 * (high - low) / HALF_95, SCATTER * number.value)))
+        Some((number.value, math::hypot(sd_of(number.value, number.interval?), SCATTER * number.value)))
     };
     let values = sizes.iter().map(own).collect::<Option<Vec<_>>>()?;
     let (value, sd) = agreed(&values)?;

@@ -44,7 +44,7 @@ impl Common {
         let last = whole.causes.last()?;
         let values = last.values.iter().zip(&last.spreads).zip(form.named_parameters());
         let parameters = values.map(|((value, sd), named)| {
-            let interval = Some([-HALF_95, HALF_95].map(|side| value + side * sd));
+            let interval = Some(named.bounds.clip([-HALF_95, HALF_95].map(|side| value + side * sd)));
             let (name, unit) = (named.name.to_owned(), named.unit.to_owned());
             Number { name, value: *value, unit, interval, interval_naive: interval }
         });

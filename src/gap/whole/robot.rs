@@ -6,7 +6,7 @@ use crate::gap::reach::mean_period_s;
 use crate::gap::{CauseShare, Number};
 use crate::joint::{EffectForm, EffectId, Knee, Motor, TorqueLimit};
 use crate::log::RobotLog;
-use crate::number::chance::HALF_95;
+use crate::number::chance::sd_of;
 use crate::robot::description::{Description, FoundKey, FoundNumber, MoverId};
 use crate::robot::simulate::{Column, Joints, Method, Recording, Scenario, Setpoints, SimulateError, run};
 use crate::robot::study::asked;
@@ -51,7 +51,7 @@ const LEAST_LOOSE: f64 = 0.05;
 
 /// How far a value that was found may be off.
 fn spread(number: &Number) -> f64 {
-    let sd = number.interval.map_or(0.0, |[low, high]| (high - low) / (2.0 * HALF_95));
+    let sd = number.interval.map_or(0.0, |interval| sd_of(number.value, interval));
     (LOOSE * sd).min(0.5 * number.value.abs()).max(LEAST_LOOSE * number.value.abs())
 }
 

@@ -113,6 +113,15 @@ impl Bounds {
     const POSITIVE: Self = Self::Within([1e-12, Self::LARGEST]);
     const ANGLE: Self = Self::Within([-std::f64::consts::TAU, std::f64::consts::TAU]);
 
+    /// The part of an interval in which there are values.
+    pub fn clip(self, [low, high]: [f64; 2]) -> [f64; 2] {
+        match self {
+            Self::POSITIVE => [low.max(0.0), high],
+            Bounds::Within([lower, upper]) => [low.max(lower), high.min(upper)],
+            Bounds::Either(_) => [low, high],
+        }
+    }
+
     /// Whether a value is one of them; NaN never is.
     pub fn admit(self, value: f64) -> bool {
         match self {

@@ -78,9 +78,28 @@ fn unit_of(word: &str) -> Option<Unit> {
     })
 }
 
+/// The words of a name; a number behind one that says what the column holds is a word of its own: `q0`, `tau1`.
+fn words(name: &str) -> Vec<&str> {
+    let words =
+        name.split(|c: char| !c.is_alphanumeric()).map(without_number).flat_map(|(word, number)| [word, number]);
+    words.filter(|word| !word.is_empty()).collect()
+}
+
+fn without_number(word: &str) -> (&str, &str) {
+    let held = word.trim_end_matches(|c: char| c.is_ascii_digit());
+    let sets: [&[&str]; 5] = [&ANGLES, &SETPOINTS, &SPEEDS, &TORQUES, &CURRENTS];
+    let is_held = sets.iter().any(|set| set.contains(&&*held.to_lowercase()));
+    word.split_at(if is_held { held.len() } else { word.len() })
+}
+
+/// Whether the name of a column says that it is asked for, not measured.
+pub(super) fn is_asked(name: &str) -> bool {
+    words(name).iter().any(|word| SETPOINTS.contains(&&*word.to_lowercase()))
+}
+
 /// What a column's name looks like; `None`: like nothing that is used.
 pub(in crate::log) fn guess(name: &str) -> Option<Guess> {
-    let words: Vec<&str> = name.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
+    let words = words(name);
     let lower: Vec<String> = words.iter().map(|word| word.to_lowercase()).collect();
     let is = |set: &[&str], word: &str| set.contains(&word);
     let unit_at = (1..lower.len()).rev().find(|&k| unit_of(&lower[k]).is_some());
@@ -90,6 +109,8 @@ pub(in crate::log) fn guess(name: &str) -> Option<Guess> {
     let any = |set: &[&str]| lower.iter().enumerate().any(|(k, word)| Some(k) != unit_at && is(set, word));
     let column = if any(&SETPOINTS) && !any(&TORQUES) && !any(&SPEEDS) {
         Column::Setpoint
+    } else if any(&SETPOINTS) && any(&SPEEDS) {
+        return None;
     } else if any(&SPEEDS) {
         Column::Speed
     } else if any(&TORQUES) || any(&CURRENTS) {
@@ -111,7 +132,9 @@ pub(in crate::log) fn guess(name: &str) -> Option<Guess> {
     };
     let rest: Vec<&str> =
         words.iter().enumerate().filter(|(k, _)| !known(*k, &lower[*k])).map(|(_, word)| *word).collect();
-    let joint = (!rest.is_empty() && column != Column::Time).then(|| rest.join("_"));
+    let is_number = rest.iter().all(|word| word.bytes().all(|b| b.is_ascii_digit()));
+    let joint = (!rest.is_empty() && column != Column::Time)
+        .then(|| if is_number { format!("joint_{}", rest.join("_")) } else { rest.join("_") });
     (column != Column::Time || rest.is_empty()).then_some(Guess { joint, column, unit })
 }
 
@@ -133,11 +156,19 @@ mod tests {
             ("left_hip.velocity", Some("left_hip"), Column::Speed, None),
             ("shoulder current", Some("shoulder"), Column::Torque, Some(Unit::Current)),
             ("effort", None, Column::Torque, None),
+            ("q0", Some("joint_0"), Column::Angle, None),
+            ("pos[1] (deg)", Some("joint_1"), Column::Angle, deg),
+            ("joint_2_cmd", Some("joint_2"), Column::Setpoint, None),
+            ("actual_qd_3", Some("joint_3"), Column::Speed, None),
+            ("joint4_pos", Some("joint4"), Column::Angle, None),
         ] {
             let found = guess(name).unwrap_or_else(|| panic!("{name}: nothing"));
             assert_eq!(found, Guess { joint: joint.map(str::to_owned), column, unit }, "{name}");
         }
         assert_eq!(guess("volts"), None);
         assert_eq!(guess("temperature"), None);
+        // A speed that is asked for is none that is measured.
+        assert_eq!(guess("target_qd_0"), None);
+        assert!(is_asked("target_current_0") && !is_asked("actual_current_0"));
     }
 }

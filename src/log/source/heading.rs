@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::defects::Defects;
-use super::guess::{Guess, guess};
+use super::guess::{Guess, guess, is_asked};
 use super::want::Want;
 use crate::log::column::{Column, column_of};
 use crate::log::columns::{ColumnSpec, Columns};
@@ -182,8 +182,10 @@ impl Heading {
                 spec.unit = Some(unit);
             }
         }
-        let guesses: Vec<(usize, Guess)> =
+        let mut guesses: Vec<(usize, Guess)> =
             self.names.iter().enumerate().filter_map(|(cell, name)| Some((cell, guess(name)?))).collect();
+        // What was measured goes before what was asked for.
+        guesses.sort_by_key(|(cell, _)| is_asked(&self.names[*cell]));
         let angles = guesses.iter().filter(|(_, guess)| guess.column == Column::Angle);
         let read: Vec<String> = angles.filter_map(|(_, guess)| guess.joint.clone()).collect();
         for (cell, found) in guesses {
@@ -273,8 +275,12 @@ fn guessed(names: &[String], missing: Column, is_robot: bool) -> Vec<Wanted> {
     if is_robot && missing == Column::Angle {
         return alike.iter().filter_map(|(cell, guess)| Some(of(*cell, Some(guess.joint.as_deref()?)))).collect();
     }
-    let several = alike.iter().filter(|(_, guess)| guess.joint.is_some()).count() > 1;
-    let first = alias(missing, names).or(alike.first().map(|(cell, _)| *cell).filter(|_| !several));
+    let of_joints: Vec<usize> =
+        alike.iter().filter(|(_, guess)| guess.joint.is_some()).map(|(cell, _)| *cell).collect();
+    let several = of_joints.len() > 1;
+    let is_one_of_several = |cell: &usize| several && of_joints.contains(cell);
+    let by_alias = alias(missing, names).filter(|cell| !is_one_of_several(cell));
+    let first = by_alias.or(alike.first().map(|(cell, _)| *cell).filter(|_| !several));
     let unit = first.and_then(|cell| guess(&names[cell])).and_then(|guess| guess.unit);
     first
         .map(|cell| {

@@ -7,7 +7,7 @@ pub(super) enum How {
     Name,
     /// The same but for case, punctuation, and what stands before a `/`.
     Alike,
-    /// By their order, the others being as many.
+    /// By their order, the others being as many, or those of the log numbers from the first on.
     Order,
 }
 
@@ -16,7 +16,11 @@ pub(super) fn pairs(log: &[String], robot: &[String]) -> Vec<(usize, usize, How)
     let mut pairs = Vec::new();
     let mut taken = vec![false; robot.len()];
     let mut left: Vec<usize> = (0..log.len()).collect();
-    for how in [How::Name, How::Alike] {
+    let counts_from = counted_from(log);
+    // Where one counts from 0 and the other from 1 the same number is another joint.
+    let counts_otherwise = counts_from == Some(0) && !robot.iter().any(|name| bare(name) == bare(&log[0]));
+    let by_name = if counts_otherwise { &[][..] } else { &[How::Name, How::Alike] };
+    for &how in by_name {
         let is_same = |a: &str, b: &str| if how == How::Name { a == b } else { bare(a) == bare(b) };
         left.retain(|own| {
             let found = (0..robot.len()).find(|k| !taken[*k] && is_same(&log[*own], &robot[*k]));
@@ -30,11 +34,24 @@ pub(super) fn pairs(log: &[String], robot: &[String]) -> Vec<(usize, usize, How)
     let free: Vec<usize> = (0..robot.len()).filter(|k| !taken[*k]).collect();
     // Names that differ are paired by order only where the rest is in the same order too.
     let in_order = pairs.windows(2).all(|pair| (pair[0].0 < pair[1].0) == (pair[0].1 < pair[1].1));
-    if free.len() == left.len() && in_order {
+    let are_numbers = pairs.is_empty() && left.len() < free.len() && counts_from.is_some();
+    if free.len() == left.len() && in_order || are_numbers {
         pairs.extend(left.into_iter().zip(free).map(|(own, at)| (own, at, How::Order)));
     }
     pairs.sort_unstable_by_key(|(own, _, _)| *own);
     pairs
+}
+
+/// The number from which on names count that differ by nothing else, where that is 0 or 1: joints of a log that leaves a
+/// gripper out.
+fn counted_from(names: &[String]) -> Option<usize> {
+    let parts = |name: &String| {
+        let word = name.trim_end_matches(|c: char| c.is_ascii_digit()).to_owned();
+        Some((name[word.len()..].parse::<usize>().ok()?, word))
+    };
+    let all = names.iter().map(parts).collect::<Option<Vec<_>>>()?;
+    let is_next = |pair: &[(usize, String)]| pair[1].0 == pair[0].0 + 1 && pair[1].1 == pair[0].1;
+    (all.len() > 1 && all.windows(2).all(is_next)).then_some(all[0].0).filter(|first| *first <= 1)
 }
 
 fn bare(name: &str) -> String {
@@ -65,5 +82,18 @@ mod tests {
     fn joints_that_are_too_many_stay_out() {
         let found = pairs(&names("elbow finger"), &names("arm/elbow arm/shoulder arm/wrist"));
         assert_eq!(found, [(0, 0, How::Alike)]);
+    }
+
+    #[test]
+    fn numbers_count_the_joints_of_a_robot_that_has_a_gripper_more() {
+        let robot = names("pan lift elbow gripper");
+        assert_eq!(pairs(&names("joint_0 joint_1 joint_2"), &robot), [0, 1, 2].map(|k| (k, k, How::Order)));
+        // The first of a log that counts from 0 is not the last of a robot that counts from 1.
+        let counted = pairs(&names("joint_0 joint_1 joint_2"), &names("joint1 joint2 joint3"));
+        assert_eq!(counted, [0, 1, 2].map(|k| (k, k, How::Order)));
+        assert_eq!(pairs(&names("joint_1 joint_2"), &names("joint1 joint2 joint3"))[1], (1, 1, How::Alike));
+        // No numbers, or such as begin elsewhere, tell no order.
+        assert_eq!(pairs(&names("joint_3 joint_4"), &robot), []);
+        assert_eq!(pairs(&names("left right"), &robot), []);
     }
 }
