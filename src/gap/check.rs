@@ -1,15 +1,15 @@
 //! Before any diagnosis: what the logs of a study can tell about its joint, and what they cannot.
 
-use super::calibrate::calibrate;
-use super::compare::correlation_length;
-use super::detect::detectable;
 use super::diagnose::GapError;
 use super::diagnosis::Detectable;
-use super::doubts::Simulated;
-use super::evidence::{Evidence, counts};
-use super::floor::noise_rad;
-use super::numbers::numbers;
-use super::trial::Trial;
+use super::hypothesis::calibrate::calibrate;
+use super::hypothesis::compare::correlation_length;
+use super::hypothesis::evidence::Evidence;
+use super::hypothesis::floor::noise_rad;
+use super::hypothesis::trial::Trial;
+use super::verdict::detect::detectable;
+use super::verdict::doubts::Simulated;
+use super::verdict::numbers::numbers;
 use crate::fit::Budget;
 use crate::identify::{BeliefFound, Case, Estimate};
 use crate::joint::EffectId;
@@ -63,7 +63,7 @@ pub fn check(case: &Case) -> Result<Checkup, GapError> {
         return Err(GapError::Diverged);
     }
     let floor_rad = noise_rad(&evidence, &[&given, &calibrated]);
-    let [given_rad, calibrated_rad] = [&given, &calibrated].map(|trial| rms_rad(&evidence, trial));
+    let [given_rad, calibrated_rad] = [&given, &calibrated].map(|trial| trial.fit_rms_rad(&evidence));
     let (parameters, _) = numbers(&evidence, &calibrated);
     let (beliefs, undetermined) = (calibrated.beliefs(), calibrated.undetermined(&evidence));
     let noise = (floor_rad, correlation_length(&evidence, &calibrated));
@@ -71,12 +71,6 @@ pub fn check(case: &Case) -> Result<Checkup, GapError> {
     let deadline = &evidence.deadline;
     let doubts = Simulated { causes: &[], beliefs: &beliefs, given_rad, floor_rad, deadline }.doubts(case);
     Ok(Checkup { given_rad, calibrated_rad, floor_rad, parameters, beliefs, undetermined, detectable, doubts })
-}
-
-/// Root of the mean counted square over the fitted logs \[rad\].
-pub(super) fn rms_rad(evidence: &Evidence, trial: &Trial) -> f64 {
-    let samples: f64 = evidence.fit.iter().map(|e| counts(e).sum::<f64>()).sum();
-    (trial.fit_loss(evidence) / samples).sqrt()
 }
 
 #[cfg(test)]

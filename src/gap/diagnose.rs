@@ -1,31 +1,30 @@
 //! A diagnosis from beginning to end.
 
-use super::as_given::AsGiven;
-use super::attribute::Attribution;
-use super::decide::{Decision, EXPLAINED, HARDLY_A_GAP, decide};
-use super::demands::{in_words, resolved};
-use super::detect::detectable;
 use super::diagnosis::{
     Answer, Candidate, Detectable, Diagnosis, Gap, GapOptions, LogGap, LogTraces, Next, Number, ResidualTorque, Verdict,
 };
-use super::differs::{Differs, differing};
-use super::doubts::Simulated;
-use super::evidence::{Evidence, WholeLeft};
-use super::held_out::{HeldOut, closed};
-use super::law_found::{law_found, law_hinted};
-use super::model::{GAIN, INERTIA};
-use super::next::next;
-use super::numbers::{UNNAMED, numbers, numbers_beside};
-use super::place::place;
-use super::rates::{Rates, probability, share_out, standing};
-use super::refuted::soundly_believed;
-use super::rotor;
-use super::sentence::{far, followed, law_words, sentence};
-use super::together::all_together;
-use super::told::{AtBest, tell};
-use super::trial::{Trial, loss};
-use super::twins::{Measured, measure};
-use super::waterfall::causes;
+use super::hypothesis::demands::{in_words, resolved};
+use super::hypothesis::evidence::{Evidence, WholeLeft};
+use super::hypothesis::held_out::{HeldOut, closed};
+use super::hypothesis::model::{GAIN, INERTIA};
+use super::hypothesis::trial::{Trial, loss};
+use super::search::attribute::Attribution;
+use super::search::differs::{Differs, differing};
+use super::search::refuted::soundly_believed;
+use super::search::together::all_together;
+use super::verdict::as_given::AsGiven;
+use super::verdict::decide::{Decision, EXPLAINED, HARDLY_A_GAP, decide};
+use super::verdict::detect::detectable;
+use super::verdict::doubts::Simulated;
+use super::verdict::law_found::{law_found, law_hinted};
+use super::verdict::next::next;
+use super::verdict::numbers::{UNNAMED, numbers, numbers_beside};
+use super::verdict::place::place;
+use super::verdict::rates::{Rates, probability, share_out, standing};
+use super::verdict::sentence::{armature_words, far, followed, law_words, sentence};
+use super::verdict::told::{AtBest, tell};
+use super::verdict::twins::{Measured, measure};
+use super::verdict::waterfall::causes;
 use crate::deadline::NO_PROBABILITY;
 use crate::identify::{BeliefFound, Case, DirectiveError, Estimate, Experiment, JointModel, Signal};
 use crate::joint::EffectId;
@@ -275,7 +274,7 @@ impl<'a> Weighed<'a> {
         further.extend(far(&broken));
         let inertia = &decision.answer.model.parameters()[INERTIA].name;
         if broken.iter().any(|belief| belief.name == *inertia) {
-            further.extend(rotor::in_words(evidence, decision.answer));
+            further.extend(armature_words(evidence, decision.answer));
         }
         further.extend(differs.first().and_then(Differs::instead_of_causes));
         further

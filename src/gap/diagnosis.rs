@@ -1,8 +1,8 @@
 //! What a diagnosis says, as plain data: the engine fills it, reports and JSON show it.
 
 use super::body_kind::BodyKind;
-use super::differs::Differs;
-use super::logs::LogSet;
+use super::hypothesis::logs::LogSet;
+use super::search::differs::Differs;
 use crate::deadline::{Deadline, Spent};
 use crate::identify::{BeliefFound, Directives, Estimate};
 use crate::joint::{EffectId, LawTable, LawVariable, Stage};

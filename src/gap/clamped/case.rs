@@ -3,8 +3,8 @@
 use super::along::Along;
 use super::followed::SimulatedMotion;
 use super::setup::{ClampedCaseError, ClampedSetup};
-use crate::gap::evidence::WholeLeft;
-use crate::gap::told::AtBest;
+use crate::gap::hypothesis::evidence::WholeLeft;
+use crate::gap::verdict::told::AtBest;
 use crate::identify::Case;
 use crate::log::{ArrayLog, DriveMode, JointBeliefs, JointSpec, Nominal, RobotLog, Spread, Uncertain};
 use crate::robot::description::{FoundNumber, Mover, MoverId};

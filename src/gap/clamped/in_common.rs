@@ -1,8 +1,8 @@
 //! What all joints of a robot have with one size, put into their answers.
 
 use super::diagnose::{ClampedAnswer, ClampedDiagnosis, ClampedGap, SharedCause, gap, sentence, severity};
-use crate::gap::held_out::closed;
-use crate::gap::sentence::{REFITTED, words};
+use crate::gap::hypothesis::held_out::closed;
+use crate::gap::verdict::sentence::{REFITTED, words};
 use crate::gap::{CauseShare, Diagnosis, Number, Verdict};
 use crate::joint::EffectForm;
 use crate::number::{capital, mrad, quantity};

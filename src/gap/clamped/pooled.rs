@@ -4,7 +4,7 @@
 //! one number for all is no worse than one for each.
 
 use super::diagnose::{JointAnswer, found_of};
-use crate::gap::sentence::number_words;
+use crate::gap::verdict::sentence::number_words;
 use crate::gap::{Diagnosis, Number};
 use crate::number::chance::{HALF_95, sd_of};
 use crate::number::{math, quantity};

@@ -5,9 +5,9 @@ use super::numbers::Which;
 use super::parameters::{Estimated, detectable, law, named};
 use super::search::{Choice, Found, values};
 use super::sure::Redraws;
-use crate::gap::as_given::AsGiven;
-use crate::gap::held_out::closed;
-use crate::gap::sentence::{MUCH_LEFT, REFITTED, closing_in, number_words, them, words};
+use crate::gap::hypothesis::held_out::closed;
+use crate::gap::verdict::as_given::AsGiven;
+use crate::gap::verdict::sentence::{MUCH_LEFT, REFITTED, closing_in, number_words, them, words};
 use crate::gap::{
     Answer, Candidate, CauseShare, Detectable, Diagnosis, Gap, LawFound, LogGap, Number, Variable, Verdict, Where,
 };

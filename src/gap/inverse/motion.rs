@@ -13,8 +13,8 @@ use crate::gap::clamped::{
     BodyCause, BodyName, ClampedCase, ClampedDiagnosis, ClampedJoint, ClampedSetup, JointAnswer, concluded,
     concluded_of, diagnose_clamped, diagnose_joints,
 };
-use crate::gap::decide::leaves_something;
-use crate::gap::recalibrated::Refitted;
+use crate::gap::verdict::decide::leaves_something;
+use crate::gap::verdict::recalibrated::Refitted;
 use crate::gap::whole::{BodyAtBest, body_at_best, placed_causes};
 use crate::gap::{Diagnosis, GapOptions, Verdict};
 use crate::joint::EffectId;

@@ -3,7 +3,7 @@
 use super::design::{Curve, Family};
 use super::numbers::{Values, Which};
 use super::system::Solved;
-use crate::gap::looks_like::look;
+use crate::gap::location::looks_like::look;
 use crate::gap::{Detectable, LawFound, Number};
 use crate::joint::{EffectId, LawActs, LawTable};
 use crate::number::chance::HALF_95;

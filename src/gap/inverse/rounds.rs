@@ -5,8 +5,8 @@ use crate::gap::clamped::{
     ClampedCase, ClampedDiagnosis, ClampedJoint, ClampedSetup, JointAnswer, concluded_of, diagnose_clamped,
     diagnose_joints,
 };
-use crate::gap::decide::leaves_something;
-use crate::gap::evidence::WholeLeft;
+use crate::gap::hypothesis::evidence::WholeLeft;
+use crate::gap::verdict::decide::leaves_something;
 use crate::gap::whole::{AsFound, as_found};
 use crate::gap::{GapError, GapOptions, Verdict};
 use crate::joint::EffectId;

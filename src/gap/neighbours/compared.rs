@@ -2,10 +2,10 @@
 
 use super::{Cause, EQUAL_DEVIANCE, Hypothesis, Swings};
 use crate::fit::Rejected;
-use crate::gap::decide::leaves_something;
-use crate::gap::floor::noise_of;
-use crate::gap::held_out::closed;
-use crate::gap::score::Measure;
+use crate::gap::hypothesis::floor::noise_of;
+use crate::gap::hypothesis::held_out::closed;
+use crate::gap::hypothesis::score::Measure;
+use crate::gap::verdict::decide::leaves_something;
 use crate::identify::Experiment;
 use crate::robot::bench::Held;
 use rayon::prelude::*;

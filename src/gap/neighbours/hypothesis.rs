@@ -3,9 +3,9 @@
 use super::problem::{Problem, held};
 use super::{Cause, Swings, at_rest_rad};
 use crate::fit::{Budget, Rejected, Residuals, Solution, approach, uncertainty};
-use crate::gap::grow::LOOK;
-use crate::gap::score::Measure;
-use crate::gap::trial::{CLOSE, losses};
+use crate::gap::hypothesis::score::Measure;
+use crate::gap::hypothesis::trial::{CLOSE, losses};
+use crate::gap::search::grow::LOOK;
 use crate::identify::{Estimate, Experiment, counts, estimates, free_of, ranked};
 use crate::robot::simulate::SimulateError;
 use rayon::prelude::*;

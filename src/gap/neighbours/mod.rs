@@ -19,8 +19,8 @@ mod swings;
 #[cfg(test)]
 mod tests;
 
-pub use super::decide::leaves_something;
-pub use super::score::EQUAL_DEVIANCE;
+pub use super::hypothesis::score::EQUAL_DEVIANCE;
+pub use super::verdict::decide::leaves_something;
 pub use cause::Cause;
 pub use compared::{Compared, Ranked};
 pub use hypothesis::Hypothesis;

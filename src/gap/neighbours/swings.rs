@@ -1,8 +1,8 @@
 //! The swings that are fitted, and the drops of the whole robot that repeat them.
 
-use crate::gap::grow::FACTORS;
-use crate::gap::model::parameters_of;
+use crate::gap::hypothesis::model::parameters_of;
 use crate::gap::reach_of;
+use crate::gap::search::grow::FACTORS;
 use crate::geometry::{LinkBody, joint_name};
 use crate::identify::{Case, Experiment, LegCase, Named, Parameter, starts_of};
 use crate::joint::{EffectId, Reach};

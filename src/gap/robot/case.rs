@@ -1,6 +1,6 @@
 //! A robot study with its logs, ready to be compared with a simulation.
 
-use crate::gap::reach::travels;
+use crate::gap::hypothesis::reach::travels;
 use crate::log::{Forward, RobotLog, RobotScenario, RobotStudy, Role, read_robot_study, read_robot_study_logs};
 use crate::robot::Model;
 use crate::robot::simulate::SimulateError;

@@ -23,8 +23,8 @@ use super::standing::standing;
 use super::suspects::Suspects;
 use super::torque::residual_torque_nm;
 use crate::deadline::NO_PROBABILITY;
-use crate::gap::held_out::closed;
-use crate::gap::rates::{Rates, probability};
+use crate::gap::hypothesis::held_out::closed;
+use crate::gap::verdict::rates::{Rates, probability};
 use crate::gap::{Next, Verdict};
 use rayon::prelude::*;
 

@@ -3,7 +3,7 @@
 use super::case::{CaseLog, RobotCase};
 use super::cause::{Cause, Change};
 use super::scatter::Scatter;
-use crate::gap::reach::mean_period_s;
+use crate::gap::hypothesis::reach::mean_period_s;
 use crate::joint::EffectId;
 use crate::log::RobotScenario;
 use crate::robot::simulate::{BaseSample, Joints, Method, Scenario, SimulateError, Surroundings, run};

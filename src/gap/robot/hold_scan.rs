@@ -6,7 +6,9 @@
 use super::bench::Bench;
 use super::layout::{Channel, Row};
 use super::noise::{Noise, Weighed};
-use crate::gap::held_response::{HeldJoint, HeldResponse, LANES, WORTH, best_apart, finer_holds_s, tried_holds_s};
+use crate::gap::search::held_response::{
+    HeldJoint, HeldResponse, LANES, WORTH, best_apart, finer_holds_s, tried_holds_s,
+};
 use crate::joint::Driven;
 use crate::log::{Derivative, Hold};
 use rayon::prelude::*;

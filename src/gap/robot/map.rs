@@ -4,8 +4,8 @@ use super::bench::Bench;
 use super::diagnosis::{GaitCell, GaitPhase};
 use super::layout::Row;
 use crate::gap::Variable;
-use crate::gap::map::discoveries;
-use crate::gap::reach::mean_period_s;
+use crate::gap::hypothesis::reach::mean_period_s;
+use crate::gap::location::map::discoveries;
 use crate::joint::Setpoint;
 use crate::number::chance::normal_tail;
 

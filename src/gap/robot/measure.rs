@@ -7,7 +7,7 @@ use super::forward::predict;
 use super::layout::{Channel, displacement_m};
 use super::refine::Hypothesis;
 use super::scatter::Scatter;
-use crate::gap::held_out::{closed, closed_interval};
+use crate::gap::hypothesis::held_out::{closed, closed_interval};
 use crate::gap::{LogGap, Verdict};
 
 /// Blocks of samples that are drawn together: longer than any transient of a joint.

@@ -2,7 +2,7 @@
 
 use super::case::{CaseLog, RobotCase};
 use super::forward::Predicted;
-use crate::gap::reach::mean_period_s;
+use crate::gap::hypothesis::reach::mean_period_s;
 use crate::joint::{DrivenReach, Reach, Setpoint};
 use crate::robot::{Dynamics, State};
 

@@ -2,7 +2,7 @@
 
 use super::cause::Cause;
 use super::diagnosis::{Found, RobotGap};
-use crate::gap::sentence::{REFITTED, closing, far, moved, them, words as effect_words};
+use crate::gap::verdict::sentence::{REFITTED, closing, far, moved, them, words as effect_words};
 use crate::gap::{BeliefFound, Verdict};
 use crate::number::{mrad, quantity};
 

@@ -5,7 +5,7 @@ use super::parts::{append, parts};
 use super::robot::{PlacedCause, Stretch, WholeRobot};
 use super::unknown::{Quantity, Unknown, believed, is_body};
 use crate::gap::clamped::ClampedSetup;
-use crate::gap::reach::mean_period_s;
+use crate::gap::hypothesis::reach::mean_period_s;
 use crate::log::{DriveMode, JointColumns, RobotLog, Role};
 use crate::number::chance::HALF_95;
 use crate::robot::description::FoundNumber;

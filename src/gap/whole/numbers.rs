@@ -2,7 +2,7 @@
 
 use super::masses::{masses, own_inertias};
 use crate::gap::clamped::{BodyCause, BodyKind, ClampedDiagnosis, ClampedSetup};
-use crate::gap::rotor::armature_kg_m2;
+use crate::gap::hypothesis::rotor::armature_kg_m2;
 use crate::gap::{CauseShare, Diagnosis, Number, Verdict};
 use crate::identify::Estimate;
 use crate::joint::EffectId;

@@ -2,7 +2,7 @@
 
 use super::parts::{append, parts};
 use crate::gap::clamped::{ClampedDiagnosis, ClampedSetup};
-use crate::gap::reach::mean_period_s;
+use crate::gap::hypothesis::reach::mean_period_s;
 use crate::gap::{CauseShare, Number};
 use crate::joint::{EffectForm, EffectId, Knee, Motor, TorqueLimit};
 use crate::log::RobotLog;

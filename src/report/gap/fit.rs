@@ -2,7 +2,7 @@
 
 use super::GapReport;
 use super::rows::{joint_rows, number_row, residual_rms_rad};
-use crate::gap::rotor::armature_kg_m2;
+use crate::gap::hypothesis::rotor::armature_kg_m2;
 use crate::gap::{Diagnosis, LogTraces, Number};
 use crate::identify::Case;
 use crate::joint::EffectId;
