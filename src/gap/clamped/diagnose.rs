@@ -1,5 +1,6 @@
 //! Every joint of a robot diagnosed, and what they have in common.
 
+use super::answer::{JointAnswer, found_of};
 use super::body::BodyCause;
 use super::case::{ClampedCase, ClampedJoint};
 use super::pooled::{PooledNumber, one_size, pooled};
@@ -94,15 +95,6 @@ pub struct SharedCause {
     pub share: f64,
     /// Whether the whole robot tells it of all joints, with one size, and not each of them alone.
     pub common: bool,
-}
-
-/// A joint's own answer.
-#[derive(Clone, Debug, Serialize)]
-pub struct JointAnswer {
-    /// Its name.
-    pub joint: String,
-    /// What was found; `None` where it never moved in a log.
-    pub diagnosis: Option<Diagnosis>,
 }
 
 /// Diagnoses a robot's joints, each along the measured motion of the others. `progress` is told what is being tried, and
@@ -290,11 +282,6 @@ impl ClampedDiagnosis {
         }
         self
     }
-}
-
-/// Answers of the joints that move.
-pub(super) fn found_of(joints: &[JointAnswer]) -> impl Iterator<Item = &Diagnosis> {
-    joints.iter().filter_map(|joint| joint.diagnosis.as_ref())
 }
 
 /// Tells another how many joints are done.

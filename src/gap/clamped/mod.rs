@@ -4,7 +4,9 @@
 //! changes ([`Carriage`](crate::joint::Carriage)): the same kernel, fit, search and decision serve it. A joint answers for
 //! its own fault and not for its neighbour's.
 
+mod alike;
 mod along;
+mod answer;
 mod body;
 mod case;
 mod diagnose;
@@ -17,10 +19,11 @@ mod setup;
 pub(super) mod tests;
 
 pub use super::BodyKind;
+pub use answer::JointAnswer;
 pub(super) use body::{BELIEVED, BODY_OPEN};
 pub use body::{BodyCause, BodyName};
 pub use case::{ClampedCase, ClampedJoint};
-pub use diagnose::{ClampedAnswer, ClampedDiagnosis, ClampedGap, JointAnswer, SharedCause, diagnose_clamped};
+pub use diagnose::{ClampedAnswer, ClampedDiagnosis, ClampedGap, SharedCause, diagnose_clamped};
 pub(super) use diagnose::{concluded, concluded_of, diagnose_joints};
 pub(super) use followed::SimulatedMotion;
 pub(super) use in_common::Common;

@@ -3,12 +3,11 @@
 //! Near its answer every joint's logs say of a number what its interval says; together they say the weighed mean, and whether
 //! one number for all is no worse than one for each.
 
-use super::diagnose::{JointAnswer, found_of};
+use super::answer::{JointAnswer, found_of};
 use crate::gap::verdict::sentence::number_words;
 use crate::gap::{Diagnosis, Number};
 use crate::number::chance::{HALF_95, sd_of};
 use crate::number::{math, quantity};
-use crate::robot::description::{Description, LinkId, MoverId};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -16,8 +15,6 @@ use std::collections::BTreeMap;
 const SCATTER: f64 = 0.05;
 /// A ratio that stands out of one by so many standard deviations is said.
 const STANDS_OUT: f64 = 3.0;
-/// Masses that differ by less than this share are those of joints of one kind.
-const ALIKE: f64 = 0.02;
 /// The group of all joints.
 const ALL: &str = "all";
 
@@ -100,32 +97,9 @@ pub(super) fn one_size(sizes: &[&Number]) -> Option<Number> {
     Some(Number { name: first.name.clone(), value, unit: first.unit.clone(), interval, interval_naive: interval })
 }
 
-/// Joints that the tree's symmetry makes alike: as far from the base, moving as much, and carrying as much.
-pub(super) fn alike(description: &Description) -> BTreeMap<String, Vec<String>> {
-    let carried = |joint: MoverId| -> f64 {
-        let carries = |k: &usize| description.carriers(LinkId(*k)).contains(&joint);
-        (0..description.links.len()).filter(carries).map(|k| description.links[k].inertia.mass_kg).sum()
-    };
-    let near = |a: f64, b: f64| (a - b).abs() <= ALIKE * a.abs().max(b.abs());
-    let mut kinds: Vec<(usize, f64, f64, Vec<String>)> = Vec::new();
-    for (k, joint) in description.joints.iter().enumerate() {
-        let depth = description.carriers(joint.link).iter().position(|own| own.0 == k).unwrap_or(0);
-        let (own, all) = (description.links[joint.link.0].inertia.mass_kg, carried(MoverId(k)));
-        let kind = kinds.iter_mut().find(|kind| kind.0 == depth && near(kind.1, own) && near(kind.2, all));
-        match kind {
-            Some(kind) if all > 0.0 => kind.3.push(joint.name.clone()),
-            _ => kinds.push((depth, own, all, vec![joint.name.clone()])),
-        }
-    }
-    let several = kinds.into_iter().map(|kind| kind.3).filter(|joints| joints.len() > 1);
-    several.map(|joints| (joints.join(", "), joints)).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::RobotTables;
-    use std::path::Path;
 
     #[test]
     fn values_that_agree_are_one_and_others_are_not() {
@@ -133,14 +107,5 @@ mod tests {
         assert!((mean - 1.85).abs() < 1e-9 && sd < 0.05);
         assert!(agreed(&[(1.0, 0.05), (1.5, 0.05)]).is_none());
         assert!(agreed(&[(1.0, 0.05)]).is_none());
-    }
-
-    #[test]
-    fn legs_of_one_make_are_found_from_the_tree() {
-        let tables = RobotTables::from_toml(Path::new("e.toml"), include_str!("../../../data/ers7.toml")).unwrap();
-        let groups = alike(&Description::of_tables(&tables, Path::new("e.toml")));
-        let knees: Vec<&Vec<String>> = groups.values().filter(|joints| joints.iter().any(|j| j == "lf3")).collect();
-        assert_eq!(knees.len(), 1, "{groups:?}");
-        assert!(["lf3", "rf3"].iter().all(|name| knees[0].iter().any(|own| own == name)), "{groups:?}");
     }
 }

@@ -1,6 +1,6 @@
 //! A study of a robot with a clamped base with everything that it names: description, tree, logs.
 
-use super::pooled::alike;
+use super::alike::alike;
 use crate::identify::CaseError;
 use crate::log::{
     ClampedStudy, JointBeliefs, LogError, MotorSpec, RobotLog, read_clamped_study, read_clamped_study_logs,

@@ -1,5 +1,6 @@
 use super::along::Along;
-use super::diagnose::{JointAnswer, concluded};
+use super::answer::JointAnswer;
+use super::diagnose::concluded;
 use crate::gap::{Answer, Diagnosis, Gap, Number, Verdict};
 use crate::identify::Directives;
 use crate::joint::EffectId;

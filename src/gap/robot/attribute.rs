@@ -5,19 +5,9 @@ use super::cause::Cause;
 use super::decide::{is_explained, leaves_enough, leaves_much};
 use super::part::Part;
 use super::refine::{Hypothesis, refine, refine_on, refine_roughly};
-use super::screen::{Candidate, Column, around, columns, rank, rescan_holds};
+use super::screen::{Candidate, around, columns, rank, rescan_holds};
+use super::tried::Attribution;
 use rayon::prelude::*;
-
-/// Everything that was tried in full.
-pub(super) struct Attribution {
-    /// What each cause changes, to first order.
-    pub columns: Vec<Column>,
-    pub given: Hypothesis,
-    /// One cause each, best first.
-    pub firsts: Vec<Hypothesis>,
-    /// Two causes each, best first; empty where one is not needed.
-    pub seconds: Vec<Hypothesis>,
-}
 
 /// Candidates that are refitted, and of one cause at most so many.
 const TRIED: usize = 8;
@@ -39,14 +29,14 @@ const LEAST_GAIN: f64 = 6.0;
 /// From this gain on a first cause is worth a search for a second.
 pub(super) const CLEAR_GAIN: f64 = 40.0;
 
-/// Tries all causes that are considered.
+/// Tries all causes that are considered; `None` where the robot runs away with its numbers adapted.
 pub(super) fn attribute(
     bench: &Bench<'_>,
     considered: &(dyn Fn(Cause) -> bool + Sync),
     progress: &(dyn Fn(&str) + Sync),
-) -> Attribution {
+) -> Option<Attribution> {
     progress("what each cause would change");
-    let given = Hypothesis::given(bench);
+    let given = Hypothesis::given(bench)?;
     let mut columns = columns(bench, &|cause| !cause.is_play() && considered(cause), &given.residual);
     progress("fitting the likeliest causes");
     let firsts = one_each(bench, &rank(bench, &columns, &given.residual));
@@ -63,7 +53,7 @@ pub(super) fn attribute(
     }
     let is_clear = |first: &&Hypothesis| given.loss() - first.loss() > CLEAR_GAIN && leaves_enough(bench, first);
     let Some(first) = firsts.first().filter(is_clear) else {
-        return Attribution { columns, given, firsts, seconds: Vec::new() };
+        return Some(Attribution { columns, given, firsts, seconds: Vec::new() });
     };
     progress("looking for a second cause");
     let mut beside = |first: &Hypothesis| {
@@ -81,7 +71,7 @@ pub(super) fn attribute(
         Some(pair) => reconsidered(bench, firsts, pair),
         None => firsts,
     };
-    Attribution { columns, given, firsts, seconds }
+    Some(Attribution { columns, given, firsts, seconds })
 }
 
 /// One cause each, best first: the likeliest, and what the joints of the best may have besides. To first order a strong

@@ -24,23 +24,10 @@ impl Uncertain {
     }
 }
 
-/// A number as the study states it, in its unit.
-pub(super) fn believed(bench: &Bench<'_>, number: Uncertain) -> f64 {
-    let law = |joint: usize| {
-        let id = bench.case.model().joint_ids().nth(joint);
-        id.map(|id| &bench.case.nominal.joints.drive(id).chain.friction)
-    };
-    match number {
-        Uncertain::Mass(body) => bench.case.model().bodies()[body].mass_kg,
-        Uncertain::Coulomb(joint) => law(joint).map_or(0.0, |law| law.coulomb_nm),
-        Uncertain::Viscous(joint) => law(joint).map_or(0.0, |law| law.viscous_nm_s_rad),
-    }
-}
-
-/// Its standard deviation, in its unit.
+/// The standard deviation of a number, in its unit.
 fn sd(bench: &Bench<'_>, number: Uncertain) -> f64 {
     match number {
-        Uncertain::Mass(_) => bench.spreads.sd(number) * believed(bench, number),
+        Uncertain::Mass(_) => bench.spreads.sd(number) * bench.believed(number),
         _ => bench.spreads.sd(number),
     }
 }
@@ -71,7 +58,7 @@ fn moved<'a>(bench: &'a Bench<'_>, decision: &'a Decision<'_>) -> Vec<(usize, Un
 /// Every number that is uncertain, the one that moved farthest first.
 pub(super) fn beliefs(bench: &Bench<'_>, decision: &Decision<'_>) -> Vec<BeliefFound> {
     let of = |(_, number, moved_sd): (usize, Uncertain, f64)| {
-        let (believed, sd) = (believed(bench, number), sd(bench, number));
+        let (believed, sd) = (bench.believed(number), sd(bench, number));
         let unit = match number {
             Uncertain::Mass(_) => "kg",
             Uncertain::Coulomb(_) => "N m",
@@ -98,7 +85,7 @@ pub(super) fn off(bench: &Bench<'_>, decision: &Decision<'_>) -> Option<Found> {
     let (cause, _) = number.friction()?;
     let (name, unit) = cause.named()[0];
     let sd = sd(bench, number);
-    let value = (believed(bench, number) + size * sd).max(0.0);
+    let value = (bench.believed(number) + size * sd).max(0.0);
     let around = |spread: f64| Some([-1.0, 1.0].map(|side| (value + side * HALF_95 * spread * sd).max(0.0)));
     let spread = bench.noise.spread(k);
     let left = (decision.excess + 1.0).max(1.0).sqrt();
@@ -122,7 +109,7 @@ pub(super) fn off(bench: &Bench<'_>, decision: &Decision<'_>) -> Option<Found> {
 pub(super) fn changes(bench: &Bench<'_>, decision: &Decision<'_>) -> Vec<Change> {
     let of = |(_, number, size): (usize, Uncertain, f64)| {
         let (cause, joint) = number.friction().filter(|_| size.abs() > REPAIRED_SD)?;
-        let value = (believed(bench, number) + size * sd(bench, number)).max(0.0);
+        let value = (bench.believed(number) + size * sd(bench, number)).max(0.0);
         Some(Change { cause, place: Place::joint(joint), values: vec![value] })
     };
     let mut changes: Vec<Change> = moved(bench, decision).into_iter().filter_map(of).collect();

@@ -1,16 +1,14 @@
 //! Where hypotheses about a robot are tried: the study, the vector of all samples, and simulations of them.
 
-use super::attained::Attained;
 use super::case::RobotCase;
 use super::cause::Change;
 use super::forward::{Predicted, floor_of, predict};
 use super::glance::Walks;
-use super::layout::{Channel, FORWARD_SD_M, Layout};
+use super::layout::{Channel, FORWARD_SD_M, Layout, less};
 use super::noise::Noise;
 use super::place::Place;
 use super::reach::reach_of;
 use super::scatter::{Number, Scatter, Spreads};
-use super::settle::settled;
 use super::start::Body;
 use super::still::flickers;
 use crate::deadline::Deadline;
@@ -36,8 +34,6 @@ const PLAY: f64 = 5e-5;
 const PLAY_AT_A_GLANCE: f64 = 1e-4;
 /// Differences by which columns of uncertain numbers are taken, in their standard deviations.
 const NUDGE: f64 = 0.2;
-/// Points about which the robot's numbers alone are fitted at most.
-const POINTS: usize = 6;
 /// Robots that are drawn to see how much a walk changes with numbers that are never quite right.
 const DRAWN: u64 = 24;
 /// So many of them however late it is.
@@ -60,8 +56,6 @@ pub(super) struct Bench<'a> {
     /// The study's robot as stated, at the fine and at the coarse step.
     pub stated: Vec<f64>,
     stated_coarse: Vec<f64>,
-    /// Clamped: what numbers alone explain, within their beliefs.
-    pub recalibrated: Option<Attained>,
     pub given_logs: Vec<Predicted>,
     /// On the floor: where causes are screened.
     walks: Option<Walks>,
@@ -108,7 +102,6 @@ impl<'a> Bench<'a> {
             measured,
             stated,
             stated_coarse,
-            recalibrated: None,
             given_logs,
             walks,
             groups,
@@ -124,8 +117,6 @@ impl<'a> Bench<'a> {
             let (columns, numbers) = bench.uncertain(&none, &[]).ok_or(RanAway)?;
             bench.numbers = numbers;
             bench.weigh_by(columns, &vec![0.0; bench.layout.len])?;
-            let as_stated = vec![0.0; bench.numbers.len()];
-            bench.recalibrated = Some(settled(&bench, Vec::new(), as_stated, POINTS).ok_or(RanAway)?.attained);
         } else {
             let (columns, mut extra) = bench.drawn();
             extra.iter_mut().zip(bench.unresolved()).for_each(|(extra, more)| *extra += more);
@@ -215,6 +206,19 @@ impl<'a> Bench<'a> {
             }
         }
         column
+    }
+
+    /// A number as the study states it, in its unit.
+    pub fn believed(&self, number: Number) -> f64 {
+        let law = |joint: usize| {
+            let id = self.case.model().joint_ids().nth(joint);
+            id.map(|id| &self.case.nominal.joints.drive(id).chain.friction)
+        };
+        match number {
+            Number::Mass(body) => self.case.model().bodies()[body].mass_kg,
+            Number::Coulomb(joint) => law(joint).map_or(0.0, |law| law.coulomb_nm),
+            Number::Viscous(joint) => law(joint).map_or(0.0, |law| law.viscous_nm_s_rad),
+        }
     }
 
     /// Joints that are compared on the limb of a body.
@@ -309,12 +313,6 @@ impl<'a> Bench<'a> {
         }
         column
     }
-}
-
-/// What readings differ from others by; 0 where they end.
-pub(super) fn less(there: &[f64], given: &[f64]) -> Vec<f64> {
-    let pairs = there.iter().zip(given);
-    pairs.map(|(there, given)| if there.is_finite() { there - given } else { 0.0 }).collect()
 }
 
 /// Whether a joint has free play.

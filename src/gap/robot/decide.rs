@@ -1,11 +1,12 @@
 //! From everything that was tried to one answer.
 
 use super::attained::Attained;
-use super::attribute::Attribution;
 use super::bench::Bench;
 use super::cause::Cause;
+use super::noise::MATERIAL;
 use super::place::Place;
 use super::refine::Hypothesis;
+use super::tried::Attribution;
 use super::unseen::Unseen;
 use crate::gap::Verdict;
 
@@ -53,9 +54,6 @@ const SIMPLER: f64 = 0.005;
 /// Share of what the uncertain numbers take out to first order that their second order may leave.
 const SECOND_ORDER: f64 = 0.01;
 
-/// A cause moves its joints by so much of a noise variance per sample at least. Two honest simulations of one robot, one of
-/// them with friction made smooth, differ by less; with many joints the mere gain would show it.
-pub(super) const MATERIAL: f64 = 0.05;
 /// Share of what the uncertain numbers take out that may be left of a robot with which nothing is the matter.
 const LEFT_OVER: f64 = 0.005;
 /// And no more than this of a noise variance per sample: what is far above the sensor's noise is not explained.

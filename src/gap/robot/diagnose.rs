@@ -1,6 +1,6 @@
 //! A diagnosis of a robot from beginning to end.
 
-use super::attribute::{Attribution, attribute};
+use super::attribute::attribute;
 use super::beliefs::{beliefs, broken, changes, off};
 use super::bench::{Bench, followed_s};
 use super::case::RobotCase;
@@ -22,6 +22,7 @@ use super::sentence::{Said, sentence};
 use super::standing::standing;
 use super::suspects::Suspects;
 use super::torque::residual_torque_nm;
+use super::tried::Attribution;
 use crate::deadline::NO_PROBABILITY;
 use crate::gap::hypothesis::held_out::closed;
 use crate::gap::verdict::rates::{Rates, probability};
@@ -62,7 +63,7 @@ pub fn diagnose_robot(
     let bench = Bench::new(case, &options.deadline).map_err(|_| RobotGapError::Diverged)?;
     let floor_or_trunk = |cause: Cause| !case.is_clamped() || !cause.is_of_robot();
     let considered = |cause: Cause| options.considers(cause) && floor_or_trunk(cause);
-    let tried = attribute(&bench, &considered, progress);
+    let tried = attribute(&bench, &considered, progress).ok_or(RobotGapError::Diverged)?;
     progress("weighing");
     let decision = decide(&bench, &tried);
     let gap = gap(&bench, &tried.given, &decision);

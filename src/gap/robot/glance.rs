@@ -3,11 +3,10 @@
 //! Feet stand where the landing put them until all have stepped once, and only then a walk is compared: how long a robot
 //! stood before is forgotten by then. The robot as given is simulated alike, so that errors cancel.
 
-use super::bench::less;
 use super::case::{CaseLog, RobotCase};
 use super::cause::Change;
 use super::forward::predict;
-use super::layout::Layout;
+use super::layout::{Layout, less};
 use super::scatter::Scatter;
 
 /// Long enough to land and to come to rest \[s\].

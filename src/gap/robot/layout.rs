@@ -223,3 +223,9 @@ pub(super) fn period_s(log: &CaseLog, begin_s: f64) -> Option<f64> {
     }
     None
 }
+
+/// What readings differ from others by; 0 where they end.
+pub(super) fn less(there: &[f64], given: &[f64]) -> Vec<f64> {
+    let pairs = there.iter().zip(given);
+    pairs.map(|(there, given)| if there.is_finite() { there - given } else { 0.0 }).collect()
+}

@@ -11,6 +11,7 @@
 mod attained;
 mod attribute;
 mod beliefs;
+mod believed;
 mod bench;
 mod case;
 mod cause;
@@ -42,6 +43,7 @@ mod suspects;
 #[cfg(test)]
 mod tests;
 mod torque;
+mod tried;
 mod unseen;
 
 pub use case::RobotCase;

@@ -1,12 +1,12 @@
 //! The motion that would tell apart what these logs cannot.
 
-use super::attribute::Attribution;
 use super::bench::{Bench, followed_s};
 use super::case::CaseLog;
 use super::decide::{Decision, told_apart};
 use super::forward::predict;
 use super::refine::Hypothesis;
 use super::scatter::Scatter;
+use super::tried::Attribution;
 use crate::gap::{Next, Verdict};
 use crate::number::chance::normal_tail;
 

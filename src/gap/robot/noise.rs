@@ -2,6 +2,10 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
+/// A cause moves its joints by so much of a noise variance per sample at least. Two honest simulations of one robot, one of
+/// them with friction made smooth, differ by less; with many joints the mere gain would show it.
+pub(super) const MATERIAL: f64 = 0.05;
+
 /// The covariance `C = D + U U'` of what is left where nothing is the matter: each sample's own variance, and what is
 /// uncertain everywhere, to first order.
 pub(super) struct Noise {

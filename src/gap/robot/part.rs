@@ -1,7 +1,6 @@
 //! Causes with their values, and the robot that has them.
 
 use super::attained::BELIEVED_SD;
-use super::beliefs::believed;
 use super::bench::Bench;
 use super::cause::{Cause, Change};
 use super::place::Place;
@@ -33,7 +32,7 @@ impl Part {
         };
         let off = |joint: &usize| {
             let number = number(*joint);
-            (self.values[0] - believed(bench, number)).abs() <= BELIEVED_SD * bench.spreads.sd(number)
+            (self.values[0] - bench.believed(number)).abs() <= BELIEVED_SD * bench.spreads.sd(number)
         };
         self.place.joints.iter().all(off)
     }

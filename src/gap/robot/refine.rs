@@ -35,6 +35,9 @@ struct Effort {
     points: usize,
 }
 
+/// Points about which the robot's numbers alone are fitted at most.
+const POINTS: usize = 6;
+
 const ROUGHLY: Effort = Effort { clamped: 14, on_the_floor: 6, points: 1 };
 const IN_FULL: Effort = Effort { clamped: 26, on_the_floor: 24, points: 3 };
 /// The same with free play, of which every trial takes as long as dozens of others.
@@ -50,11 +53,14 @@ const NUDGE_ROUGH: f64 = 0.15;
 const HALVINGS: usize = 4;
 
 impl Hypothesis {
-    /// The study's robot as given.
-    pub fn given(bench: &Bench<'_>) -> Self {
+    /// The study's robot as given, with the uncertain numbers adapted; `None` where a clamped one runs away with these.
+    pub fn given(bench: &Bench<'_>) -> Option<Self> {
         let residual = bench.gap();
-        let attained = bench.recalibrated.clone().unwrap_or_else(|| to_first_order(bench, &residual));
-        Self { parts: Vec::new(), attained, residual, free: Vec::new(), covariance: None }
+        let attained = match bench.case.is_clamped() {
+            true => settled(bench, Vec::new(), vec![0.0; bench.numbers.len()], POINTS)?.attained,
+            false => to_first_order(bench, &residual),
+        };
+        Some(Self { parts: Vec::new(), attained, residual, free: Vec::new(), covariance: None })
     }
 
     /// What settled beside a clamped trunk, with what was known of its values before.

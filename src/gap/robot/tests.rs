@@ -1,7 +1,6 @@
 //! Promises about the parts of a robot's diagnosis, on logs of its own making.
 
 use super::attained::Attained;
-use super::beliefs::believed;
 use super::bench::Bench;
 use super::case::RobotCase;
 use super::cause::Cause;
@@ -128,7 +127,7 @@ fn numbers_that_move_far_and_close_nothing_are_as_believed() {
     // Half of a standard deviation more is friction within its belief, five are not.
     let part = |times: f64| {
         let number = Number::Coulomb(knee);
-        let values = vec![believed(&bench, number) + times * bench.spreads.sd(number)];
+        let values = vec![bench.believed(number) + times * bench.spreads.sd(number)];
         Part { cause: Cause::Coulomb, place: Place::joint(knee), values }
     };
     assert!(part(0.5).is_believed(&bench) && !part(5.0).is_believed(&bench));

@@ -1,7 +1,7 @@
 //! A body that torques along the measured motion ask for, with the mass and the place at which the whole robot follows its
 //! logs best: torques of servos that are only stated tell these roughly.
 
-use super::followed::explains;
+use super::common::explains;
 use super::numbers::{found_robot, of_body};
 use super::robot::PlacedCause;
 use super::settled::{Settled, settled};

@@ -4,12 +4,12 @@
 //! effect that joints propose is put on all of them, and those that explain most beyond numbers to first order are fitted.
 
 use super::bench::{Bench, Point, Slopes, mean_square};
-use super::followed::explains;
 use super::numbers::found_robot;
 use super::robot::{PlacedCause, placed_causes};
 use super::settled::{Settled, each, settled_alike};
 use crate::deadline::Deadline;
 use crate::gap::clamped::{ClampedDiagnosis, ClampedSetup, Common};
+use crate::gap::verdict::decide::leaves_something;
 use crate::gap::{Diagnosis, Number};
 use crate::joint::{EffectForm, EffectId, Named};
 use crate::number::chance::HALF_95;
@@ -88,6 +88,13 @@ pub(super) fn in_common(
         both.filter(|(_, whole)| explains(whole, diagnosis))
     });
     beside.or(of_all)
+}
+
+/// Whether a robot leaves only noise of every joint.
+pub(super) fn explains(whole: &Settled, diagnosis: &ClampedDiagnosis) -> bool {
+    diagnosis
+        .found()
+        .all(|own| whole.left_rad(&own.joint).is_none_or(|left_rad| !leaves_something(left_rad, own.gap.floor)))
 }
 
 /// What a robot leaves of its joints, in squares of their noise.

@@ -1,7 +1,7 @@
 //! A robot's joints as cases of the bench, with the robot as stated, or as found, to follow motions by that its logs hardly
 //! resolve.
 
-use super::common::{in_common, misfit};
+use super::common::{explains, in_common, misfit};
 use super::numbers::found_robot;
 use super::parts::{append, parts};
 use super::robot::{Stretch, WholeRobot, placed_causes};
@@ -11,7 +11,6 @@ use crate::deadline::Deadline;
 use crate::gap::Diagnosis;
 use crate::gap::clamped::{ClampedCase, ClampedCaseError, ClampedDiagnosis, ClampedSetup, Common, SimulatedMotion};
 use crate::gap::hypothesis::reach::mean_period_s;
-use crate::gap::verdict::decide::leaves_something;
 use crate::joint::EffectId;
 use crate::log::{DriveMode, RobotLog};
 use crate::robot::description::FoundNumber;
@@ -145,13 +144,6 @@ fn with_numbers_alone(setup: &ClampedSetup, diagnosis: &ClampedDiagnosis, deadli
         common: None,
         explains: true,
     })
-}
-
-/// Whether a robot leaves only noise of every joint.
-pub(super) fn explains(whole: &Settled, diagnosis: &ClampedDiagnosis) -> bool {
-    diagnosis
-        .found()
-        .all(|own| whole.left_rad(&own.joint).is_none_or(|left_rad| !leaves_something(left_rad, own.gap.floor)))
 }
 
 /// The whole robot as stated, at its best.

@@ -1,0 +1,15 @@
+//! What was tried in full.
+
+use super::refine::Hypothesis;
+use super::screen::Column;
+
+/// Everything that was tried in full.
+pub(super) struct Attribution {
+    /// What each cause changes, to first order.
+    pub columns: Vec<Column>,
+    pub given: Hypothesis,
+    /// One cause each, best first.
+    pub firsts: Vec<Hypothesis>,
+    /// Two causes each, best first; empty where one is not needed.
+    pub seconds: Vec<Hypothesis>,
+}
