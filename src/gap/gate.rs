@@ -51,6 +51,8 @@ pub struct GateRow {
     pub sentence: String,
     /// What is exceeded; empty: nothing.
     pub exceeded: Vec<Exceeded>,
+    /// Whether it is held against a baseline that does not have it.
+    pub is_new: bool,
 }
 
 impl GateRow {
@@ -65,7 +67,8 @@ impl GateRow {
         let too_large = bounds.max_gap.filter(|most| !(self.gap <= *most)).map(|most| Exceeded::Gap { most });
         let grown = self.growth().zip(bounds.max_growth).filter(|(growth, most)| !(growth <= most));
         let grown = grown.map(|(growth, most)| Exceeded::Growth { growth, most });
-        Self { exceeded: too_large.into_iter().chain(grown).collect(), ..self }
+        let is_new = bounds.max_growth.is_some() && self.baseline.is_none();
+        Self { exceeded: too_large.into_iter().chain(grown).collect(), is_new, ..self }
     }
 
     /// Whether it passes: nothing is exceeded.

@@ -1,7 +1,7 @@
 //! What a log is like before anything is fitted: sampling, quantisation, noise, held phase, rest.
 
 use super::health_correlation::{at_rest, correlation, lasts_s};
-use super::health_motion::{reversals, top_speed_rad_s};
+use super::health_motion::{reversals, top_speed_rad_s, wraps_at_s};
 use super::health_noise::reading_floor_rad;
 use super::health_saturation::{Stuck, stuck, torque_plateau};
 use super::health_stamps::{
@@ -82,6 +82,8 @@ pub struct Health {
     pub torque_plateau: Option<(f64, f64)>,
     /// The reading stands at its end while the setpoint goes on.
     pub stuck: Option<Stuck>,
+    /// When the reading first jumps by a turn from one sample to the next \[s\]; `None`: it does not.
+    pub wraps_at_s: Option<f64>,
 }
 
 /// Looks at a log. `sensor` gives the quantisation step where the study states it, `mode` what `drive = 1` means.
@@ -160,6 +162,7 @@ pub fn health(log: &Log, sensor: &SensorSpec, mode: DriveMode) -> Health {
             .as_ref()
             .filter(|_| !is_input)
             .and_then(|asked| stuck(t, q, asked, band_rad.max(0.01 * (high - low)))),
+        wraps_at_s: wraps_at_s(t, q, period_s),
     }
 }
 
@@ -170,6 +173,11 @@ impl Health {
     /// What is wrong with the readings or their times, in words; empty for a sound log.
     pub fn doubts(&self) -> Vec<String> {
         let mut doubts = Vec::new();
+        if let Some(at_s) = self.wraps_at_s {
+            doubts.push(format!(
+                "the reading jumps by a turn at {at_s:.3} s: the angle is wrapped; unwrap it (numpy.unwrap) before anything is fitted"
+            ));
+        }
         if self.stale_share > WORTH_A_REMARK {
             let percent = 100.0 * self.stale_share;
             doubts.push(format!("{percent:.0} % of the readings in motion repeat the one before: they come late"));

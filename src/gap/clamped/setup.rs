@@ -3,7 +3,7 @@
 use super::alike::alike;
 use crate::identify::CaseError;
 use crate::log::{
-    ClampedStudy, JointBeliefs, LogError, MotorSpec, RobotLog, read_clamped_study, read_clamped_study_logs,
+    ClampedStudy, JointBeliefs, LogError, MotorSpec, RobotLog, Uncertain, read_clamped_study, read_clamped_study_logs,
 };
 use crate::robot::description::{
     Actuator, BodyChange, Description, DescriptionError, FoundNumber, LinkId, Mover, MoverId, NoSuchPart,
@@ -12,6 +12,9 @@ use crate::robot::tree::{Tree, TreeBase, TreeError};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+
+/// Numbers that every joint has, whatever its name.
+const NUMBERS: [&str; 7] = ["coulomb", "viscous", "kp", "ki", "kd", "tau", "torque_limit"];
 
 /// A study with its robot and logs, as they were read.
 #[derive(Clone, Debug)]
@@ -282,6 +285,21 @@ fn check_names(study: &ClampedStudy, description: &Description) -> Result<(), Cl
             known_joint(&study.file, &|| format!("[groups] {group}"), name, description)?;
         }
     }
+    let Uncertain { inertia, moment, mass, friction, gain, torque, .. } = &study.uncertain;
+    let spreads = [
+        ("inertia", inertia),
+        ("moment", moment),
+        ("mass", mass),
+        ("friction", friction),
+        ("gain", gain),
+        ("torque", torque),
+    ];
+    let named = spreads.iter().flat_map(|(key, spread)| spread.by_name.keys().map(move |name| (key, name)));
+    for (key, name) in named.filter(|(_, name)| !NUMBERS.contains(&name.as_str())) {
+        if description.link(name).is_none() {
+            known_joint(&study.file, &|| format!("[uncertain] {key}"), name, description)?;
+        }
+    }
     if let Some(tip) = study.tip.as_ref().filter(|tip| description.link(tip).is_none()) {
         let named = description.links.iter().filter(|link| link.is_named);
         return Err(ClampedCaseError::Unknown {
@@ -359,5 +377,19 @@ mod tests {
         assert!(error.contains("`[joints.default] kt` is missing"), "{error}");
         let error = ClampedSetup::of_study(read_clamped_study(&file).unwrap()).unwrap_err().to_string();
         assert!(error.starts_with("joint k has no table"), "before logs are read any joint may be meant: {error}");
+    }
+
+    #[test]
+    fn what_is_uncertain_of_a_robot_is_a_part_of_it() {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("study.toml");
+        std::fs::write(dir.path().join("arm.xml"), ARM).unwrap();
+        let with = |uncertain: &str| {
+            std::fs::write(&file, format!("{STUDY}[uncertain]\n{uncertain}\n")).unwrap();
+            ClampedSetup::of_study(read_clamped_study(&file).unwrap()).map(drop).map_err(|error| error.to_string())
+        };
+        assert_eq!(with("mass = { a = 0.1 }\nfriction = { j = 0.2, coulomb = 0.3 }"), Ok(()));
+        let error = with("mass = { nos = 0.1 }").unwrap_err();
+        assert!(error.contains("[uncertain] mass") && error.contains("nos"), "{error}");
     }
 }

@@ -74,6 +74,7 @@ fn rows(study: &str, joint: &str, document: &Value) -> Vec<GateRow> {
         cause: cause(document),
         sentence: text_of(document, "sentence").to_owned(),
         exceeded: Vec::new(),
+        is_new: false,
     };
     logs.into_iter().flatten().map(row).collect()
 }

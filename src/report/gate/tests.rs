@@ -33,6 +33,14 @@ fn growth_counts_against_the_baseline_only() {
     let failed = judged(0.012, bounds, Some(0.01));
     let words = failed.rows[0].exceeds().unwrap();
     assert_eq!(words, "12.0 mrad has grown by 20.0 % from 10.0 mrad, more than 10.0 %");
+    // What the baseline does not have is said to be new.
+    let new = judged(0.5, bounds, None);
+    assert!(new.rows.iter().all(|row| row.is_new) && failed.rows.iter().filter(|row| row.is_new).count() == 1);
+    let text = gate_text(&[new]);
+    assert!(
+        text.contains(" new") && text.contains("0 of 2 logs exceed what they may, 2 are not in the baseline"),
+        "{text}"
+    );
     // What is not a number passes nothing.
     assert!(!judged(f64::NAN, GateBounds { max_gap: Some(1.0), max_growth: None }, None).passes());
 }

@@ -20,7 +20,11 @@ pub fn gate_text(studies: &[GateStudy]) -> String {
                 number(measure.quantity(row.gap)),
                 number(row.baseline.map_or_else(|| "-".to_owned(), |before| measure.quantity(before))),
                 number(row.growth().map_or_else(|| "-".to_owned(), |growth| format!("{:+.1} %", 100.0 * growth))),
-                Cell::new(if row.passes() { "ok" } else { "FAIL" }),
+                Cell::new(match (row.passes(), row.is_new) {
+                    (false, _) => "FAIL",
+                    (true, true) => "new",
+                    (true, false) => "ok",
+                }),
             ]);
         }
         blocks.push(finish(&mut table));
@@ -48,6 +52,8 @@ pub(super) fn verdict(studies: &[GateStudy]) -> String {
     let (all, failed) = (rows.clone().count(), rows.filter(|row| !row.passes()).count());
     let errors = studies.iter().filter(|study| study.error.is_some()).count();
     let without = if errors > 0 { format!(", {errors} studies without an answer") } else { String::new() };
+    let new = studies.iter().flat_map(|study| &study.rows).filter(|row| row.is_new).count();
+    let unknown = if new > 0 { format!(", {new} are not in the baseline") } else { String::new() };
     let word = if failed + errors == 0 { "passed" } else { "failed" };
-    format!("gate {word}: {failed} of {all} logs exceed what they may{without}")
+    format!("gate {word}: {failed} of {all} logs exceed what they may{unknown}{without}")
 }

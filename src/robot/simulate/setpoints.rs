@@ -128,7 +128,7 @@ impl Setpoints {
             let (Some(column), Some([low, high])) = (column, model.joints()[id.index()].software_rad) else { continue };
             let mut changed = false;
             for angle in &mut column.angle_rad {
-                let within = angle.clamp(low, high);
+                let within = angle.max(low).min(high);
                 changed |= within != *angle;
                 *angle = within;
             }

@@ -105,14 +105,19 @@ fn moves(joint: &Element, kind: JointKind, warnings: &mut Vec<String>) -> Result
             let ends = [number(limit, "lower")?.unwrap_or(0.0), number(limit, "upper")?.unwrap_or(0.0)];
             let is_reached = |most: &f64| *most < UNLIMITED;
             effort_nm = number(limit, "effort")?.filter(is_reached);
+            if effort_nm.is_some_and(|effort_nm| effort_nm < 0.0) {
+                warnings.push(limit.say(format!("{}: an effort below 0", joint.label())));
+            }
             rate_limit_rad_s = number(limit, "velocity")?.filter(is_reached);
             if kind != JointKind::Continuous {
                 if ends[0] > ends[1] {
-                    warnings.push(limit.say(format!("{}: lower is above upper", joint.label())));
+                    let what = "lower is above upper; taken as without limits";
+                    warnings.push(limit.say(format!("{}: {what}", joint.label())));
                 } else if ends[0] == ends[1] {
                     warnings.push(limit.say(format!("{}: by its limits it cannot move", joint.label())));
                 }
-                limit_rad = Some(ends).filter(|[low, high]| *low > -UNLIMITED || *high < UNLIMITED);
+                let limits = |[low, high]: &[f64; 2]| low <= high && (*low > -UNLIMITED || *high < UNLIMITED);
+                limit_rad = Some(ends).filter(limits);
             }
         }
         None if kind != JointKind::Continuous => warnings.push(joint.say("no <limit>; taken as without limits")),
@@ -122,6 +127,10 @@ fn moves(joint: &Element, kind: JointKind, warnings: &mut Vec<String>) -> Result
     if let Some(dynamics) = one(joint, "dynamics", warnings) {
         damping_nm_s_rad = number(dynamics, "damping")?.unwrap_or(0.0);
         friction_nm = number(dynamics, "friction")?.unwrap_or(0.0);
+        if damping_nm_s_rad < 0.0 || friction_nm < 0.0 {
+            let what = "damping or friction below 0 drives the joint";
+            warnings.push(dynamics.say(format!("{}: {what}", joint.label())));
+        }
     }
     Ok(Moves { kind, axis, limit_rad, effort_nm, rate_limit_rad_s, damping_nm_s_rad, friction_nm })
 }

@@ -50,6 +50,11 @@ fn limits_and_friction_are_those_of_the_kind() {
     assert!((made.joints[0].axis.into_inner() - nalgebra::Vector3::new(0.0, -0.6, 0.8)).norm() < 1e-15);
     assert!(joint("prismatic", "").warnings[0].contains("no <limit>"));
     assert!(joint("prismatic", r#"<limit lower="0" upper="0"/>"#).warnings[0].contains("it cannot move"));
+    let turned = joint("revolute", r#"<limit lower="3" upper="-3" effort="-4"/><dynamics damping="-1"/>"#);
+    assert_eq!(turned.joints[0].limit_rad, None);
+    for what in ["an effort below 0", "taken as without limits", "damping or friction below 0"] {
+        assert!(turned.warnings.iter().any(|warning| warning.contains(what)), "{what}: {:?}", turned.warnings);
+    }
 }
 
 #[test]
