@@ -4,7 +4,7 @@ mod open;
 mod robot;
 
 use super::CliError;
-use super::common::{CommonArgs, json_text, print};
+use super::common::{CommonArgs, file_to_write, json_text, print};
 use super::progress::Progress;
 use crate::blind::{Answered, CauseFilter, Judgement, Made, Sealed, Trial, Truth, UnknownCause, make_filtered, score};
 use crate::gap::{Diagnosis, GapOptions, Verdict, diagnose};
@@ -56,7 +56,7 @@ pub(super) struct BlindArgs {
     #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "json"])]
     make_only: Option<PathBuf>,
     /// Write how often answers of each standing were right, as TOML in the form of data/rates.toml (or rates-robot.toml)
-    #[arg(long, value_name = "FILE", conflicts_with = "make_only")]
+    #[arg(long, value_name = "FILE", conflicts_with = "make_only", value_parser = file_to_write())]
     rates: Option<PathBuf>,
     #[command(flatten)]
     common: CommonArgs,

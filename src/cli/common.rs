@@ -3,16 +3,18 @@
 use super::CliError;
 use crate::log::Outputs;
 use clap::Args;
+use clap::builder::{PathBufValueParser, TypedValueParser, ValueParser};
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::sync::OnceLock;
 
 /// Where results go, and how the program behaves.
 #[derive(Args, Debug)]
 pub(super) struct CommonArgs {
     /// Write everything that was found as JSON to this file
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = file_to_write())]
     pub json: Option<PathBuf>,
     /// Folder for report, figures and other files [default: one in fits/ named after log, study or command; check, dynamics and
     /// gate write none unasked]
@@ -48,15 +50,25 @@ impl CommonArgs {
     }
 }
 
+/// What reads the name of a file to be written: `-` would be a file called so, and is meant for standard output.
+pub(super) fn file_to_write() -> ValueParser {
+    let named = |path: PathBuf| match path.as_os_str() == "-" {
+        true => Err("expected the name of a file; standard output is for the text"),
+        false => Ok(path),
+    };
+    ValueParser::new(PathBufValueParser::new().try_map(named))
+}
+
 /// A value as indented JSON.
 pub(super) fn json_text(value: &impl Serialize) -> Result<String, CliError> {
     let text = serde_json::to_string_pretty(value).map_err(|error| CliError::Encode(error.to_string()))?;
     Ok(text + "\n")
 }
 
-/// Writes all results or none; a result never takes the place of a file that was read.
+/// Writes all results or none; a result never takes the place of a file that was read, nor of another result.
 pub(super) fn write_outputs(mut outputs: Outputs, inputs: &[PathBuf]) -> Result<(), CliError> {
     refuse_overwriting(outputs.paths(), inputs)?;
+    refuse_sharing(outputs.paths())?;
     outputs.keep(inputs);
     Ok(outputs.write()?)
 }
@@ -74,6 +86,36 @@ pub(super) fn refuse_overwriting<'a>(
         }
     }
     Ok(())
+}
+
+/// Refuses to write two results to one file, whether it is there or not; a device or a pipe takes them all.
+fn refuse_sharing<'a>(outputs: impl IntoIterator<Item = &'a Path>) -> Result<(), CliError> {
+    let mut taken = BTreeSet::new();
+    for path in outputs {
+        let place = place(path);
+        let is_file = place.is_file() || !place.exists();
+        if is_file && !taken.insert(place) {
+            let path = path.display();
+            let why =
+                "two results would be written to this file; name another for one of them, or choose another --out";
+            return Err(CliError::Usage(format!("{path}: {why}")));
+        }
+    }
+    Ok(())
+}
+
+/// Where a file is or would be: from the root on, without `.` and `..`, what is there of the way by its own name.
+fn place(path: &Path) -> PathBuf {
+    let mut place = PathBuf::new();
+    for part in std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf()).components() {
+        if part == Component::ParentDir {
+            place.pop();
+        } else {
+            place.push(part);
+        }
+        place = place.canonicalize().unwrap_or(place);
+    }
+    place
 }
 
 /// Why a result could not be printed.

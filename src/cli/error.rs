@@ -82,6 +82,9 @@ pub enum CliError {
         /// When it ran away.
         source: crate::pendulum::Diverged,
     },
+    /// A simulated robot ran away; what was computed until then is written.
+    #[error(transparent)]
+    RanAway(Box<crate::robot::simulate::Diverged>),
     /// A fit file cannot be understood.
     #[error("{}: {what}", file.display())]
     FitFile {
@@ -89,6 +92,16 @@ pub enum CliError {
         file: PathBuf,
         /// What is wrong with it, and what was expected.
         what: String,
+    },
+    /// The description that a fit file names is not there.
+    #[error("{}: its description is neither {} nor {}; name it by --model FILE", file.display(), named.display(), beside.display())]
+    NoDescription {
+        /// The fit file.
+        file: PathBuf,
+        /// As it stands there.
+        named: PathBuf,
+        /// The same from the fit file's folder.
+        beside: PathBuf,
     },
     /// The robot cannot be read or is none.
     #[error(transparent)]
@@ -224,12 +237,14 @@ impl CliError {
             | CliError::RobotGap(_)
             | CliError::Drop(_)
             | CliError::Diverged { .. }
+            | CliError::RanAway(_)
             | CliError::NotFinite { .. } => NOT_CONVERGED,
             CliError::Description(error) if error.is_io() => IO,
             CliError::Description(_) | CliError::Tree(_) => DATA,
             CliError::Case(_) | CliError::FitFile { .. } | CliError::Robot(_) | CliError::States { .. } => DATA,
             CliError::Fleet(FleetError::Pattern { .. } | FleetError::Nothing { .. } | FleetError::Busy { .. }) => USAGE,
             CliError::Fleet(_)
+            | CliError::NoDescription { .. }
             | CliError::Report(_)
             | CliError::Threads(_)
             | CliError::Encode(_)

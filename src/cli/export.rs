@@ -65,10 +65,14 @@ pub(super) fn run(args: &ExportArgs) -> Result<u8, CliError> {
         return friction(args, &document);
     }
     let found = read(&args.file, &document)?;
-    let model =
-        args.model.clone().or(found.model).ok_or_else(|| {
-            CliError::Usage(format!("{} says of no description; add --model FILE", args.file.display()))
-        })?;
+    let model = match (&args.model, &found.model) {
+        (Some(model), _) => model.clone(),
+        (None, Some(named)) => description(&args.file, named)?,
+        (None, None) => {
+            let why = format!("{} says of no description; add --model FILE", args.file.display());
+            return Err(CliError::Usage(why));
+        }
+    };
     let described = Description::read(&model)?.with_equalities();
     if !args.common.quiet {
         described.warnings.iter().for_each(|warning| warn(warning));
@@ -128,6 +132,19 @@ pub(super) fn run(args: &ExportArgs) -> Result<u8, CliError> {
         print(&format!("\nwritten: {}\n", path.display()));
     }
     Ok(0)
+}
+
+/// The description that a diagnosis names: from here, or from the diagnosis's own folder.
+fn description(file: &Path, named: &Path) -> Result<PathBuf, CliError> {
+    let beside = file.parent().unwrap_or(Path::new("")).join(named);
+    // Where both are one path its reader says what is wrong with it.
+    if named.exists() || beside == named {
+        return Ok(named.to_path_buf());
+    }
+    if beside.exists() {
+        return Ok(beside);
+    }
+    Err(CliError::NoDescription { file: file.to_path_buf(), named: named.to_path_buf(), beside })
 }
 
 /// Whether a format has a word for a number.

@@ -1,7 +1,7 @@
 //! `aibo-fit gap`: where model and logs of a joint part, which effect is behind it, how far the gap closes. Studies of
 //! robots go to [`robot_gap`] and [`clamped_gap`].
 
-use super::common::{CommonArgs, json_text, print, study_name, warn, write_outputs};
+use super::common::{CommonArgs, file_to_write, json_text, print, study_name, warn, write_outputs};
 use super::demands::DemandArgs;
 use super::init::drafted;
 use super::progress::Progress;
@@ -41,7 +41,7 @@ pub(super) struct GapArgs {
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
     /// Write measured, predicted and residual of every joint as MCAP, for Foxglove and Rerun
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = file_to_write())]
     pub mcap: Option<PathBuf>,
     /// Withhold effects from the catalogue, separated by commas [default: none]
     #[arg(long, value_name = "IDS", value_delimiter = ',', value_parser = named)]
@@ -112,18 +112,18 @@ fn none_such(error: NoSuchCause) -> CliError {
 
 /// What is asked of the diagnosis of a robot with a clamped base.
 pub(super) fn options_of_clamped(args: &GapArgs, deadline: Deadline) -> Result<GapOptions, CliError> {
-    Ok(asked(args, GapOptions::of_arm(&args.without, &args.only).map_err(none_such)?, deadline))
+    asked(args, GapOptions::of_arm(&args.without, &args.only).map_err(none_such)?, deadline)
 }
 
 /// What is asked of a joint's diagnosis.
 pub(super) fn options(args: &GapArgs, deadline: Deadline) -> Result<GapOptions, CliError> {
-    Ok(asked(args, GapOptions::of_joint(&args.without, &args.only).map_err(none_such)?, deadline))
+    asked(args, GapOptions::of_joint(&args.without, &args.only).map_err(none_such)?, deadline)
 }
 
 /// The rest of what is asked, beside the causes that are looked for.
-fn asked(args: &GapArgs, causes: GapOptions, deadline: Deadline) -> GapOptions {
-    let (twins, seed, demands) = (args.twins as usize, args.seed, args.demands.directives());
-    GapOptions { twins, seed, demands, deadline, ..causes }
+fn asked(args: &GapArgs, causes: GapOptions, deadline: Deadline) -> Result<GapOptions, CliError> {
+    let (twins, seed, demands) = (args.twins as usize, args.seed, args.demands.directives()?);
+    Ok(GapOptions { twins, seed, demands, deadline, ..causes })
 }
 
 /// Whether a path is a log by its ending, or a folder of one: what is read of it as text says nothing that helps.

@@ -1,7 +1,7 @@
 //! `aibo-fit gate`: realism as a check in CI.
 
 use super::CliError;
-use super::common::{CommonArgs, print, write_outputs};
+use super::common::{CommonArgs, file_to_write, print, write_outputs};
 use super::error::NO;
 use super::progress::Progress;
 use super::provenance::provenance;
@@ -45,10 +45,10 @@ pub(super) struct GateArgs {
     #[arg(long, value_name = "FILE", requires = "max_growth")]
     baseline: Option<PathBuf>,
     /// Write the result as JUnit XML, for a CI system
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = file_to_write())]
     junit: Option<PathBuf>,
     /// Write a short summary in Markdown, for a pull request
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = file_to_write())]
     summary: Option<PathBuf>,
     #[command(flatten)]
     common: CommonArgs,
@@ -84,6 +84,14 @@ pub(super) fn run(args: &GateArgs) -> Result<u8, CliError> {
         }
     };
     let studies: Vec<GateStudy> = args.studies.iter().map(judged).collect();
+    let mut rows = studies.iter().flat_map(|study| &study.rows).peekable();
+    if let Some(file) = args.baseline.clone()
+        && rows.peek().is_some()
+        && rows.all(|row| row.is_new)
+    {
+        let what = "it has none of these joints and logs, so nothing would be held against it".to_owned();
+        return Err(CliError::FitFile { file, what });
+    }
     let inputs: Vec<PathBuf> = args.studies.iter().chain(&args.baseline).cloned().collect();
     let from = provenance([])?;
     let mut outputs = Outputs::default();

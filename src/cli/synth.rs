@@ -3,12 +3,13 @@
 mod quick;
 
 use super::CliError;
-use super::common::{CommonArgs, json_text, log_name, print, write_outputs};
+use super::common::{CommonArgs, file_to_write, json_text, log_name, print, write_outputs};
 use super::progress::Progress;
-use crate::log::{Outputs, StudyKind, study_kind};
+use crate::log::{MANIFEST_FILE, Outputs, StudyKind, sha256, study_kind};
 use crate::synth::{AnySpec, make, make_described};
 use clap::Args;
 use serde::Serialize;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Make logs from a known truth with the full simulator: any robot, any scenario, any effects, payload, floor, extra masses
@@ -27,7 +28,7 @@ pub(super) struct SynthArgs {
     #[command(flatten)]
     described: quick::DescribedArgs,
     /// Where the truth goes [default: <out>-truth.json]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = file_to_write())]
     truth: Option<PathBuf>,
     /// Seed of scatter and sensors' noise [default: the spec's]
     #[arg(long, value_name = "N")]
@@ -59,6 +60,9 @@ pub(super) fn run(args: &SynthArgs) -> Result<u8, CliError> {
         Some(path) => (AnySpec::read(path)?, vec![path.clone()]),
         None => args.described.spec()?,
     };
+    let folder = args.common.folder(&log_name(inputs.first().map_or(Path::new("spec"), |path| path)));
+    let study = folder.join("study.toml");
+    refuse_anothers(&study)?;
     let threads = args.common.threads.map(usize::from);
     progress.say("simulating");
     let made = match spec {
@@ -71,12 +75,10 @@ pub(super) fn run(args: &SynthArgs) -> Result<u8, CliError> {
             make_described(&spec, threads)?
         }
     };
-    let folder = args.common.folder(&log_name(inputs.first().map_or(Path::new("spec"), |path| path)));
     let truth = args.truth.clone().unwrap_or_else(|| {
         let name = folder.file_name().map_or_else(|| "synth".into(), |name| name.to_string_lossy().into_owned());
         folder.with_file_name(format!("{name}-truth.json"))
     });
-    let study = folder.join("study.toml");
     let answer = Answer {
         schema: 1,
         study: study.display().to_string(),
@@ -108,4 +110,14 @@ pub(super) fn run(args: &SynthArgs) -> Result<u8, CliError> {
         print(&format!("study: {path}\ntruth: {truth}\n\nnext:\n{check}  aibo-fit gap {path}\n"));
     }
     Ok(0)
+}
+
+/// Refuses to write over a study, unless an earlier run wrote it: the folder's list has its digest.
+fn refuse_anothers(study: &Path) -> Result<(), CliError> {
+    let list = fs::read_to_string(study.with_file_name(MANIFEST_FILE)).unwrap_or_default();
+    if fs::read(study).is_ok_and(|there| !list.contains(&sha256(&there))) {
+        let why = "there is a study already, and not one that synth wrote; choose another --out";
+        return Err(CliError::Usage(format!("{}: {why}", study.display())));
+    }
+    Ok(())
 }

@@ -164,8 +164,11 @@ mod tests {
     fn what_is_wrong_with_arrays_is_said_as_of_files() {
         let short = Source::of_arrays("swing", vec![vec![0.0, 0.1]], vec![("q".to_owned(), 0, vec![0.0])]);
         assert!(short.unwrap_err().to_string().contains("`q`: 1 values, expected 2"));
-        let other = read_at_hand("study".as_ref(), STUDY, &[swing("position", 100)]).unwrap_err().to_string();
-        assert!(other.contains("angle"), "{other}");
+        // Not even our own name stands in for the one that is said.
+        for name in ["position", "q"] {
+            let other = read_at_hand("study".as_ref(), STUDY, &[swing(name, 100)]).unwrap_err().to_string();
+            assert!(other.contains("`q` is `angle` here"), "{other}");
+        }
         let absent = read_at_hand("study".as_ref(), STUDY, &[]).unwrap_err().to_string();
         assert!(absent.contains("swing") && absent.contains("[[log]] 1 file"), "{absent}");
         let mut falls = swing("angle", 100);

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::column::Column;
+use super::columns::ColumnSpec;
 use super::error::LogError;
 use super::place::Place;
 
@@ -87,6 +88,11 @@ pub(super) fn hint(file: &Path, missing: Column, names: &[String]) -> Option<Str
     }
     let name = &names[alias(missing, names)?];
     Some(format!("`{name}` looks like it: rename it to `{}` and give it in {}", missing.name(), missing.unit()))
+}
+
+/// What to say of a column that `[columns]` names and that is not there.
+pub(super) fn none_there(ours: &str, spec: &ColumnSpec) -> String {
+    format!("[columns] says that `{ours}` is `{}` here, and there is none", spec.name)
 }
 
 /// The first name that people give this column.

@@ -36,6 +36,13 @@ pub(in crate::log) fn columns(document: &Document<'_>, raw: &RawColumns) -> Resu
         };
         let RawColumn { name, unit, per_rev, sign, zero } = entry.get_ref();
         let name = name.as_ref().ok_or_else(|| document.missing(format!("{key}.name"), "what the file calls it"))?;
+        // One switch may turn on the motors of several joints.
+        let is_shared = |ours: &str| column == Column::Drive && ours.ends_with(Column::Drive.name());
+        let is_same = |(ours, spec): &(&String, &ColumnSpec)| spec.name == *name.get_ref() && !is_shared(ours);
+        if let Some((other, _)) = checked.iter().find(is_same) {
+            let found = format!("\"{}\", which is also `{other}`", name.get_ref());
+            return Err(document.wrong(&format!("{key}.name"), name.span(), found, "every column of the log once"));
+        }
         let unit = self::unit(document, &key, column, unit, per_rev)?;
         let is_reversed = match sign {
             None => false,
@@ -139,6 +146,7 @@ mod tests {
             ("q = { name = \"a\", per_rev = 4096.0 }", "unit = \"ticks\" beside it"),
             ("q = { name = \"a\", sign = 2.0 }", "expected 1 or -1"),
             ("q = { unit = \"deg\" }", "[columns] q.name"),
+            ("q = { name = \"a\" }\nq_ref = { name = \"a\" }", "found \"a\", which is also `q`, expected every column"),
             ("angle = { name = \"a\" }", "[columns] angle"),
             ("\"elbow.t\" = { name = \"a\" }", "[columns] elbow.t"),
             ("q = { name = \"a\", units = \"deg\" }", "units"),

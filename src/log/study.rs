@@ -148,7 +148,9 @@ pub(super) fn named_log(
     let key = format!("[[log]] {} file", i + 1);
     let file = file.as_ref().ok_or_else(|| document.missing(&*key, "the name of a log"))?;
     let resolved = document.file.parent().unwrap_or(Path::new("")).join(file.get_ref());
-    if let Some(first) = seen.insert(resolved.components().collect(), i + 1) {
+    // One file by two spellings is one log; what is at hand is no file.
+    let real = if document.has_at_hand(file.get_ref()) { None } else { fs::canonicalize(&resolved).ok() };
+    if let Some(first) = seen.insert(real.unwrap_or_else(|| resolved.components().collect()), i + 1) {
         let found = format!("\"{}\", which is also [[log]] {first}", file.get_ref());
         return Err(document.wrong(&key, file.span(), found, "every log once"));
     }

@@ -38,6 +38,29 @@ fn beliefs_are_numbers_or_tables_by_name_and_keep_their_defaults() {
 }
 
 #[test]
+fn a_log_under_two_spellings_is_one_log() {
+    let entry = |file: &str| format!("[[log]]\nfile = \"{file}\"\nrole = \"fit\"\ndrive = \"off\"\n");
+    for again in ["a.csv", "./a.csv", ".//a.csv"] {
+        let parts = ["key `[[log]] 2 file`", "which is also [[log]] 1, expected every log once"];
+        refused(read(&(entry("a.csv") + &entry(again))), &parts);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_to_a_log_is_the_log() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("a.csv"), "t\n").unwrap();
+    std::os::unix::fs::symlink("a.csv", dir.path().join("b.csv")).unwrap();
+    let path = dir.path().join("study.toml");
+    let entry = |file: &str| format!("[[log]]\nfile = \"{file}\"\nrole = \"fit\"\n");
+    let robot = "schema = 1\n[robot]\nmodel = \"ers7\"\nscenario = \"air\"\n";
+    std::fs::write(&path, format!("{robot}{}{}", entry("a.csv"), entry("b.csv"))).unwrap();
+    let message = read_robot_study(&path).unwrap_err().to_string();
+    assert!(message.contains("found \"b.csv\", which is also [[log]] 1"), "{message}");
+}
+
+#[test]
 fn beliefs_that_cannot_be_are_refused_by_key() {
     for (uncertain, parts) in [
         ("inertia = -0.1", &["key `[uncertain] inertia`", "-0.1", "from 0 (exact) to 10"][..]),

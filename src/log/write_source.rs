@@ -1,5 +1,6 @@
 //! Writes what a file of any format holds as the project's own CSV, or as MCAP.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
@@ -18,11 +19,16 @@ const NONE: u32 = u32::MAX;
 /// few empty cells would be read as samples that are missing: there each clock has rows of its own.
 ///
 /// # Errors
-/// What `out` answers.
+/// What `out` answers; where two channels have one name, so that nothing could read the file, that.
 pub fn write_csv(source: &Source, out: &mut dyn Write) -> io::Result<()> {
     let used: Vec<(&str, &Channel)> =
         source.channels.iter().filter_map(|channel| Some((channel.ours.as_deref()?, channel))).collect();
-    let names: String = used.iter().map(|(name, _)| format!(",{name}")).collect();
+    let twice = used.iter().enumerate().find(|(k, (name, _))| used[..*k].iter().any(|(other, _)| other == name));
+    if let Some((_, (name, _))) = twice {
+        let what = format!("column `{name}` would appear twice");
+        return Err(io::Error::new(io::ErrorKind::InvalidData, what));
+    }
+    let names: String = used.iter().map(|(name, _)| format!(",{}", quoted(name))).collect();
     writeln!(out, "{}{names}", Column::Time.name())?;
     let mut clocks: Vec<usize> = used.iter().map(|(_, channel)| channel.clock).collect();
     clocks.sort_unstable();
@@ -46,6 +52,14 @@ pub fn write_csv(source: &Source, out: &mut dyn Write) -> io::Result<()> {
         let parts = stamps.par_chunks(share).zip(samples.par_chunks(share * clocks.len()));
         let parts: Vec<Vec<u8>> = parts.map(|(stamps, samples)| rows(stamps, samples, &columns)).collect();
         parts.iter().try_for_each(|part| out.write_all(part))?;
+    }
+}
+
+/// A name as a cell of CSV.
+fn quoted(name: &str) -> Cow<'_, str> {
+    match name.contains([',', '"', '\n', '\r']) {
+        true => format!("\"{}\"", name.replace('"', "\"\"")).into(),
+        false => name.into(),
     }
 }
 
@@ -216,6 +230,24 @@ mod tests {
         assert_eq!((read.channels, read.clocks), (source.channels.clone(), source.clocks.clone()));
         let topics = mcap_topics(source, "joint");
         assert_eq!((topics.len(), topics[0].joints[0].as_str(), topics[1].t_s[0]), (2, "elbow", 0.01));
+    }
+
+    #[test]
+    fn names_are_quoted_as_csv_does_and_stand_once() {
+        let write = |names: [&str; 2]| {
+            let channels = names.map(|name| (format!("{name}.q"), 0, vec![0.1, 0.11]));
+            let source = Source::of_arrays("log", vec![vec![0.0, 0.01]], channels.to_vec()).unwrap();
+            let mut written = Vec::new();
+            write_csv(&source, &mut written).map(|()| String::from_utf8(written).unwrap())
+        };
+        let text = write(["left, upper", "a \"b\""]).unwrap();
+        assert_eq!(text.lines().next(), Some("t,\"left, upper.q\",\"a \"\"b\"\".q\""));
+        let path = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(path.path(), text).unwrap();
+        let read = read_source(path.path(), &Columns::default()).unwrap();
+        assert_eq!(read.joints(), [Some("left, upper"), Some("a \"b\"")]);
+        let twice = write(["a", "a"]).unwrap_err();
+        assert!(twice.to_string().contains("`a.q` would appear twice"), "{twice}");
     }
 
     #[test]

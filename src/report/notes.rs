@@ -1,7 +1,7 @@
 //! What the report says in words: the sentence that opens it, and what the reader should not overlook.
 
 use super::assemble::{is_relative, joint_rows, ratio_rows};
-use super::number::{as_given, capital, mrad};
+use super::number::{as_given, capital, mrad, significant};
 use super::{ParameterRow, ParameterStatus, format_with_uncertainty};
 use crate::fit::Stop;
 use crate::geometry::{Ers7Tables, LinkBody};
@@ -218,11 +218,16 @@ fn open_notes(case: &Case, fit: &DropFit, open: &[&Estimate]) -> Vec<String> {
             } else {
                 ("", "and the rest is conditional on it")
             };
-            notes.push(format!(
-                "{} is not determined by these logs{why}. It was left at Table A.2's {} kg, {what_follows}.",
-                capital(&words(&e.name)),
-                e.value
-            ));
+            // The table's value is given up where these logs contradict it.
+            let left = match e.nominal.filter(|nominal| *nominal != e.value) {
+                None => format!("It was left at Table A.2's {} kg, {what_follows}", as_given(e.value)),
+                Some(nominal) => format!(
+                    "The search left it at {} kg (Table A.2: {} kg), and the rest is conditional on it",
+                    significant(e.value, 3),
+                    as_given(nominal)
+                ),
+            };
+            notes.push(format!("{} is not determined by these logs{why}. {left}.", capital(&words(&e.name))));
         }
     }
     let others: Vec<&Estimate> = open.iter().filter(|e| !is_mass(e)).copied().collect();

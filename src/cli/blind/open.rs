@@ -3,7 +3,7 @@
 use super::{BlindArgs, SEAL_FILE, diagnosis_file, encode};
 use crate::blind::{RunRecord, Sealed, TRUTHS_FILE, Trial, TrialRecord};
 use crate::cli::CliError;
-use crate::cli::common::json_text;
+use crate::cli::common::{json_text, write_outputs};
 use crate::cli::provenance::provenance;
 use crate::gap::Rates;
 use crate::log::{LogError, Outputs};
@@ -103,7 +103,7 @@ impl Run<'_> {
             let rates = Rates::count(report.provenance.command.clone(), answers);
             outputs.add_apart(path, toml::to_string(&rates).map_err(|error| CliError::Encode(error.to_string()))?);
         }
-        outputs.write()?;
+        write_outputs(outputs, &[])?;
         Ok(page)
     }
 }

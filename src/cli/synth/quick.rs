@@ -15,16 +15,17 @@ pub(super) struct DescribedArgs {
     robot: Option<PathBuf>,
     /// JOINT.EFFECT=VALUE[,VALUE..]: an effect of the catalogue with its parameters in order, `coulomb`, `viscous` or `gain`
     /// (the true number, and torque per stated gain); LINK.payload=KG, LINK.mass=FACTOR; may be repeated
-    #[arg(long, value_name = "WHAT", requires = "robot")]
+    #[arg(long, value_name = "WHAT", requires = "robot", conflicts_with = "spec")]
     effect: Vec<String>,
     /// Gain of all servos and its damping, where the description has no position actuators [N m/rad, N m s/rad]
-    #[arg(long, value_name = "KP[,KD]", requires = "robot")]
+    #[arg(long, value_name = "KP[,KD]", requires = "robot", conflicts_with = "spec")]
     servo: Option<String>,
     /// Logs to make; the last two fifths are held out
-    #[arg(long, value_name = "N", default_value_t = 5, requires = "robot", value_parser = clap::value_parser!(u16).range(2..=99))]
+    #[arg(long, value_name = "N", default_value_t = 5, requires = "robot", conflicts_with = "spec",
+        value_parser = clap::value_parser!(u16).range(2..=99))]
     logs: u16,
     /// Length of a log [s]
-    #[arg(long, value_name = "S", default_value_t = 20.0, requires = "robot")]
+    #[arg(long, value_name = "S", default_value_t = 20.0, requires = "robot", conflicts_with = "spec")]
     seconds: f64,
 }
 
@@ -46,6 +47,10 @@ impl DescribedArgs {
         );
         if let Some(servo) = &self.servo {
             let numbers = numbers("--servo", servo)?;
+            if numbers.len() > 2 {
+                let found = numbers.len();
+                return Err(CliError::Usage(format!("--servo {servo}: {found} values, expected KP or KP,KD")));
+            }
             let keys = ["kp", "kd"].into_iter().zip(numbers).map(|(key, value)| (key, Value::Float(value)));
             let all = Value::Table(keys.map(|(key, value)| (key.to_owned(), value)).collect());
             root.insert("joints".into(), table([("default", all)]));

@@ -9,6 +9,9 @@ use clap::{Args, ValueEnum};
 /// The lowest foot point hangs so high at first (4.2.2) [m].
 const DROP_M: f64 = 0.02;
 
+/// A floor that leans more is a wall [rad]; beyond a right angle the same plane would come again.
+const STEEPEST_RAD: f64 = 1.2;
+
 /// Options for the floor.
 #[derive(Args, Debug)]
 pub(super) struct GroundArgs {
@@ -36,6 +39,10 @@ enum TouchArg {
 impl GroundArgs {
     /// The floor's parameters that were asked for.
     pub fn parameters(&self, model: &Model) -> Result<FloorParameters, CliError> {
+        if !(self.slope.abs() <= STEEPEST_RAD) {
+            let allowed = format!("at most {STEEPEST_RAD} rad up or down; 10 degrees are 0.175 rad");
+            return Err(CliError::Usage(format!("--slope is {} rad, expected {allowed}", self.slope)));
+        }
         let mut parameters = floor_on(model, &FloorSpec::default());
         for word in &self.floor {
             let wrong =

@@ -14,8 +14,7 @@ mod study;
 mod weak;
 
 use super::CliError;
-use super::common::{CommonArgs, log_name, print, write_outputs};
-use super::error::NOT_CONVERGED;
+use super::common::{CommonArgs, file_to_write, log_name, print, write_outputs};
 use super::progress::Progress;
 use super::provenance::provenance;
 use crate::geometry::robot_file::{Base, FRICTION_SET, GAIN_SET};
@@ -41,7 +40,7 @@ use std::time::Instant;
 #[command(after_help = "Example: aibo-fit walk --gait trot --slope 0.05")]
 pub(super) struct WalkArgs {
     /// Clamp the trunk, so that no foot touches the floor (C.2); gaits take their amplitudes for the air
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["slope", "floor", "touch"])]
     air: bool,
     /// A gait that is built in (trot, trot-2hz, crawl, pace, turn-left, sideways-right, fall, topple), a gait's file (.toml), or
     /// a motion file of Tekkotsu (.mot) [default: trot; topple for --falls]
@@ -59,7 +58,7 @@ pub(super) struct WalkArgs {
     #[command(flatten)]
     ground: GroundArgs,
     /// Write the gait as a motion file of Tekkotsu, with frames of 128 ms
-    #[arg(long, value_name = "FILE.mot")]
+    #[arg(long, value_name = "FILE.mot", value_parser = file_to_write())]
     export_motion: Option<PathBuf>,
     /// Print displacement and cost for steps from 1e-3 to 1e-5 s first (stiff method)
     #[arg(long, conflicts_with = "air")]
@@ -195,6 +194,10 @@ pub(super) fn run(args: &WalkArgs) -> Result<u8, CliError> {
     if let Some(period) = args.control_period.filter(|period| !(1e-5..=1.0).contains(period)) {
         return Err(CliError::Usage(format!("--control-period is {period}, expected 1e-5 to 1 s")));
     }
+    if args.step.is_some() && matches!(args.method, MethodArg::DormandPrince | MethodArg::Adams | MethodArg::Bdf) {
+        let why = "--step is for stiff, rk2 and rk4; this --method chooses its own steps, by --tolerance";
+        return Err(CliError::Usage(why.to_owned()));
+    }
     let progress = Progress::new(args.common.quiet);
     progress.say("reading");
     let read = args.robot.as_deref().map(|file| described::read(file, args.air)).transpose()?;
@@ -263,5 +266,5 @@ pub(super) fn run(args: &WalkArgs) -> Result<u8, CliError> {
         print(&walk_text(&report));
         print(&format!("\nreport: {}\n", page.display()));
     }
-    Ok(if recording.diverged.is_some() { NOT_CONVERGED } else { 0 })
+    recording.diverged.map_or(Ok(0), |diverged| Err(CliError::RanAway(Box::new(diverged))))
 }

@@ -384,6 +384,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let file = dir.path().join("study.toml");
         std::fs::write(dir.path().join("arm.xml"), ARM).unwrap();
+        std::fs::write(dir.path().join("log.csv"), "t,j,k\n0,0,0\n").unwrap();
         let with = |uncertain: &str| {
             std::fs::write(&file, format!("{STUDY}[uncertain]\n{uncertain}\n")).unwrap();
             ClampedSetup::of_study(read_clamped_study(&file).unwrap()).map(drop).map_err(|error| error.to_string())

@@ -45,6 +45,8 @@ pub(in crate::gap) struct Attribution {
     pub law_refuted: bool,
     /// Whether they refute another set of causes that the fitted logs ask for.
     pub set_refuted: bool,
+    /// Whether a cause stays for how they are predicted with it.
+    borne_out: bool,
     /// Standard deviation of the sensor's own noise \[rad\].
     pub noise_rad: f64,
     /// How many successive residuals of the best hypothesis count as one.
@@ -100,7 +102,7 @@ impl Attribution {
         let refuted = this.refuted.iter().chain(gone).copied().collect();
         let best = less.carried(evidence, &coarse, AGAIN);
         // Without members, what stands in the place of each is looked for again.
-        let judged = Judged { best, members: Vec::new(), rivals: Vec::new(), refuted };
+        let judged = Judged { best, members: Vec::new(), rivals: Vec::new(), refuted, borne_out: this.borne_out };
         let mut last = Self::carried(evidence, &growth, &judged, &known, Some(&less))?;
         last.law_refuted |= this.law_refuted && last.law.is_none();
         Ok(last)
@@ -118,7 +120,7 @@ impl Attribution {
         let stage = |stage| growth.progress.go_on(Step::stage(stage));
         let coarse = growth.evidence;
         let Known { given, calibrated, mut firsts, noise_rad: noise, set_refuted, law_refuted } = known.clone();
-        let Judged { best, members, rivals, mut refuted } = judged.clone();
+        let Judged { best, members, rivals, mut refuted, borne_out } = judged.clone();
         let samples = counted(coarse);
         refuted.retain(|e| !best.effects().contains(e));
         stage("looking for a law in what is left")?;
@@ -160,6 +162,7 @@ impl Attribution {
             refuted,
             law_refuted,
             set_refuted,
+            borne_out,
             noise_rad: noise,
             correlation: 1.0,
             best,
@@ -377,7 +380,7 @@ impl Attribution {
 
     /// Whether the held-out logs had a say: in the beliefs, in the causes, in the law.
     pub fn held_out_chose(&self, evidence: &Evidence) -> bool {
-        evidence.normal_beliefs || self.held_out_refuted()
+        evidence.normal_beliefs || self.held_out_refuted() || self.borne_out
     }
 
     /// How many standard deviations `a` explains all logs worse than `b`.

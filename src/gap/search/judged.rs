@@ -1,7 +1,7 @@
 //! What stays of a grown set of causes once each has had to show that it is needed, and predicts.
 
 use super::grow::{Growth, Pruned};
-use super::refuted::unrefuted;
+use super::refuted::{refutes, unrefuted};
 use super::within::within_logs;
 use crate::gap::hypothesis::evidence::Evidence;
 use crate::gap::hypothesis::folds::Folds;
@@ -30,6 +30,8 @@ pub(in crate::gap) struct Judged {
     pub rivals: Vec<Vec<Trial>>,
     /// Causes that the fitted logs ask for and the held-out ones refute.
     pub refuted: Vec<EffectId>,
+    /// Whether one of them stays for how held-out logs are predicted with it, and not for parts of fitted ones.
+    pub borne_out: bool,
 }
 
 /// A set of causes exchanged, proven, in its best forms, in the logs in which it holds, and without what held-out logs
@@ -44,14 +46,22 @@ pub(in crate::gap) fn judged(
     let evidence = growth.evidence;
     let (Pruned { best: exchanged, without }, rivals) = growth.exchanged(grown);
     let members = exchanged.effects().to_vec();
-    let best = growth.formed(proven(evidence, exchanged, without, chance));
+    let (proven, borne_out) = proven(evidence, whole, exchanged, without, chance);
+    let best = growth.formed(proven);
     let (best, refuted) = unrefuted(evidence, whole, within_logs(growth, best, chance), known);
-    Judged { best, members, rivals, refuted }
+    Judged { best, members, rivals, refuted, borne_out }
 }
 
 /// The set without members that chance may have brought, or that neither predict logs which were not fitted nor leave little
-/// of what there is without them.
-fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance: f64) -> Trial {
+/// of what there is without them; and whether one stays for held-out logs alone.
+fn proven(
+    evidence: &Evidence,
+    whole: &Evidence,
+    mut best: Trial,
+    mut without: Vec<Trial>,
+    chance: f64,
+) -> (Trial, bool) {
+    let mut borne_out = false;
     while !best.effects().is_empty() && !evidence.deadline.cuts("whether each cause predicts what was not fitted") {
         let measure = Measure::by(evidence, &best);
         let deviance = |t: &Trial| measure.deviance(evidence, t);
@@ -66,7 +76,7 @@ fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance:
         let few = evidence.held.is_empty() && (2..=FEW_LOGS).contains(&evidence.fit.len());
         let worth = |(k, t): (usize, &Trial)| {
             if best.model.has_no_size(&best.found.values, k) {
-                return f64::NEG_INFINITY;
+                return (f64::NEG_INFINITY, false);
             }
             let gained = deviance(t) - deviance(&best);
             let lost = match &held_from_starts {
@@ -82,9 +92,20 @@ fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance:
             // not reach, where joints stick, outweighs all others.
             let leaves_little = best.fit_loss(evidence) < LITTLE * t.fit_loss(evidence) && lost.z() > -CLEARLY;
             let predicts = lost.sum > PREDICTS * lost.sd || leaves_little;
-            if predicts && elsewhere.no_worse(lost.z()) { gained - needed } else { f64::NEG_INFINITY }
+            // Where a joint sticks, parts of the fitted logs say little: a stop more or less decides all that follows.
+            let is_borne_out =
+                || !predicts && gained > needed && lost.z() > -CLEARLY && refutes(evidence, whole, t, &best);
+            if !elsewhere.no_worse(lost.z()) {
+                (f64::NEG_INFINITY, false)
+            } else if is_borne_out() {
+                (gained - needed, true)
+            } else {
+                (if predicts { gained - needed } else { f64::NEG_INFINITY }, false)
+            }
         };
-        let worths: Vec<f64> = without.par_iter().enumerate().map(worth).collect();
+        let weighed: Vec<(f64, bool)> = without.par_iter().enumerate().map(worth).collect();
+        borne_out = weighed.iter().any(|(_, by_held_out)| *by_held_out);
+        let worths: Vec<f64> = weighed.into_iter().map(|(worth, _)| worth).collect();
         let worst = (0..worths.len()).min_by(|a, b| worths[*a].total_cmp(&worths[*b]));
         match worst {
             Some(k) if worths[k] < 0.0 => {
@@ -101,5 +122,6 @@ fn proven(evidence: &Evidence, mut best: Trial, mut without: Vec<Trial>, chance:
     // Where all of them together do not exceed chance, none is there.
     let measure = Measure::by(evidence, &best);
     let bare = best.keeping(evidence, &[], AGAIN);
-    if measure.deviance(evidence, &bare) - measure.deviance(evidence, &best) > chance { best } else { bare }
+    let exceeds = measure.deviance(evidence, &bare) - measure.deviance(evidence, &best) > chance;
+    if exceeds { (best, borne_out) } else { (bare, false) }
 }

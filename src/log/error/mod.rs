@@ -43,6 +43,9 @@ pub enum LogError {
     /// Fewer than two samples.
     #[error("{at}: {} after the header, expected at least 2; was the recording cut off?{}", count(*samples), at.excerpt())]
     TooFewSamples { at: Box<Place>, samples: usize },
+    /// Nothing was asked of a joint before its last reading.
+    #[error("{at}: the setpoints begin at {asked_from_s:.3} s, {:.3} s after the last reading (at {read_to_s:.3} s), expected readings and setpoints that overlap in time; do their clocks differ?", asked_from_s - read_to_s)]
+    NoOverlap { at: Box<Place>, read_to_s: f64, asked_from_s: f64 },
     /// The first row holds numbers.
     #[error("{at}: the first row holds numbers, expected column names; add a header row such as `t,q`{}", at.excerpt())]
     NoHeader { at: Box<Place> },

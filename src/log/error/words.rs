@@ -25,6 +25,7 @@ pub(super) fn writing_fix(source: &io::Error) -> &'static str {
             "a file stands where a folder is needed, choose another folder"
         }
         io::ErrorKind::StorageFull => "make room on the disk",
+        io::ErrorKind::InvalidData => "say in [columns] which of the log's columns is which",
         _ => "choose a folder that you may write to",
     }
 }

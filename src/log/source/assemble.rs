@@ -105,8 +105,9 @@ pub(in crate::log) fn joint_log(mut source: Source, joint: Option<&str>) -> Resu
     let mut notes = std::mem::take(&mut source.notes);
     notes.extend(is_apart.then(|| TORQUE_APART.to_owned()));
     notes.extend(head_note(&source.clocks[clock], first));
-    let t_s = source.clocks.swap_remove(clock).split_off(first);
-    too_short(&source.file, &t_s)?;
+    let mut before_s = source.clocks.swap_remove(clock);
+    let t_s = before_s.split_off(first);
+    too_short(&source.file, &t_s, &before_s, joint.asked_from_s())?;
     let others = source.channels.iter().filter(|channel| channel.ours.is_some());
     let others: Vec<String> = others.map(|channel| channel.theirs.clone()).collect();
     let ignored_columns = if is_table { source.ignored } else { [source.ignored, others].concat() };
@@ -160,7 +161,8 @@ pub(in crate::log) fn robot_log(mut source: Source) -> Result<RobotLog, LogError
     let first = first.min(last);
     notes.extend(head_note(&source.clocks[clock], first));
     let t_s = source.clocks[clock][first..last].to_vec();
-    too_short(&source.file, &t_s)?;
+    let asked_from_s = joints.iter().filter_map(|(_, joint)| joint.asked_from_s()).reduce(f64::max);
+    too_short(&source.file, &t_s, &source.clocks[clock][..first], asked_from_s)?;
     let joints = joints.into_iter().map(|(name, mut joint)| {
         joint.until(last);
         joint.from(first);
@@ -217,10 +219,14 @@ impl OfJoint {
         Self { q_rad: angle.values, q_ref_rad, setpoints, tau_nm, drive }
     }
 
+    /// When something is first asked of the joint, where that has stamps of its own \[s\].
+    fn asked_from_s(&self) -> Option<f64> {
+        self.setpoints.as_ref().and_then(|setpoints| setpoints.t_s.first()).copied()
+    }
+
     /// The first sample at which something is asked of the joint, where that has stamps of its own.
     fn first_sample(&self, source: &Source, clock: usize) -> usize {
-        let asked = self.setpoints.as_ref().and_then(|setpoints| setpoints.t_s.first());
-        asked.map_or(0, |first_s| source.clocks[clock].partition_point(|t| t < first_s))
+        self.asked_from_s().map_or(0, |first_s| source.clocks[clock].partition_point(|t| *t < first_s))
     }
 
     fn from(&mut self, first: usize) {
@@ -274,11 +280,17 @@ fn head_note(t_s: &[f64], first: usize) -> Option<String> {
         .then(|| format!("the first {:.3} s are left out: nothing had been asked of every joint yet", from - start))
 }
 
-fn too_short(file: &Path, t_s: &[f64]) -> Result<(), LogError> {
+/// Refuses a log of which too little is left, and says so where that is because the setpoints begin after the readings.
+fn too_short(file: &Path, t_s: &[f64], before_s: &[f64], asked_from_s: Option<f64>) -> Result<(), LogError> {
     if t_s.len() >= 2 {
         return Ok(());
     }
-    Err(LogError::TooFewSamples { at: Box::new(Place::in_file(file)), samples: t_s.len() })
+    let at = Box::new(Place::in_file(file));
+    let apart = before_s.last().copied().zip(asked_from_s).filter(|(read_to_s, from_s)| from_s > read_to_s);
+    Err(match apart {
+        Some((read_to_s, asked_from_s)) if t_s.is_empty() => LogError::NoOverlap { at, read_to_s, asked_from_s },
+        _ => LogError::TooFewSamples { at, samples: t_s.len() },
+    })
 }
 
 fn no_angle(source: &Source) -> LogError {
@@ -331,6 +343,16 @@ mod tests {
         assert_eq!(log.q_ref_rad.unwrap(), [5.0, 5.0, 6.0]);
         assert_eq!(log.setpoints.unwrap().t_s, [0.05, 0.25]);
         assert!(log.notes[0].contains("first 0.100 s"), "{:?}", log.notes);
+    }
+
+    #[test]
+    fn setpoints_by_another_clock_are_no_short_recording() {
+        let made =
+            || source(&[("a.q", 0, &[1.0, 2.0]), ("a.q_ref", 1, &[5.0, 6.0])], &[&[0.0, 0.1], &[3000.0, 3000.1]]);
+        for error in [joint_log(made(), Some("a")).unwrap_err(), robot_log(made()).unwrap_err()] {
+            let message = error.to_string();
+            assert!(message.contains("2999.900 s after the last reading") && message.contains("clocks"), "{message}");
+        }
     }
 
     #[test]

@@ -8,7 +8,7 @@ use super::want::Want;
 use crate::log::column::{Column, column_of};
 use crate::log::columns::{ColumnSpec, Columns};
 use crate::log::error::LogError;
-use crate::log::header::{alias, hint, no_table};
+use crate::log::header::{alias, hint, no_table, none_there};
 use crate::log::place::{Place, Subject};
 use crate::log::plausible::Row;
 
@@ -94,6 +94,12 @@ impl Heading {
                 return Err(LogError::DoubledColumn { at, first: first.cell + 1, second: one.cell + 1 });
             }
         }
+        // Its own name does not stand in for the one that is said, whose unit and sign it may not have.
+        let said_of = |one: &Wanted| columns.0.get_key_value(&one.ours).filter(|_| one.spec.is_none());
+        if let Some((ours, spec)) = wanted.iter().find_map(said_of) {
+            let hint = Some(none_there(ours, spec));
+            return Err(LogError::MissingColumn { at: line(), column: spec.name.clone(), found: names, hint });
+        }
         let has = |wanted: &[Wanted], column| wanted.iter().any(|one| one.column == Some(column));
         let missing: Vec<Column> =
             [Column::Time, Column::Angle].into_iter().filter(|column| !has(&wanted, *column)).collect();
@@ -119,9 +125,7 @@ impl Heading {
         for column in missing {
             let mapped = columns.get(column.name());
             let hint = match mapped {
-                Some(spec) => {
-                    Some(format!("[columns] says that `{}` is `{}` here, and there is none", column.name(), spec.name))
-                }
+                Some(spec) => Some(none_there(column.name(), spec)),
                 None if is_robot && entries.iter().any(|entry| entry.name == Column::Angle.name()) => {
                     Some("this is a log of one joint; name its columns after the joint, as in `lf1.q`".to_owned())
                 }
@@ -296,11 +300,15 @@ mod tests {
     use super::*;
 
     fn find(row: &str, joint: Option<&str>) -> Result<Heading, LogError> {
+        find_as(row, joint, &Columns::default())
+    }
+
+    fn find_as(row: &str, joint: Option<&str>, columns: &Columns) -> Result<Heading, LogError> {
         let want = joint.map_or(Want::One, Want::Joint);
         let mut defects = Defects::default();
         let row_at = Row { byte: 0, line: 1 };
         let cells: Vec<&str> = row.split(',').collect();
-        let heading = Heading::find(Path::new("log.csv"), &cells, row_at, want, &Columns::default(), &mut defects)?;
+        let heading = Heading::find(Path::new("log.csv"), &cells, row_at, want, columns, &mut defects)?;
         let mend = heading.mend(&[]);
         defects.into_result(mend).map(|()| heading)
     }
@@ -340,6 +348,16 @@ mod tests {
         ] {
             assert!(message.contains(line), "`{line}` is not in\n{message}");
         }
+    }
+
+    #[test]
+    fn a_column_that_is_said_to_be_another_is_not_read_in_its_place() {
+        let said = |ours: &str| Columns([(ours.to_owned(), ColumnSpec::named("angle"))].into());
+        let message = find_as("t,q", None, &said("q")).unwrap_err().to_string();
+        for part in ["column `angle` is missing", "says that `q` is `angle` here, and there is none"] {
+            assert!(message.contains(part), "`{part}` is not in\n{message}");
+        }
+        assert!(find_as("t,q,angle", None, &said("q")).is_ok() && find_as("t,q", None, &said("tau")).is_ok());
     }
 
     #[test]

@@ -13,9 +13,16 @@ const MOST_TEXTS: u64 = 4096;
 /// Names that Python pickled, at the most \[bytes\].
 const LONGEST_PICKLE: u64 = 1 << 20;
 
+/// What items of numbers may be.
+pub(super) const READ: &str = "float32, float64, integers and booleans";
+
 /// Rows of numbers, or names.
 pub(super) struct Array {
     pub name: String,
+    /// What its items are, as NumPy writes it.
+    pub descr: String,
+    /// Why nothing of it is read.
+    pub left_out: Option<&'static str>,
     pub rows: usize,
     /// Column after column; one of a plain list.
     pub values: Vec<Vec<f64>>,
@@ -23,6 +30,18 @@ pub(super) struct Array {
 }
 
 impl Array {
+    /// An array of which nothing is read.
+    fn unread(name: &str, descr: String, why: &'static str) -> Self {
+        Self { name: name.to_owned(), descr, left_out: Some(why), rows: 0, values: Vec::new(), texts: Vec::new() }
+    }
+
+    /// Name and type, and why it is left out.
+    pub fn said(&self) -> String {
+        let name = if self.name.is_empty() { "the array".to_owned() } else { format!("`{}`", self.name) };
+        let why = self.left_out.map_or_else(String::new, |why| format!(", {why}"));
+        format!("{name} ({}{why})", self.descr)
+    }
+
     /// Rows as columns.
     pub fn turned(self) -> Self {
         let values = (0..self.rows).map(|row| self.values.iter().map(|column| column[row]).collect());
@@ -30,47 +49,39 @@ impl Array {
     }
 }
 
-/// Reads an array; each field of one with names is an array of its own, and those of a kind that is not used are none.
+/// Reads an array; each field of one with names is an array of its own, unless one is of a kind that is not used.
 /// `size` is what there is at the most \[bytes\], `left` how many numbers may still be read.
 ///
 /// # Errors
 /// What is wrong with it, in words.
 pub(super) fn read_array(content: impl Read, name: &str, size: u64, left: &mut u64) -> Result<Vec<Array>, String> {
     let mut content = BufReader::with_capacity(1 << 16, content);
-    let mut head = [0; 8];
-    content.read_exact(&mut head).map_err(cut)?;
-    if &head[..6] != MAGIC {
-        return Err("it is no array of NumPy".to_owned());
-    }
-    let mut length = [0; 4];
-    content.read_exact(&mut length[..if head[6] >= 2 { 4 } else { 2 }]).map_err(cut)?;
-    let length = u32::from_le_bytes(length) as usize;
-    if length > LONGEST_HEAD {
-        return Err(format!("a description of {length} bytes is announced"));
-    }
-    let mut text = vec![0; length];
-    content.read_exact(&mut text).map_err(cut)?;
-    let shape = Shape::read(&String::from_utf8_lossy(&text))?;
+    let (shape, length) = head(&mut content)?;
+    let unread = |why: &'static str| Ok(vec![Array::unread(name, shape.descr(), why)]);
     let (rows, width) = match shape.dims[..] {
         [rows] => (rows, 1),
         [rows, width] => (rows, width),
-        _ => return Ok(Vec::new()),
+        _ => return unread("neither one nor two dimensions"),
     };
     // A joint a row, a sample a column: as good, the other way round.
     let is_turned = width > MOST_JOINTS && rows <= MOST_JOINTS;
     let (rows, width) = if is_turned { (width, rows) } else { (rows, width) };
-    let fields = shape.fields;
+    let fields = &shape.fields;
     if let [Field { descr, .. }] = &fields[..]
         && descr.ends_with('O')
     {
         let texts = pickled(&mut content, rows.saturating_mul(width))?;
-        return Ok(vec![Array { name: name.to_owned(), rows: texts.len(), values: Vec::new(), texts }]);
+        if texts.is_empty() {
+            return unread("objects of Python");
+        }
+        let (name, descr, rows) = (name.to_owned(), shape.descr(), texts.len());
+        return Ok(vec![Array { name, descr, left_out: None, rows, values: Vec::new(), texts }]);
     }
     let kinds: Option<Vec<Kind>> = fields.iter().map(|field| Kind::read(&field.descr)).collect();
-    let Some(kinds) = kinds else { return Ok(Vec::new()) };
+    let Some(kinds) = kinds else { return unread("a type that is not read") };
     let of_row = fields.iter().fold(0_u64, |sum, field| sum.saturating_add(field.width)).saturating_mul(width);
     if of_row == 0 {
-        return Ok(Vec::new());
+        return unread("rows without a number");
     }
     let numbers = rows.checked_mul(of_row).filter(|numbers| *numbers <= *left && of_row <= MOST_JOINTS);
     let Some(numbers) = numbers else {
@@ -83,7 +94,7 @@ pub(super) fn read_array(content: impl Read, name: &str, size: u64, left: &mut u
         return Err(format!("{rows} rows of {of_row} numbers are announced, more than the {size} bytes there are"));
     }
     if kinds.iter().any(|kind| kind.is_text()) && rows.saturating_mul(width) > MOST_TEXTS {
-        return Ok(Vec::new());
+        return unread("more texts than joints have names");
     }
     *left -= numbers;
     let (rows, width) = (rows as usize, width as usize);
@@ -92,7 +103,7 @@ pub(super) fn read_array(content: impl Read, name: &str, size: u64, left: &mut u
     let mut item = Vec::new();
     for k in 0..rows * width {
         let column = if by_column && width > 1 { k / rows } else { k % width };
-        for ((array, field), kind) in arrays.iter_mut().zip(&fields).zip(&kinds) {
+        for ((array, field), kind) in arrays.iter_mut().zip(fields).zip(&kinds) {
             item.resize(kind.size, 0);
             for within in 0..field.width as usize {
                 content.read_exact(&mut item).map_err(cut)?;
@@ -107,6 +118,33 @@ pub(super) fn read_array(content: impl Read, name: &str, size: u64, left: &mut u
     // What is left is read too, so that a checksum is compared.
     std::io::copy(&mut content, &mut std::io::sink()).map_err(cut)?;
     Ok(arrays)
+}
+
+/// Name and type of an array of which nothing else is read.
+///
+/// # Errors
+/// What is wrong with it, in words.
+#[cfg(feature = "robots")]
+pub(super) fn said_of(mut content: impl Read, name: &str) -> Result<String, String> {
+    head(&mut content).map(|(shape, _)| format!("`{name}` ({})", shape.descr()))
+}
+
+/// The description that an array begins with, and its length \[bytes\].
+fn head(content: &mut impl Read) -> Result<(Shape, usize), String> {
+    let mut start = [0; 8];
+    content.read_exact(&mut start).map_err(cut)?;
+    if &start[..6] != MAGIC {
+        return Err("it is no array of NumPy".to_owned());
+    }
+    let mut length = [0; 4];
+    content.read_exact(&mut length[..if start[6] >= 2 { 4 } else { 2 }]).map_err(cut)?;
+    let length = u32::from_le_bytes(length) as usize;
+    if length > LONGEST_HEAD {
+        return Err(format!("a description of {length} bytes is announced"));
+    }
+    let mut text = vec![0; length];
+    content.read_exact(&mut text).map_err(cut)?;
+    Ok((Shape::read(&String::from_utf8_lossy(&text))?, length))
 }
 
 /// The last texts of what Python pickled: an array of objects is pickled as a list of what is in it.
@@ -158,7 +196,8 @@ struct Field {
 impl Field {
     fn array(&self, of: &str, rows: usize, width: usize) -> Array {
         let name = if self.name.is_empty() { of.to_owned() } else { self.name.clone() };
-        Array { name, rows, values: vec![Vec::new(); width * self.width as usize], texts: Vec::new() }
+        let (descr, values) = (self.descr.clone(), vec![Vec::new(); width * self.width as usize]);
+        Array { name, descr, left_out: None, rows, values, texts: Vec::new() }
     }
 }
 
@@ -170,6 +209,13 @@ struct Shape {
 }
 
 impl Shape {
+    /// What the items are.
+    fn descr(&self) -> String {
+        let of_fields: Vec<String> =
+            self.fields.iter().map(|field| format!("{} {}", field.name, field.descr).trim_start().to_owned()).collect();
+        of_fields.join(", ")
+    }
+
     fn read(text: &str) -> Result<Self, String> {
         let after = |key: &str| text.find(key).map(|at| text[at + key.len()..].trim_start_matches([' ', ':']));
         let damaged = || "damaged: its description cannot be read".to_owned();
@@ -316,12 +362,23 @@ mod tests {
             let text = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
             assert!(read(&text, &[0; 8]).is_err_and(|what| what.contains("announced")), "{shape}");
         }
-        assert!(
-            read("{'descr': [('a', '<f8', (0,))], 'fortran_order': False, 'shape': (99999999999,), }", &[])
-                .unwrap()
-                .is_empty()
-        );
+        let none = read("{'descr': [('a', '<f8', (0,))], 'fortran_order': False, 'shape': (99999999999,), }", &[]);
+        assert!(none.unwrap()[0].left_out.is_some());
         assert!(read("{'descr': [('a'", &[]).is_err());
+    }
+
+    #[test]
+    fn what_is_not_read_is_there_with_its_type_and_why() {
+        for (descr, shape, why) in [
+            ("<f2", "(4,)", "a type that is not read"),
+            ("<c16", "(4,)", "a type that is not read"),
+            ("<f8", "(4, 2, 2)", "neither one nor two dimensions"),
+            ("|O", "(0,)", "objects of Python"),
+        ] {
+            let text = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}");
+            let arrays = read(&text, &[]).unwrap();
+            assert_eq!((arrays[0].said(), arrays.len()), (format!("`a` ({descr}, {why})"), 1));
+        }
     }
 
     #[test]

@@ -7,7 +7,9 @@ use std::path::Path;
 
 use super::channel::{Channel, Source};
 use super::guess::guess;
-use super::npy::{Array, read_array};
+#[cfg(feature = "robots")]
+use super::npy::said_of;
+use super::npy::{Array, READ, read_array};
 use super::stamps::{NS, ns_per_unit, unit_word};
 #[cfg(feature = "robots")]
 use super::zip::Archive;
@@ -21,6 +23,9 @@ use crate::log::plausible::median_step;
 /// Numbers of one file at the most: half a gigabyte.
 const MOST_NUMBERS: u64 = 1 << 26;
 
+/// Arrays that an error lists at the most.
+const MOST_TOLD: usize = 12;
+
 /// Whether a zip file holds arrays; nobody looks into it here.
 #[cfg(not(feature = "robots"))]
 pub(super) fn holds_arrays(_: &Path) -> bool {
@@ -29,7 +34,7 @@ pub(super) fn holds_arrays(_: &Path) -> bool {
 
 /// Refuses arrays in a zip file.
 #[cfg(not(feature = "robots"))]
-fn arrays(_: File, _: &Columns) -> Result<Vec<Array>, String> {
+fn arrays(_: File, _: &Columns) -> Result<(Vec<Array>, Vec<String>), String> {
     Err("this build unpacks no arrays; build with the feature `robots`".to_owned())
 }
 
@@ -47,7 +52,7 @@ pub(super) fn holds_arrays(path: &Path) -> bool {
 pub(super) fn read_npz(path: &Path, columns: &Columns) -> Result<Source, LogError> {
     let wrong = |what: String| LogError::Format { file: path.to_path_buf(), format: Format::Npz, what };
     let file = File::open(path).map_err(|source| LogError::Read { file: path.to_path_buf(), source })?;
-    arrays(file, columns).and_then(|arrays| source(path, arrays, columns)).map_err(wrong)
+    arrays(file, columns).and_then(|(arrays, others)| source(path, arrays, others, columns)).map_err(wrong)
 }
 
 /// Reads one array: its fields, or its columns, which are called `[:, 0]`, `[:, 1]` ...
@@ -59,16 +64,22 @@ pub(super) fn read_npy(path: &Path, columns: &Columns) -> Result<Source, LogErro
     let file = File::open(path).map_err(|source| LogError::Read { file: path.to_path_buf(), source })?;
     let size = file.metadata().map_or(u64::MAX, |meta| meta.len());
     let mut arrays = read_array(file, "", size, &mut MOST_NUMBERS.clone()).map_err(wrong)?;
-    let is_plain = matches!(&arrays[..], [array] if array.name.is_empty());
+    let is_plain = matches!(&arrays[..], [array] if array.name.is_empty() && array.left_out.is_none());
     if is_plain && let Some(array) = arrays.pop() {
-        let one =
-            |(k, values)| Array { name: column_name(k), rows: array.rows, values: vec![values], texts: Vec::new() };
+        let one = |(k, values)| Array {
+            name: column_name(k),
+            descr: array.descr.clone(),
+            left_out: None,
+            rows: array.rows,
+            values: vec![values],
+            texts: Vec::new(),
+        };
         arrays = array.values.into_iter().enumerate().map(one).collect();
         if columns.get(Column::Time.name()).is_none() {
             return Err(unnamed(path, &arrays));
         }
     }
-    source(path, arrays, columns).map_err(wrong)
+    source(path, arrays, Vec::new(), columns).map_err(wrong)
 }
 
 fn column_name(k: usize) -> String {
@@ -97,11 +108,12 @@ fn unnamed(path: &Path, columns: &[Array]) -> LogError {
     LogError::Defects { first: Box::new(first), count: 1, others: Vec::new(), beyond: 0, mend: Columns(mend) }
 }
 
+/// The arrays with names that a log has, and names and types of the others.
 #[cfg(feature = "robots")]
-fn arrays(file: File, columns: &Columns) -> Result<Vec<Array>, String> {
+fn arrays(file: File, columns: &Columns) -> Result<(Vec<Array>, Vec<String>), String> {
     let mut archive = Archive::open(file)?;
     let mut left = MOST_NUMBERS;
-    let mut arrays = Vec::new();
+    let (mut arrays, mut others) = (Vec::new(), Vec::new());
     for entry in std::mem::take(&mut archive.entries) {
         let Some(name) = entry.name.strip_suffix(".npy").map(str::to_owned) else { continue };
         let is_wanted =
@@ -109,19 +121,27 @@ fn arrays(file: File, columns: &Columns) -> Result<Vec<Array>, String> {
         if is_wanted {
             let found = archive.content(&entry).and_then(|content| read_array(content, &name, entry.size, &mut left));
             arrays.extend(found.map_err(|what| format!("array `{name}`: {what}"))?);
+        } else {
+            others.extend(archive.content(&entry).and_then(|content| said_of(content, &name)));
         }
     }
-    Ok(arrays)
+    Ok((arrays, others))
 }
 
 fn is_names(name: &str) -> bool {
     matches!(name.to_lowercase().as_str(), "names" | "joint_names" | "joints" | "name" | "dof_names" | "labels")
 }
 
-fn source(path: &Path, arrays: Vec<Array>, columns: &Columns) -> Result<Source, String> {
+/// The channels of these arrays; `unused` are names and types of others.
+fn source(path: &Path, arrays: Vec<Array>, unused: Vec<String>, columns: &Columns) -> Result<Source, String> {
     let mut source = Source::new(path.to_path_buf(), Format::Npz);
-    let (texts, numbers): (Vec<Array>, Vec<Array>) = arrays.into_iter().partition(|array| !array.texts.is_empty());
-    let names = texts.into_iter().find(|array| is_names(&array.name)).map(|array| array.texts);
+    let found: Vec<String> = arrays.iter().map(Array::said).chain(unused).take(MOST_TOLD).collect();
+    let left_out = arrays.iter().filter(|array| array.left_out.is_some());
+    source.notes.extend(left_out.map(|array| format!("{}; left out", array.said())));
+    let arrays = arrays.into_iter().filter(|array| array.left_out.is_none());
+    let (mut texts, numbers): (Vec<Array>, Vec<Array>) = arrays.partition(|array| !array.texts.is_empty());
+    let names = texts.iter().position(|array| is_names(&array.name)).map(|at| texts.remove(at).texts);
+    source.notes.extend(texts.iter().map(|array| format!("{}: no numbers; left out", array.said())));
     let mapped = columns.get("t");
     let is_time = |array: &Array| match mapped {
         Some(spec) => spec.name == array.name,
@@ -130,8 +150,10 @@ fn source(path: &Path, arrays: Vec<Array>, columns: &Columns) -> Result<Source, 
     let (times, others): (Vec<Array>, Vec<Array>) =
         numbers.into_iter().partition(|array| array.values.len() == 1 && is_time(array));
     if times.is_empty() {
-        let found: Vec<&str> = others.iter().map(|array| array.name.as_str()).collect();
-        return Err(format!("no array of stamps (`t`, `time`, `timestamp`); found {}", found.join(", ")));
+        let found = if found.is_empty() { "no array".to_owned() } else { found.join(", ") };
+        return Err(format!(
+            "no array of stamps (`t`, `time`, `timestamp`) of a type that is read ({READ}); found {found}"
+        ));
     }
     // An array belongs to the stamps that are as many; of several such to those that sound like it.
     let mut lengths = Vec::new();
@@ -191,4 +213,27 @@ fn source(path: &Path, arrays: Vec<Array>, columns: &Columns) -> Result<Source, 
 fn is_stamp(name: &str) -> bool {
     let name = name.to_lowercase();
     ["t_", "time_", "stamp_", "timestamp_"].iter().any(|start| name.starts_with(start))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn array(name: &str, descr: &str, left_out: Option<&'static str>) -> Array {
+        let values = if left_out.is_some() { Vec::new() } else { vec![vec![0.0, 0.1]] };
+        Array { name: name.to_owned(), descr: descr.to_owned(), left_out, rows: 2, values, texts: Vec::new() }
+    }
+
+    #[test]
+    fn what_is_not_read_is_told_with_its_type() {
+        let of = |arrays| source(Path::new("log.npz"), arrays, vec!["`extra` (<f8)".to_owned()], &Columns::default());
+        let halves = array("t", "<f2", Some("a type that is not read"));
+        let error = of(vec![halves, array("q", "<f8", None)]).unwrap_err();
+        for part in ["found `t` (<f2, a type that is not read), `q` (<f8), `extra` (<f8)", "float32, float64"] {
+            assert!(error.contains(part), "`{part}` is not in\n{error}");
+        }
+        let complex = array("q_ref", "<c16", Some("a type that is not read"));
+        let source = of(vec![array("t", "<f8", None), array("q", "<f8", None), complex]).unwrap();
+        assert_eq!(source.notes, ["`q_ref` (<c16, a type that is not read); left out"]);
+    }
 }

@@ -14,6 +14,7 @@ use super::{bags, bam, npz, sage};
 use crate::log::column::Column;
 use crate::log::columns::Columns;
 use crate::log::error::LogError;
+use crate::log::header::none_there;
 use crate::log::place::Place;
 
 /// Reads all that a file or folder of any known format holds, by what `[columns]` says of it.
@@ -85,14 +86,13 @@ fn lerobot(path: &Path) -> Result<Source, LogError> {
 fn mapped(mut source: Source, columns: &Columns) -> Result<Source, LogError> {
     for (ours, spec) in columns.0.iter().filter(|(ours, _)| *ours != Column::Time.name()) {
         let Some(at) = source.channels.iter().position(|channel| channel.theirs == spec.name) else {
-            if source.ours(ours).is_some()
-                || !ours.ends_with(Column::Angle.name())
-                || ours.ends_with(Column::Speed.name())
-            {
+            // Its own name does not stand in for the one that is said, whose unit and sign it may not have.
+            let is_angle = ours.ends_with(Column::Angle.name()) && !ours.ends_with(Column::Speed.name());
+            if source.ours(ours).is_none() && !is_angle {
                 continue;
             }
             let found = source.channels.iter().map(|channel| channel.theirs.clone()).collect();
-            let hint = Some(format!("[columns] says that it is `{ours}`"));
+            let hint = Some(none_there(ours, spec));
             let at = Box::new(Place::in_file(&source.file));
             return Err(LogError::MissingColumn { at, column: spec.name.clone(), found, hint });
         };

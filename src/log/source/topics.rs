@@ -132,7 +132,7 @@ impl Topics {
         }
         // Of several topics with the same joints the one with most messages is the reading.
         self.streams.sort_by_key(|stream| std::cmp::Reverse(stream.stamps_ns.len()));
-        let mut taken: BTreeMap<String, ()> = BTreeMap::new();
+        let mut taken: BTreeMap<String, String> = BTreeMap::new();
         let mut unnamed: Vec<(Vec<usize>, String, Kind)> = Vec::new();
         let mut clocks_ns: Vec<Vec<i64>> = Vec::new();
         for stream in self.streams {
@@ -146,6 +146,7 @@ impl Topics {
                 clocks_ns.push(stream.stamps_ns);
             }
             let samples = clocks_ns[clock].len();
+            let mut doubled: BTreeMap<String, Vec<&str>> = BTreeMap::new();
             let fields = [("position", stream.position), ("velocity", stream.velocity), ("effort", stream.effort)];
             for (field, columns) in fields {
                 let of_topic = role(&stream.topic, stream.kind, asked, field);
@@ -158,12 +159,21 @@ impl Topics {
                         _ => format!("{}/{name}/{field}", stream.topic),
                     };
                     let ours = of_topic.filter(|_| !stream.kind.is_unnamed()).map(|of| format!("{name}.{of}"));
-                    let ours = ours.filter(|ours| taken.insert(ours.clone(), ()).is_none());
+                    let other = ours.as_ref().and_then(|ours| taken.get(ours));
+                    if let Some(other) = other.filter(|_| field == "position") {
+                        doubled.entry(other.clone()).or_default().push(name);
+                    }
+                    let ours = ours.filter(|ours| !taken.contains_key(ours));
+                    taken.extend(ours.clone().map(|ours| (ours, stream.topic.clone())));
                     if ours.is_none() && !stream.kind.is_unnamed() {
                         source.ignored.push(theirs.clone());
                     }
                     source.channels.push(Channel { ours, theirs, clock, values, cell: None, spec: None });
                 }
+            }
+            for (other, names) in doubled {
+                let (topic, names) = (&stream.topic, names.join(", "));
+                source.notes.push(format!("{topic}: {names} left out, which {other} has in no fewer messages"));
             }
             if stream.kind.is_unnamed() {
                 unnamed.push(((first..source.channels.len()).collect(), stream.topic, stream.kind));

@@ -48,6 +48,21 @@ fn headers_without_stamps_are_taken_at_their_receipt_and_repeats_once() {
 }
 
 #[test]
+fn a_topic_that_says_the_same_again_is_left_out_and_named() {
+    let mut topics = Topics::default();
+    for k in 0..4 {
+        for topic in ["/joint_states", "/filtered"] {
+            let read = message(Some(k * S + 1), vec![point(0, &[k as f64])]);
+            topics.take(topic, Kind::JointState, &["a"], k * S, read).unwrap();
+        }
+    }
+    let source = source(topics);
+    assert_eq!(source.ours("a.q").unwrap().theirs, "/joint_states/a/position");
+    let note = "/filtered: a left out, which /joint_states has in no fewer messages";
+    assert!(source.notes.iter().any(|found| found == note), "{:?}", source.notes);
+}
+
+#[test]
 fn publishers_that_share_a_topic_are_told_apart_by_their_names() {
     let mut topics = Topics::default();
     for k in 0..3 {

@@ -2,7 +2,7 @@
 
 use super::DraftError;
 use super::seen::Seen;
-use crate::log::{ColumnSpec, Columns, Format, Unit, toml_key};
+use crate::log::{Channel, ColumnSpec, Columns, Format, Unit, toml_key};
 
 /// The lines of all logs in one table.
 ///
@@ -54,19 +54,14 @@ fn are_alike(a: &ColumnSpec, b: &ColumnSpec) -> bool {
 
 /// What a log without a line for a column calls that which the line is about; `None`: the log has nothing of it.
 fn without_line<'a>(log: &'a Seen, ours: &str, line: &'a ColumnSpec) -> Option<&'a str> {
-    let is_ignored = log.source.ignored.contains(&line.name);
     match (ours, log.source.format) {
-        ("t", _) if is_table(log) => (is_ignored || line.name == ours).then_some("t"),
+        ("t", _) if is_table(log) => Some("t"),
         // Arrays of stamps go by many names, and none of them is kept.
         ("t", Format::Npz) => Some(&line.name),
         ("t", _) => None,
         _ => {
-            let named = log.source.channels.iter().find(|channel| channel.theirs == line.name);
-            let found = match log.source.ours(ours) {
-                own @ Some(_) if named.is_some() || is_ignored => own,
-                Some(_) => None,
-                None => named.filter(|channel| channel.ours.is_some()),
-            };
+            let is_named = |channel: &&Channel| channel.theirs == line.name && channel.ours.is_some();
+            let found = log.source.ours(ours).or_else(|| log.source.channels.iter().find(is_named));
             found.map(|channel| channel.theirs.as_str())
         }
     }

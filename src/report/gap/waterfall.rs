@@ -109,7 +109,7 @@ pub(super) fn heading(diagnosis: &Diagnosis) -> &'static str {
 
 /// Whether the sentence of the answer says already which causes these logs cannot tell apart.
 fn sentence_tells_apart(diagnosis: &Diagnosis) -> bool {
-    diagnosis.answer.verdict == Verdict::Effect && diagnosis.gap.unit == "rad"
+    matches!(diagnosis.answer.verdict, Verdict::Effect | Verdict::Unexplained) && diagnosis.gap.unit == "rad"
 }
 
 /// What the columns of the steps mean, and what is to be kept in mind with these causes.
@@ -232,6 +232,6 @@ mod tests {
         diagnosis.gap.unit = "N m";
         assert!(explanation(&diagnosis).contains("tell stribeck from load_friction"));
         (diagnosis.gap.unit, diagnosis.answer.verdict) = ("rad", Verdict::Unexplained);
-        assert!(explanation(&diagnosis).contains("tell stribeck from load_friction"));
+        assert!(!explanation(&diagnosis).contains("cannot tell"));
     }
 }

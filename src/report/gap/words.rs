@@ -26,6 +26,9 @@ pub(in crate::report) const DETECTABLE: &str = "Smallest size of each effect tha
 /// What stands above the sentences about it.
 pub(in crate::report) const UNDETERMINED: &str = "What these logs cannot determine";
 
+/// An experiment that decides with less than this probability is no advice.
+const DECIDES: f64 = 0.2;
+
 /// Logs that a sentence names.
 const MOST_NAMED: usize = 4;
 
@@ -35,6 +38,12 @@ pub(in crate::report) fn next(next: &Next, file: &str) -> String {
     let is_untold = next.motion.is_some() && !next.what.contains(NEXT_FILE);
     let where_from = if is_untold { format!(" The motion is in {file}.") } else { String::new() };
     let what = next.what.replace(NEXT_FILE, file);
+    if next.power < DECIDES {
+        return format!(
+            "No motion that was tried would tell more than by chance; the best of them decides with probability {power}. \
+             {what}{where_from}"
+        );
+    }
     format!("{what} It would decide with probability {power}.{where_from}")
 }
 
