@@ -1,6 +1,5 @@
 //! What a user demands of the numbers of a fit: `--fix`, `--free`, `--bound`, `--start`.
 
-use super::CliError;
 use crate::identify::Directives;
 use clap::Args;
 
@@ -23,21 +22,13 @@ pub(super) struct DemandArgs {
 
 impl DemandArgs {
     /// The demands as a fit takes them.
-    ///
-    /// # Errors
-    /// [`CliError::Usage`] where a parameter is to be held, and a search for it to begin somewhere.
-    pub fn directives(&self) -> Result<Directives, CliError> {
-        let is_started = |name: &str| self.start.iter().any(|(started, _)| started == name);
-        if let Some((name, _)) = self.fix.iter().find(|(name, _)| is_started(name)) {
-            let why = format!("`{name}`: --fix and --start are both given; leave one of them out");
-            return Err(CliError::Usage(why));
-        }
-        Ok(Directives {
+    pub fn directives(&self) -> Directives {
+        Directives {
             fix: self.fix.clone(),
             free: self.free.iter().map(|name| name.trim().to_owned()).collect(),
             bound: self.bound.clone(),
             start: self.start.clone(),
-        })
+        }
     }
 }
 

@@ -104,7 +104,7 @@ pub(super) fn run(args: &DropArgs) -> Result<u8, CliError> {
     let inputs: Vec<PathBuf> = case.inputs().into_iter().chain(args.robot.clone()).collect();
     let options = DropOptions {
         method: args.method.into(),
-        directives: args.demands.directives()?,
+        directives: args.demands.directives(),
         stribeck: args.stribeck,
         lump: args.lump,
         budget: Budget::default(),

@@ -112,18 +112,18 @@ fn none_such(error: NoSuchCause) -> CliError {
 
 /// What is asked of the diagnosis of a robot with a clamped base.
 pub(super) fn options_of_clamped(args: &GapArgs, deadline: Deadline) -> Result<GapOptions, CliError> {
-    asked(args, GapOptions::of_arm(&args.without, &args.only).map_err(none_such)?, deadline)
+    Ok(asked(args, GapOptions::of_arm(&args.without, &args.only).map_err(none_such)?, deadline))
 }
 
 /// What is asked of a joint's diagnosis.
 pub(super) fn options(args: &GapArgs, deadline: Deadline) -> Result<GapOptions, CliError> {
-    asked(args, GapOptions::of_joint(&args.without, &args.only).map_err(none_such)?, deadline)
+    Ok(asked(args, GapOptions::of_joint(&args.without, &args.only).map_err(none_such)?, deadline))
 }
 
 /// The rest of what is asked, beside the causes that are looked for.
-fn asked(args: &GapArgs, causes: GapOptions, deadline: Deadline) -> Result<GapOptions, CliError> {
-    let (twins, seed, demands) = (args.twins as usize, args.seed, args.demands.directives()?);
-    Ok(GapOptions { twins, seed, demands, deadline, ..causes })
+fn asked(args: &GapArgs, causes: GapOptions, deadline: Deadline) -> GapOptions {
+    let (twins, seed, demands) = (args.twins as usize, args.seed, args.demands.directives());
+    GapOptions { twins, seed, demands, deadline, ..causes }
 }
 
 /// Whether a path is a log by its ending, or a folder of one: what is read of it as text says nothing that helps.

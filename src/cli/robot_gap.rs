@@ -28,7 +28,7 @@ pub(super) fn run(args: &GapArgs, deadline: Deadline) -> Result<u8, CliError> {
                     probabilities come from the rates of `blind --robot`";
         return Err(CliError::Usage(what.to_owned()));
     }
-    if !args.demands.directives()?.is_empty() {
+    if !args.demands.directives().is_empty() {
         let what = "--fix, --free, --bound and --start are for the study of a joint; of a robot, state what is known in \
                     its study, with 0 in [uncertain] for what is exact";
         return Err(CliError::Usage(what.to_owned()));

@@ -175,8 +175,13 @@ impl Directives {
                 return Err(contradiction(name, format!("{option} is given twice")));
             }
         }
-        if let Some(name) = self.free.iter().find(|name| names("--fix").contains(&name.as_str())) {
-            return Err(contradiction(name, "--fix and --free are both given".into()));
+        let fixed = names("--fix");
+        for (option, searched) in
+            [("--free", self.free.iter().map(String::as_str).collect()), ("--start", names("--start"))]
+        {
+            if let Some(name) = searched.iter().find(|name| fixed.contains(*name)) {
+                return Err(contradiction(name, format!("--fix and {option} are both given")));
+            }
         }
         for (name, [low, high]) in &self.bound {
             let fixed = self.fix.iter().filter_map(|(n, value)| Some((n, (*value)?, "--fix")));
@@ -276,6 +281,10 @@ mod tests {
             (
                 Directives { fix: vec![("moment".into(), None)], free: vec!["moment".into()], ..Directives::default() },
                 "--fix and --free",
+            ),
+            (
+                Directives { fix: vec![("moment".into(), None)], start: vec![moment(1.0)], ..Directives::default() },
+                "--fix and --start",
             ),
             (
                 Directives {

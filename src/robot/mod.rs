@@ -35,6 +35,7 @@ mod state;
 pub mod study;
 pub mod tree;
 
+pub(crate) use contact::STEEPEST_RAD;
 pub use contact::{Contact, Floor, FloorParameters, Resting, Touching};
 pub use dynamics::{BodyMotion, ContactDamping, Dynamics, Energy, Force, Input, LanesDynamics, Momentum};
 pub use error::RobotError;

@@ -3,14 +3,11 @@
 use super::super::CliError;
 use crate::log::FloorSpec;
 use crate::robot::study::floor_on;
-use crate::robot::{Floor, FloorParameters, Model, State, Touching};
+use crate::robot::{Floor, FloorParameters, Model, STEEPEST_RAD, State, Touching};
 use clap::{Args, ValueEnum};
 
 /// The lowest foot point hangs so high at first (4.2.2) [m].
 const DROP_M: f64 = 0.02;
-
-/// A floor that leans more is a wall [rad]; beyond a right angle the same plane would come again.
-const STEEPEST_RAD: f64 = 1.2;
 
 /// Options for the floor.
 #[derive(Args, Debug)]
@@ -39,6 +36,7 @@ enum TouchArg {
 impl GroundArgs {
     /// The floor's parameters that were asked for.
     pub fn parameters(&self, model: &Model) -> Result<FloorParameters, CliError> {
+        // Beyond a right angle the same planes would come again.
         if !(self.slope.abs() <= STEEPEST_RAD) {
             let allowed = format!("at most {STEEPEST_RAD} rad up or down; 10 degrees are 0.175 rad");
             return Err(CliError::Usage(format!("--slope is {} rad, expected {allowed}", self.slope)));

@@ -7,7 +7,8 @@ use crate::gap::hypothesis::evidence::WholeLeft;
 use crate::gap::verdict::told::AtBest;
 use crate::identify::Case;
 use crate::log::{ArrayLog, DriveMode, JointBeliefs, JointSpec, Nominal, RobotLog, Spread, Uncertain};
-use crate::robot::description::{FoundNumber, JointKind, Mover, MoverId};
+use crate::number::extent;
+use crate::robot::description::{FoundNumber, Mover, MoverId};
 use std::collections::BTreeMap;
 
 /// A robot and its logs.
@@ -102,17 +103,9 @@ impl ClampedCase {
 /// A remark where what is asked of a joint lies where the description says that it cannot go.
 fn beyond(mover: &Mover, logs: &[RobotLog]) -> Option<String> {
     const SLACK: f64 = 0.01;
-    let [low, high] = mover.limit_rad?;
     let asked = logs.iter().filter_map(|log| log.joint(&mover.name)?.q_ref_rad.as_ref()).flatten();
-    let [from, to] = asked.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], q| [least.min(*q), most.max(*q)]);
-    let unit = if mover.kind == JointKind::Prismatic { "m" } else { "rad" };
-    (from < low - SLACK || to > high + SLACK).then(|| {
-        format!(
-            "{}: setpoints go from {from:.2} to {to:.2} {unit}, but the description lets it go from {low:.2} to {high:.2}, where a \
-             simulation of the whole robot holds it: is its zero, sign or unit another?",
-            mover.name
-        )
-    })
+    let what = mover.beyond_limits("setpoints go", extent(asked.copied()), SLACK)?;
+    Some(format!("{what}, where a simulation of the whole robot holds it: is its zero, sign or unit another?"))
 }
 
 /// What a joint's case is made from.

@@ -94,14 +94,9 @@ fn proven(
             let predicts = lost.sum > PREDICTS * lost.sd || leaves_little;
             // Where a joint sticks, parts of the fitted logs say little: a stop more or less decides all that follows.
             let is_borne_out =
-                || !predicts && gained > needed && lost.z() > -CLEARLY && refutes(evidence, whole, t, &best);
-            if !elsewhere.no_worse(lost.z()) {
-                (f64::NEG_INFINITY, false)
-            } else if is_borne_out() {
-                (gained - needed, true)
-            } else {
-                (if predicts { gained - needed } else { f64::NEG_INFINITY }, false)
-            }
+                !predicts && gained > needed && lost.z() > -CLEARLY && refutes(evidence, whole, t, &best);
+            let stays = (predicts || is_borne_out) && elsewhere.no_worse(lost.z());
+            (if stays { gained - needed } else { f64::NEG_INFINITY }, is_borne_out)
         };
         let weighed: Vec<(f64, bool)> = without.par_iter().enumerate().map(worth).collect();
         borne_out = weighed.iter().any(|(_, by_held_out)| *by_held_out);

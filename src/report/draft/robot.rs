@@ -7,7 +7,7 @@ use super::seen::{Seen, SeenJoint, drive_word, is_hand, of_currents};
 use super::shared::shared;
 use super::{DraftError, relative};
 use crate::log::{ColumnSpec, Columns, DriveMode, Unit, toml_string};
-use crate::robot::description::{Description, JointKind, LinkId, Mover};
+use crate::robot::description::{Description, LinkId, Mover};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -200,10 +200,6 @@ fn rounded(value: f64) -> f64 {
 /// A remark where a joint goes where the description says it cannot.
 fn beyond(joint: &SeenJoint, mover: &Mover) -> Option<String> {
     const SLACK_RAD: f64 = 0.1;
-    let [low, high] = mover.limit_rad?;
-    let [from, to] = joint.range_rad;
-    let unit = if mover.kind == JointKind::Prismatic { "m" } else { "rad" };
-    (from < low - SLACK_RAD || to > high + SLACK_RAD).then(|| {
-        format!("{}: read from {from:.2} to {to:.2} {unit}, but the description lets it go from {low:.2} to {high:.2}: is its zero or sign another?", mover.name)
-    })
+    let what = mover.beyond_limits("read", joint.range_rad, SLACK_RAD)?;
+    Some(format!("{what}: is its zero or sign another?"))
 }

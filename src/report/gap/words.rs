@@ -54,6 +54,8 @@ pub(in crate::report) fn no_next(diagnosis: &Diagnosis) -> &'static str {
     } else if diagnosis.answer.verdict == Verdict::Unexplained {
         "No motion would tell the effects I know apart any better. What is left is none of them; a log in which it is larger would say \
          more of it."
+    } else if diagnosis.causes.iter().any(|cause| cause.equivalent.len() > 1) {
+        "None is needed to tell the first cause apart; for the others none is looked for."
     } else {
         "None is needed to tell effects apart."
     }

@@ -7,7 +7,7 @@ use crate::robot::{BodyId, BodyMotion, ContactDamping, Force, Model, RobotError}
 use nalgebra::{Unit, Vector3};
 
 /// A slope beyond this is a wall \[rad\].
-const STEEPEST_RAD: f64 = 1.2;
+pub(crate) const STEEPEST_RAD: f64 = 1.2;
 
 /// Parameters of the floor (eqs 2.3-2.6); the keys of a study's `[floor]` stand behind the dashes.
 ///

@@ -21,6 +21,7 @@ mod resting;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use floor::STEEPEST_RAD;
 pub use floor::{Floor, FloorParameters, Touching};
 pub use law::Contact;
 pub use resting::Resting;

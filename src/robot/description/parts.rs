@@ -88,6 +88,19 @@ pub struct Mover {
     pub at: At,
 }
 
+impl Mover {
+    /// That something goes from the first to the second position, by more than `slack` beyond where the description lets the
+    /// joint go, in words; `None` where it does not.
+    pub(crate) fn beyond_limits(&self, what: &str, [from, to]: [f64; 2], slack: f64) -> Option<String> {
+        let [low, high] = self.limit_rad?;
+        let unit = if self.kind == JointKind::Prismatic { "m" } else { "rad" };
+        (from < low - slack || to > high + slack).then(|| {
+            let (name, limits) = (&self.name, format!("but the description lets it go from {low:.2} to {high:.2}"));
+            format!("{name}: {what} from {from:.2} to {to:.2} {unit}, {limits}")
+        })
+    }
+}
+
 /// A joint that follows another: its position is `offset + multiplier * leader`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coupling {
