@@ -112,7 +112,7 @@ pub(super) fn diagnose_from(
     let differs = weighed.differs();
     let causes = causes(&evidence, &held, &attribution, &decision, &effect_parameters);
     let (beliefs, undetermined) = (weighed.around().beliefs(), weighed.around().undetermined(&evidence));
-    let moved = weighed.moved();
+    let moved = weighed.moved().and_then(|name| parameters.iter().find(|number| number.name == name));
     let parts = (&effect_parameters[..], &causes[..]);
     let mut sentence = sentence(&case.joint.name, &decision, &gap, moved, parts, law.as_ref(), described.is_some());
     sentence += &weighed.further(&gap, &beliefs, &differs);

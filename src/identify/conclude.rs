@@ -7,6 +7,7 @@ use super::parameter::{Parameter, Search, free_of};
 use super::run::{Found, Prediction, prediction, refine, search};
 use super::{Belief, Experiment, JointModel, Named, Problem, unit_rad2_s};
 use crate::fit::{Budget, Method, Rejected, Residuals, Solution, Stop, Uncertainty, Undetermined, uncertainty};
+use crate::number::quantity;
 use nalgebra::DVector;
 use serde::Serialize;
 
@@ -41,6 +42,17 @@ pub struct Estimate {
     pub interval_naive: Option<[f64; 2]>,
     /// What the engineer believed, where known.
     pub nominal: Option<f64>,
+}
+
+impl Estimate {
+    /// `0.92 [0.90, 0.94] N m instead of 0.155 N m`; `None` where its interval does not leave out what was believed.
+    pub(crate) fn instead(&self) -> Option<String> {
+        let (interval, believed) = (self.interval?, self.nominal?);
+        let leaves_out = !(interval[0]..=interval[1]).contains(&believed);
+        let [found, believed] = [(self.value, Some(interval)), (believed, None)]
+            .map(|(value, interval)| quantity(value, interval, &self.unit));
+        leaves_out.then(|| format!("{found} instead of {believed}"))
+    }
 }
 
 /// A model fitted to logs. Written down it has its estimates, not the model and the covariances behind them.

@@ -8,7 +8,7 @@ use crate::deadline::{Deadline, Spent};
 use crate::gap::diagnose::{Beside, diagnose_from, flattered};
 use crate::gap::hypothesis::held_out::closed;
 use crate::gap::verdict::as_given::AsGiven;
-use crate::gap::verdict::sentence::{REFITTED, words};
+use crate::gap::verdict::sentence::{REFITTED, number_words, words};
 use crate::gap::{CauseShare, Diagnosis, GapError, GapOptions, Number, Verdict};
 use crate::joint::EffectId;
 use crate::number::{capital, mrad, newton_metres, quantity};
@@ -346,24 +346,29 @@ fn shared(groups: &BTreeMap<String, Vec<String>>, joints: &[JointAnswer]) -> Vec
     let found: Vec<(&str, &Diagnosis)> =
         joints.iter().filter_map(|joint| Some((joint.joint.as_str(), joint.diagnosis.as_ref()?))).collect();
     let all: f64 = found.iter().map(|(_, d)| d.gap.calibrated.powi(2)).sum();
-    let mut causes: Vec<SharedCause> = Vec::new();
+    let mut causes: Vec<(f64, SharedCause)> = Vec::new();
     for (joint, diagnosis) in &found {
-        let causes_of = steps(diagnosis).map(|(cause, squares)| (cause.effect, squares));
-        let gain = gain_as_number(diagnosis).map(|(effect, _)| (*effect, 0.0));
-        for (effect, squares) in causes_of.chain(gain) {
-            let share = if all > 0.0 { squares / all } else { 0.0 };
-            match causes.iter_mut().find(|known| known.effect == effect) {
-                Some(known) => {
+        let share = |squares: f64| if all > 0.0 { squares / all } else { 0.0 };
+        let causes_of = steps(diagnosis).map(|(cause, squares)| (cause.effect, squares, share(squares)));
+        let refitted = diagnosis.gap.before.powi(2) - diagnosis.gap.calibrated.powi(2);
+        let gain = gain_as_number(diagnosis).map(|(effect, _)| (*effect, refitted, 0.0));
+        for (effect, squares, share) in causes_of.chain(gain) {
+            match causes.iter_mut().find(|(_, known)| known.effect == effect) {
+                Some((closes, known)) => {
                     known.joints.push((*joint).to_owned());
                     known.share += share;
+                    *closes += squares;
                 }
                 None => {
                     let joints = vec![(*joint).to_owned()];
-                    causes.push(SharedCause { effect, joints, group: None, size: None, share, common: false });
+                    let cause = SharedCause { effect, joints, group: None, size: None, share, common: false };
+                    causes.push((squares, cause));
                 }
             }
         }
     }
+    causes.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut causes: Vec<SharedCause> = causes.into_iter().map(|(_, cause)| cause).collect();
     let same = |a: &[String], b: &[String]| a.len() == b.len() && a.iter().all(|name| b.contains(name));
     for cause in &mut causes {
         let group = groups.iter().find(|(_, joints)| same(joints, &cause.joints)).map(|(name, _)| name.clone());
@@ -375,9 +380,11 @@ fn shared(groups: &BTreeMap<String, Vec<String>>, joints: &[JointAnswer]) -> Vec
             found.or_else(as_number)?.first().cloned()
         };
         let sizes: Vec<Number> = found.iter().filter_map(own).collect();
-        cause.size = one_size(&sizes.iter().collect::<Vec<_>>());
+        cause.size = match &sizes[..] {
+            [only] => Some(only.clone()),
+            _ => one_size(&sizes.iter().collect::<Vec<_>>()),
+        };
     }
-    causes.sort_by(|a, b| b.share.total_cmp(&a.share));
     causes
 }
 
@@ -412,10 +419,14 @@ pub(super) fn sentence(
         let rivals = body.rivals_words().map(|others| format!(": these logs cannot tell it from {others}"));
         text += &format!(" {}{}.", capital(&body.words()), rivals.unwrap_or_default());
     }
-    for cause in causes.iter().filter(|cause| cause.share > 0.0 || is_number(cause)).take(SAID) {
+    for cause in causes.iter().filter(|cause| cause.share > NEGLIGIBLE || is_number(cause)).take(SAID) {
         let on = cause.group.clone().unwrap_or_else(|| cause.joints.join(", "));
         let size = cause.size.as_ref().map(|n| format!(" ({} = {})", n.name, quantity(n.value, n.interval, &n.unit)));
         text += &format!(" {} on {on}{}.", capital(words(cause.effect)), size.unwrap_or_default());
+    }
+    if bodies.is_empty() {
+        let off = numbers_off(joints, pooled);
+        text.extend((!off.is_empty()).then(|| format!(" {}.", capital(&off.join("; ")))));
     }
     for number in pooled.iter().take(SAID) {
         text += &format!(" {}.", capital(&number.words()));
@@ -430,5 +441,26 @@ pub(super) fn sentence(
     text
 }
 
-/// Causes that the sentence names.
+/// Numbers without which joints are off, those first that close most, but for what is told of several joints at once:
+/// `Coulomb friction of elbow is 0.92 [0.90, 0.94] N m instead of 0.155 N m`.
+fn numbers_off(joints: &[JointAnswer], pooled: &[PooledNumber]) -> Vec<String> {
+    let closes = |own: &Diagnosis| own.gap.before.powi(2) - own.gap.calibrated.powi(2);
+    let all: f64 = found_of(joints).map(closes).sum();
+    let of = |own: &&Diagnosis| own.answer.verdict == Verdict::Calibration && closes(own) > MUCH_OF_ALL * all;
+    let mut those: Vec<&Diagnosis> = found_of(joints).filter(of).collect();
+    those.sort_by(|a, b| closes(b).total_cmp(&closes(a)));
+    let words = |own: &Diagnosis| {
+        let number = own.parameters.iter().find(|number| own.answer.effect.as_ref() == Some(&number.name))?;
+        let is_told = |one: &PooledNumber| one.number == number.name && one.joints.contains(&own.joint);
+        let instead = number.instead().filter(|_| !pooled.iter().any(is_told))?;
+        Some(format!("{} of {} is {instead}", number_words(&number.name), own.joint))
+    };
+    those.into_iter().filter_map(words).take(SAID).collect()
+}
+
+/// Causes and numbers that the sentence names, each.
 const SAID: usize = 3;
+/// What closes no more than this share of the recalibrated squares is left to the joints' own answers.
+const NEGLIGIBLE: f64 = 0.01;
+/// Numbers are named of joints that close this share of what all numbers do.
+const MUCH_OF_ALL: f64 = 0.1;

@@ -6,7 +6,9 @@
 //! the comparison for arms whose simulation diverges, and says nothing of what a setpoint becomes.
 
 mod answer;
+mod bench;
 mod bodies;
+mod body_fit;
 mod case;
 mod design;
 mod diagnose;

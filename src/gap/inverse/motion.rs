@@ -15,10 +15,11 @@ use crate::gap::clamped::{
 };
 use crate::gap::verdict::decide::leaves_something;
 use crate::gap::verdict::recalibrated::Refitted;
-use crate::gap::whole::{BodyAtBest, body_at_best, placed_causes};
+use crate::gap::whole::{BodyAtBest, body_at_best, numbers_alone_leave_noise, placed_causes};
 use crate::gap::{Diagnosis, GapOptions, Verdict};
 use crate::joint::EffectId;
 use crate::progress::{Progress, Step};
+use crate::robot::description::FoundNumber;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -51,6 +52,10 @@ fn searched_within(
     progress: &dyn Progress,
 ) -> Result<(ClampedCase, ClampedDiagnosis), TorqueError> {
     let (case, masses) = weighed_case(setup, options, progress)?;
+    let (case, found) = without_causes(setup, case, options, progress)?;
+    if let Some(found) = found {
+        return Ok((case, found));
+    }
     let are_chosen = !masses.is_empty();
     let first = diagnose_clamped(&case, options, progress)?.with_weighed(masses);
     let (case, mut first) = followed(setup, options, progress, (case, first))?;
@@ -78,9 +83,42 @@ fn searched_within(
     Ok((case, first))
 }
 
+/// The robot where no causes of joints are needed, so that none are looked for: with numbers alone, or with a body in place that
+/// the torques ask for rather than for such causes, it leaves only noise of every joint, simulated as a whole. No answer elsewhere.
+fn without_causes(
+    setup: &ClampedSetup,
+    case: ClampedCase,
+    options: &GapOptions,
+    progress: &dyn Progress,
+) -> Result<(ClampedCase, Option<ClampedDiagnosis>), TorqueError> {
+    let needs_no_cause = |case: ClampedCase, is: bool| {
+        let joints = case.joints.into_iter().map(|joint| ClampedJoint { needs_no_cause: is, ..joint });
+        ClampedCase { joints: joints.collect(), ..case }
+    };
+    let case = needs_no_cause(case, true);
+    let first = diagnose_clamped(&case, options, progress)?;
+    if numbers_alone_leave_noise(setup, &first, &options.deadline) {
+        let (case, found) = followed(setup, options, progress, (case, first))?;
+        return Ok((case, Some(found)));
+    }
+    let case = needs_no_cause(case, false);
+    if !options.considers_bodies() || !first.found().any(is_unexplained) || options.deadline.leaves_out(BODIES) {
+        return Ok((case, None));
+    }
+    progress.go_on(Step::stage("payload and masses"))?;
+    let asked = asked_for(setup, &case, &first, options)?.filter(|asked| asked.explains && asked.body.saved >= MARGIN);
+    let Some(asked) = asked else { return Ok((case, None)) };
+    Ok(match with_body(setup, (&case, &first), &asked, options, progress)? {
+        Some((with_it, found)) => (with_it, Some(found)),
+        None => (case, None),
+    })
+}
+
 /// A body that may be other than described.
 struct Asked {
     body: BodyCause,
+    /// Numbers of the whole robot beside it, as [`BodyAtBest`] has them.
+    numbers: Vec<FoundNumber>,
     /// Whether the whole robot with it and numbers alone leaves only noise of every joint.
     explains: bool,
 }
@@ -116,7 +154,7 @@ fn with_body(
     options: &GapOptions,
     progress: &dyn Progress,
 ) -> Result<Option<(ClampedCase, ClampedDiagnosis)>, TorqueError> {
-    let Asked { body, explains } = asked;
+    let Asked { body, numbers, explains } = asked;
     let changed = setup.with_change(body.link, &body.change)?;
     let (mut with_it, masses) = weighed_case(&changed, options, progress)?;
     let carriers: Vec<&str> =
@@ -151,8 +189,10 @@ fn with_body(
     let mut notes = case.notes.clone();
     notes.push(in_place(body, needs_no_cause));
     let named = vec![body.clone()];
-    let second = concluded(&case.robot, &case.groups, second.joints, named, Some(&first.joints), notes)
-        .with_weighed(second.weighed);
+    // Where no joint has causes the whole robot knows all numbers best.
+    let weighed = if needs_no_cause { numbers.clone() } else { second.weighed };
+    let second =
+        concluded(&case.robot, &case.groups, second.joints, named, Some(&first.joints), notes).with_weighed(weighed);
     let [without, with] = [first, &second].map(|d| d.gap.after);
     // The body is one more.
     let is_worth = with <= CLOSES * without || needs(&second) + 1 < needs(first);
@@ -189,17 +229,18 @@ fn best_of(
     let explains = tried.iter().any(|one| one.explains);
     tried.retain(|one| one.explains || !explains);
     let least_rad = tried.iter().map(|one| one.left_rad).fold(f64::INFINITY, f64::min);
-    let mut as_good = tried.into_iter().filter(|one| one.left_rad <= AS_GOOD * least_rad).map(|one| one.body);
-    let Some(mut best) = as_good.next() else {
+    let mut as_good = tried.into_iter().filter(|one| one.left_rad <= AS_GOOD * least_rad);
+    let Some(best) = as_good.next() else {
         let first = bodies.into_iter().next().filter(|body| body.saved >= MARGIN);
-        return first.map(|body| Asked { body, explains: false });
+        return first.map(|body| Asked { body, numbers: Vec::new(), explains: false });
     };
+    let BodyAtBest { body: mut best, numbers, .. } = best;
     // What the whole robot did not try is as good as torques tell.
     let was_tried = |other: &BodyName| bodies.iter().any(|body| body.name() == *other);
     let others = std::mem::take(&mut best.equivalent);
     let others = others.into_iter().filter(|other| other.kind == best.kind && !was_tried(other));
-    best.equivalent = [best.name()].into_iter().chain(others).chain(as_good.map(|other| other.name())).collect();
-    Some(Asked { body: best, explains })
+    best.equivalent = [best.name()].into_iter().chain(others).chain(as_good.map(|other| other.body.name())).collect();
+    Some(Asked { body: best, numbers, explains })
 }
 
 /// Whether the whole robot at its best needs no more than numbers to leave only noise of every joint.

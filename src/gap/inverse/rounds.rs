@@ -50,6 +50,7 @@ pub(super) fn followed(
             for (joint, before) in again.joints.iter_mut().zip(&case.joints) {
                 joint.as_described.clone_from(&before.as_described);
                 joint.whole = before.whole;
+                joint.needs_no_cause = before.needs_no_cause;
                 joint.at_best.clone_from(&before.at_best);
             }
             again

@@ -89,6 +89,11 @@ impl Solved {
 }
 
 impl System {
+    /// All unknowns.
+    pub fn all(&self) -> Vec<usize> {
+        (0..self.unknowns.len()).collect()
+    }
+
     /// What a fit to the fitted blocks comes to: weighed squares, and those of what was believed.
     pub fn criterion(&self, solved: &Solved) -> f64 {
         let left: f64 = self.blocks.iter().filter(|block| block.is_fit).map(|block| block.squares(&solved.x)).sum();

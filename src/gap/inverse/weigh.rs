@@ -4,7 +4,7 @@
 //! masses of single bodies, which no joint tells alone. Here they are unknowns that all joints share, beside each joint's
 //! friction, gain and causes, but instead of its inertia and moment.
 
-use super::bodies::{Bench, differences};
+use super::bench::{Bench, differences};
 use super::case::TorqueCase;
 use super::diagnose::{TorqueError, searched};
 use super::numbers::Which;

@@ -197,21 +197,21 @@ impl<'a> Judge<'a, '_> {
 
     /// Whether the joint as given is no more than an encoder's step off, and predicts held-out logs as well as the best.
     ///
-    /// Where other joints push it, whose motion is read in such steps, the recalibrated joint will do as well: it may predict
-    /// hardly worse. It may predict any worse where no cause has a size that logs agree on, for such a cause may only have
+    /// Where other joints push it, whose motion is read in such steps, the recalibrated joint will do as well, and as well where
+    /// it leaves what would be no alarm: it may predict hardly worse. It may predict any worse where no cause has a size that logs agree on, for such a cause may only have
     /// led the numbers to their place. The whole robot says the same where it needs no cause to predict the joint as well.
     fn has_hardly_a_cause(&self) -> bool {
-        let stands =
-            |t: &Trial, times: f64| !self.exceeds_a_step(t) && self.held_rad(t) <= times * self.held_rad(&self.a.best);
+        let stands = |t: &Trial, times: f64| self.held_rad(t) <= times * self.held_rad(&self.a.best);
+        let is_small = |t: &Trial| !self.exceeds_a_step(t) || self.a.excess(self.evidence, t) < NO_ALARM;
         let numbers_do = || {
             let times = if self.has_causes_of_no_certain_size() { f64::INFINITY } else { HARDLY_A_GAP };
-            stands(&self.a.calibrated, times)
+            is_small(&self.a.calibrated) && stands(&self.a.calibrated, times)
         };
         // The whole robot needs no cause to predict the joint as well.
         let whole_does = |whole: WholeLeft| {
             !leaves_something(whole.bare_rad, self.a.noise_rad) && whole.bare_rad <= self.held_rad(&self.a.best)
         };
-        stands(&self.a.given, 1.0)
+        !self.exceeds_a_step(&self.a.given) && stands(&self.a.given, 1.0)
             || self.evidence.is_carried() && numbers_do()
             || self.evidence.whole.is_some_and(whole_does)
     }

@@ -7,7 +7,7 @@ use crate::gap::hypothesis::evidence::{Evidence, WholeLeft};
 use crate::gap::hypothesis::model::{COULOMB, INERTIA};
 use crate::gap::hypothesis::rotor::armature_kg_m2;
 use crate::gap::hypothesis::trial::Trial;
-use crate::identify::{BeliefFound, JointModel};
+use crate::identify::{BeliefFound, Estimate, JointModel};
 use crate::joint::{EffectId, LawActs, LawTable};
 use crate::number::{mrad, quantity, share};
 
@@ -224,13 +224,24 @@ fn apart_from(first: EffectId, equivalent: &[EffectId], causes: &[CauseShare]) -
     if all.is_empty() { String::new() } else { format!(" These logs cannot tell {}.", all.join(", nor ")) }
 }
 
-/// The sentence of a decision; `parameter` is the number that moved most, `has_bodies` whether the joint carries bodies that are
+/// `, the Coulomb friction most of all (0.92 [0.90, 0.94] N m instead of 0.155 N m)`; nothing where the number that moved most
+/// may be as believed. What it is instead is told elsewhere of one that is `far` from that.
+fn most_of_all(most: Option<&Estimate>, far: &[BeliefFound]) -> String {
+    let told = |most: &Estimate| {
+        let (instead, is_far) = (most.instead()?, far.iter().any(|own| own.is_finding() && own.name == most.name));
+        let instead = if is_far { String::new() } else { format!(" ({instead})") };
+        Some(format!(", the {} most of all{instead}", number_words(&most.name)))
+    };
+    most.and_then(told).unwrap_or_default()
+}
+
+/// The sentence of a decision; `most` is the number that moved most, `has_bodies` whether the joint carries bodies that are
 /// other than described: as given it is told without them.
 pub(in crate::gap) fn sentence(
     joint: &str,
     decision: &Decision<'_>,
     gap: &Gap,
-    parameter: Option<&str>,
+    most: Option<&Estimate>,
     (effects, causes): (&[(EffectId, Vec<Number>)], &[CauseShare]),
     law: Option<&LawFound>,
     has_bodies: bool,
@@ -251,7 +262,8 @@ pub(in crate::gap) fn sentence(
     let coulomb_nm = decision.answer.found.values[COULOMB];
     let includes_none = |(e, numbers): &(EffectId, Vec<Number>)| includes_none(*e, numbers, coulomb_nm);
     let may_be_none = |effect: &EffectId| effects.iter().any(|own| own.0 == *effect && includes_none(own));
-    let is_far = decision.answer.beliefs().iter().any(BeliefFound::is_finding);
+    let beliefs = decision.answer.beliefs();
+    let is_far = beliefs.iter().any(BeliefFound::is_finding);
     match (decision.verdict, decision.effect()) {
         (Verdict::None, _) if has_bodies => format!(
             "{joint}: nothing is missing beside the bodies that it carries. With them as found the held-out logs are explained \
@@ -263,8 +275,8 @@ pub(in crate::gap) fn sentence(
             format!("{joint}: nothing is missing. The model as given explains the held-out logs {}.", to_the_noise(gap))
         }
         (Verdict::Calibration, _) => format!(
-            "{joint}: the structure is right and the numbers are off, the {} most of all; refitting them{}{} takes the error from {} to {} (noise {}).",
-            parameter.map_or("inertia", number_words),
+            "{joint}: the structure is right and the numbers are off{}; refitting them{}{} takes the error from {} to {} (noise {}).",
+            most_of_all(most, &beliefs),
             if is_far { "" } else { " within what is believed of them" },
             if has_bodies { ", and the masses," } else { "" },
             mrad(gap.before),
@@ -273,7 +285,15 @@ pub(in crate::gap) fn sentence(
         ),
         (Verdict::Effect, Some(effect)) => {
             let (how_much, left) = of_the_gap(figures);
-            let mut text = format!("{joint}: {how_much} {}; {}.{left}", all(), closing(figures, refitted, &them));
+            // A gain of the drive that is the answer as a number closed what it closes among these.
+            let goes = match decision.answer.effects() {
+                [] => {
+                    let [before, after] = [gap.before, gap.after].map(mrad);
+                    format!("the error goes from {before} as given to {after} with {refitted}, that gain among them")
+                }
+                _ => closing(figures, refitted, &them),
+            };
+            let mut text = format!("{joint}: {how_much} {}; {goes}.{left}", all());
             let open =
                 decision.effects.iter().copied().filter(may_be_none).map(words).collect::<Vec<_>>().join(" and of ");
             if !open.is_empty() {
@@ -299,10 +319,11 @@ pub(in crate::gap) fn sentence(
             let [before, calibrated, after, floor] = figures.map(mrad);
             let stays = format!("{after} are left, and the sensor itself makes {floor}");
             if gap.calibrated < MOST_BY_NUMBERS * gap.before {
-                let most = parameter.map_or(String::new(), |name| format!(", the {} most of all,", number_words(name)));
+                let most = most_of_all(most, &beliefs);
+                let comma = if most.is_empty() { "" } else { "," };
                 let beside = if has_bodies { " and the masses" } else { "" };
                 let numbers =
-                    format!("refitting the numbers{beside}{most} takes the error from {before} to {calibrated}");
+                    format!("refitting the numbers{beside}{most}{comma} takes the error from {before} to {calibrated}");
                 return match partial {
                     Some(_) => format!(
                         "{joint}: {numbers}. {known}; {}.{apart} The effects I know do not explain the rest: the sensor \

@@ -1,6 +1,7 @@
 //! A clamped robot and its causes on the logs that setpoints drive, simulated at sizes of what is never quite right about
 //! them, and made linear there.
 
+use super::beginning::Beginning;
 use super::parts::{append, parts};
 use super::robot::{PlacedCause, Stretch, WholeRobot};
 use super::unknown::{Quantity, Unknown, believed, is_body};
@@ -14,7 +15,7 @@ use rayon::prelude::*;
 
 /// Time of all fitted logs that steps are told by \[s\], and steps of the simulation \[s\].
 const SIMULATED_S: f64 = 45.0;
-const STEP_S: f64 = 2e-3;
+pub(super) const STEP_S: f64 = 2e-3;
 /// Halvings of a step that explains less.
 const HALVINGS: i32 = 3;
 /// Change of a number to either side for what it does, in its standard deviations: what scales masses, gains and friction
@@ -25,12 +26,17 @@ const LARGEST: f64 = 10.0;
 /// Nobody reads angles better than this \[rad\].
 pub(super) const LEAST_NOISE_RAD: f64 = 1e-4;
 
+/// Where each part of each log begins.
+pub(super) type Beginnings = Vec<Vec<Beginning>>;
+
 /// What a robot leaves of its logs.
 pub(super) struct Point {
     /// In standard deviations of the unknowns.
     pub sizes: Vec<f64>,
     /// Measured less simulated \[rad\], joint by joint of log by log.
     pub left: Vec<Vec<f64>>,
+    /// Where each part of each log begins.
+    pub from: Beginnings,
     /// How well the sizes are known, as told where the last step began; 1 before any.
     pub sd: Vec<f64>,
 }
@@ -166,33 +172,46 @@ impl<'a> Bench<'a> {
         (numbers, causes)
     }
 
-    /// The robot as it is stated.
-    pub fn stated(&self) -> Option<Point> {
-        self.point(vec![0.0; self.unknowns.len()])
+    /// The robot as it is stated, with beginnings of its own where none are given.
+    pub fn stated(&self, from: Option<&Beginnings>) -> Option<Point> {
+        self.point(vec![0.0; self.unknowns.len()], from)
     }
 
-    /// The robot with numbers.
-    pub fn with(&self, numbers: &[FoundNumber]) -> Option<Point> {
-        self.point(self.unknowns.iter().map(|unknown| unknown.size_in(numbers)).collect())
+    /// The robot with numbers, with beginnings of its own where none are given.
+    pub fn with(&self, numbers: &[FoundNumber], from: Option<&Beginnings>) -> Option<Point> {
+        self.point(self.unknowns.iter().map(|unknown| unknown.size_in(numbers)).collect(), from)
     }
 
-    pub fn point(&self, sizes: Vec<f64>) -> Option<Point> {
+    fn point(&self, sizes: Vec<f64>, from: Option<&Beginnings>) -> Option<Point> {
         let sd = vec![1.0; sizes.len()];
         let (numbers, causes) = self.robot(&sizes, &sd);
         let mut robot = WholeRobot::of(self.setup, &numbers, &causes).ok()?;
-        let left = self.left(&mut robot, &self.logs, SIMULATED_S / self.logs.len() as f64)?;
-        Some(Point { sizes, left, sd })
+        let from = from.cloned().unwrap_or_else(|| self.beginnings(&mut robot, &self.logs));
+        let left = self.left(&mut robot, &self.logs, &from, SIMULATED_S / self.logs.len() as f64)?;
+        Some(Point { sizes, left, from, sd })
+    }
+
+    /// Where a robot follows each part of logs best from.
+    pub fn beginnings(&self, robot: &mut WholeRobot, logs: &[&RobotLog]) -> Beginnings {
+        logs.iter().map(|log| parts(log).iter().map(|part| robot.beginning(self.setup, part)).collect()).collect()
     }
 
     /// Measured less simulated of every joint of logs, up to so long after their start \[rad, s\].
-    pub fn left(&self, robot: &mut WholeRobot, logs: &[&RobotLog], until_s: f64) -> Option<Vec<Vec<f64>>> {
+    pub fn left(
+        &self,
+        robot: &mut WholeRobot,
+        logs: &[&RobotLog],
+        from: &Beginnings,
+        until_s: f64,
+    ) -> Option<Vec<Vec<f64>>> {
         let mut left: Vec<Vec<f64>> = Vec::new();
-        for log in logs {
+        for (log, from) in logs.iter().zip(from) {
             let until_s = log.t_s[0] + until_s;
             let mut of_log: Vec<Vec<f64>> = Vec::new();
-            for part in parts(log).iter().take_while(|part| part.t_s[0] <= until_s) {
+            let parts = parts(log);
+            for (part, from) in parts.iter().zip(from).take_while(|(part, _)| part.t_s[0] <= until_s) {
                 let stretch = Stretch { period_s: mean_period_s(&part.t_s), step_s: STEP_S, until_s };
-                let recording = robot.motion(self.setup, part, &stretch).ok()?;
+                let recording = robot.motion(self.setup, part, from, &stretch).ok()?;
                 let samples = part.t_s.partition_point(|t| *t <= until_s);
                 let of_joint = |(joint, read): (&JointColumns, Vec<f64>)| {
                     joint.q_rad.iter().zip(read).take(samples).map(|(measured, read)| measured - read).collect()
@@ -219,7 +238,7 @@ impl<'a> Bench<'a> {
             let nudged = |by: f64| {
                 let mut sizes = here.sizes.clone();
                 sizes[k] += by;
-                Some(self.point(sizes)?.left)
+                Some(self.point(sizes, Some(&here.from))?.left)
             };
             let down = here.sizes[k] - NUDGE;
             let low = if self.unknowns[k].within(down) > down { 0.0 } else { -NUDGE };
@@ -247,9 +266,13 @@ impl<'a> Bench<'a> {
             let share = 0.5_f64.powi(halving);
             let sizes = here.sizes.iter().zip(step.iter()).zip(&self.unknowns);
             let sizes = sizes.map(|((size, by), unknown)| unknown.within(size + share * by));
-            let there = self.point(sizes.collect())?;
+            let there = self.point(sizes.collect(), Some(&here.from))?;
             let gained = 1.0 - slopes.price(&there) / slopes.price(here);
-            (gained > 0.0).then(|| (Point { sd: slopes.sd.clone(), ..there }, gained))
+            (gained > 0.0).then(|| {
+                // From where it begins best it leaves no more.
+                let anew = self.point(there.sizes.clone(), None).filter(|a| slopes.price(a) < slopes.price(&there));
+                (Point { sd: slopes.sd.clone(), ..anew.unwrap_or(there) }, gained)
+            })
         })
     }
 }

@@ -5,6 +5,7 @@ use super::common::explains;
 use super::numbers::{found_robot, of_body};
 use super::robot::PlacedCause;
 use super::settled::{Settled, settled};
+use super::unknown::is_body;
 use crate::deadline::Deadline;
 use crate::gap::Number;
 use crate::gap::clamped::{BodyCause, BodyKind, ClampedDiagnosis, ClampedSetup};
@@ -16,6 +17,8 @@ use nalgebra::Vector3;
 /// A body as the whole robot has it.
 pub(in crate::gap) struct BodyAtBest {
     pub body: BodyCause,
+    /// Numbers of the robot beside it; where it hangs on a link it is the last of them.
+    pub numbers: Vec<FoundNumber>,
     /// What is left of the joints that move, as a geometric mean \[rad\].
     pub left_rad: f64,
     /// Whether it leaves only noise of every joint.
@@ -41,8 +44,13 @@ pub(in crate::gap) fn body_at_best(
         return None;
     }
     let logs: f64 = whole.left_rad.iter().map(|(_, left)| math::ln(*left)).sum();
+    let mut numbers = whole.numbers_but_causes();
+    numbers.retain(|number| !is_own(&number));
+    // What hangs on a link comes after the link's own mass.
+    numbers.extend(is_body(own).then(|| own.clone()));
     Some(BodyAtBest {
         body: moved(setup, body, own, &whole),
+        numbers,
         left_rad: math::exp(logs / whole.left_rad.len() as f64),
         explains: explains(&whole, diagnosis),
     })

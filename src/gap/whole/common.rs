@@ -134,7 +134,7 @@ impl<'a> Look<'a> {
         beside: Vec<PlacedCause>,
     ) -> Option<Self> {
         let bench = Bench::new(setup, stated, &beside, each(beside.len()))?;
-        let here = bench.stated()?;
+        let here = bench.stated(None)?;
         let slopes = bench.slopes(&here)?;
         let joints = bench.logs.iter().flat_map(|log| &log.joints).zip(&here.left);
         // A joint that never moves says nothing.
@@ -153,7 +153,7 @@ impl<'a> Look<'a> {
     /// How many times as large causes are best, to first order, and the share of what numbers leave beyond noise that they close.
     fn closes(&self, causes: &[PlacedCause]) -> Option<(f64, f64)> {
         let all = [&self.beside[..], causes].concat();
-        let there = Bench::new(self.setup, self.stated, &all, Vec::new())?.stated()?;
+        let there = Bench::new(self.setup, self.stated, &all, Vec::new())?.stated(Some(&self.here.from))?;
         let rows = self.here.left.iter().zip(&there.left);
         let change: Vec<Vec<f64>> = rows.map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect()).collect();
         let (times, saved) = self.slopes.saved(&self.here, &change);
@@ -209,7 +209,8 @@ impl<'a> Look<'a> {
     /// How many joints show the effect: without it on them the robot is worse. A limit does nothing where it is never reached.
     fn shown_by(&self, whole: &Settled, form: EffectForm, joints: &[&str]) -> usize {
         let squares = |causes: &[PlacedCause]| -> Option<f64> {
-            let left = Bench::new(self.setup, &whole.numbers, causes, Vec::new())?.with(&whole.numbers)?.left;
+            let bench = Bench::new(self.setup, &whole.numbers, causes, Vec::new())?;
+            let left = bench.with(&whole.numbers, Some(&self.here.from))?.left;
             let noise = self.noise_rad2.iter().zip(&left);
             Some(noise.map(|(noise, left)| mean_square(left) / noise).sum())
         };

@@ -21,6 +21,10 @@ const DENSE_S: f64 = 2.5e-3;
 const MOST_PER_SAMPLE: f64 = 40.0;
 /// Causes of so many joints at most are tried without those of the others.
 const FEW: usize = 2;
+/// Without causes the robot may leave so many times what joints' own answers do, where both are noise.
+const HARDLY_WORSE: f64 = 1.1;
+/// What is no more than noise is at most so many times as large.
+const NO_MORE: f64 = 1.05;
 /// One cause on all joints has to leave this share of what those leave, in squares of noise.
 const CLEARLY_LESS: f64 = 0.95;
 
@@ -130,13 +134,14 @@ pub(in crate::gap) fn as_found(
     Some(AsFound { whole, joints, common: None, explains })
 }
 
-/// The whole robot with the joints' numbers, where it needs no cause to leave only noise of every joint, and no more than with
-/// causes these left.
+/// The whole robot with the joints' numbers, where it needs no cause to leave only noise of every joint, and hardly more than
+/// with causes these left.
 fn with_numbers_alone(setup: &ClampedSetup, diagnosis: &ClampedDiagnosis, deadline: &Deadline) -> Option<AsFound> {
     let found = found_robot(setup, Some(&diagnosis.without_causes())).ok()?;
     let whole = settled(setup, &found.numbers, &[], deadline)?;
     let leaves_no_more = diagnosis.found().all(|own| {
-        own.causes.is_empty() || whole.left_rad(&own.joint).is_some_and(|left_rad| left_rad <= own.gap.after)
+        own.causes.is_empty()
+            || whole.left_rad(&own.joint).is_some_and(|left_rad| left_rad <= HARDLY_WORSE * own.gap.after)
     });
     (leaves_no_more && explains(&whole, diagnosis)).then(|| AsFound {
         whole,
@@ -144,6 +149,20 @@ fn with_numbers_alone(setup: &ClampedSetup, diagnosis: &ClampedDiagnosis, deadli
         common: None,
         explains: true,
     })
+}
+
+/// Whether the whole robot with the joints' numbers leaves no more than noise of every joint, so that no cause could show.
+pub(in crate::gap) fn numbers_alone_leave_noise(
+    setup: &ClampedSetup,
+    diagnosis: &ClampedDiagnosis,
+    deadline: &Deadline,
+) -> bool {
+    let found = found_robot(setup, Some(&diagnosis.without_causes())).ok();
+    let whole = found.and_then(|found| settled(setup, &found.numbers, &[], deadline));
+    let is_noise = |own: &Diagnosis, whole: &Settled| {
+        whole.left_rad(&own.joint).is_some_and(|left_rad| left_rad <= NO_MORE * own.gap.floor)
+    };
+    whole.is_some_and(|whole| diagnosis.found().all(|own| is_noise(own, &whole)))
 }
 
 /// The whole robot as stated, at its best.
@@ -190,7 +209,8 @@ fn motion(robot: &mut WholeRobot, setup: &ClampedSetup, log: &RobotLog) -> Optio
 fn motion_of_part(robot: &mut WholeRobot, setup: &ClampedSetup, log: &RobotLog) -> Option<SimulatedMotion> {
     let period_s = mean_period_s(&log.t_s);
     let per_sample = (period_s / DENSE_S).ceil().min(MOST_PER_SAMPLE);
-    let recording = robot.motion(setup, log, &Stretch::whole(period_s / per_sample)).ok()?;
+    let from = robot.beginning(setup, log);
+    let recording = robot.motion(setup, log, &from, &Stretch::whole(period_s / per_sample)).ok()?;
     let t_s = &recording.t_s;
     let joints = log.joints.iter().map(|joint| {
         let id = robot.model.joint(&joint.name).ok()?.index();

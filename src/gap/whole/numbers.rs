@@ -28,10 +28,12 @@ pub struct FoundRobot {
 pub fn found_robot(setup: &ClampedSetup, diagnosis: Option<&ClampedDiagnosis>) -> Result<FoundRobot, NoSuchPart> {
     let mut found = FoundRobot::default();
     let bodies = diagnosis.map_or(&[][..], |diagnosis| &diagnosis.bodies);
-    found.numbers.extend(bodies.iter().map(|body| of_body(body, &setup.description)));
+    let weighed = diagnosis.map_or(&[][..], |diagnosis| &diagnosis.weighed);
+    let is_weighed = |body: &FoundNumber| weighed.iter().any(|own| own.key == body.key && own.name == body.name);
+    let bodies = bodies.iter().map(|body| of_body(body, &setup.description));
+    found.numbers.extend(bodies.filter(|body| !is_weighed(body)));
     let with_bodies = setup.description.with_found(&found.numbers)?;
     let joints: Vec<&Diagnosis> = diagnosis.iter().flat_map(|d| d.found()).collect();
-    let weighed = diagnosis.map_or(&[][..], |diagnosis| &diagnosis.weighed);
     found.numbers.extend_from_slice(weighed);
     let (masses, missed) = match weighed.is_empty() {
         true => masses(setup, &with_bodies, &joints),

@@ -1,5 +1,6 @@
 //! A described robot as something to simulate: with what study and description believe, numbers that are others, and causes.
 
+use super::beginning::Beginning;
 use super::parts::{append, parts};
 use crate::gap::clamped::{ClampedDiagnosis, ClampedSetup};
 use crate::gap::hypothesis::reach::mean_period_s;
@@ -119,17 +120,19 @@ impl WholeRobot {
     pub fn readings(&mut self, setup: &ClampedSetup, log: &RobotLog) -> Result<Vec<Vec<f64>>, String> {
         let mut readings = Vec::new();
         for part in parts(log) {
-            let recording = self.motion(setup, &part, &Stretch::whole(mean_period_s(&part.t_s)))?;
+            let from = self.beginning(setup, &part);
+            let recording = self.motion(setup, &part, &from, &Stretch::whole(mean_period_s(&part.t_s)))?;
             append(&mut readings, self.read(&recording, &part)?);
         }
         Ok(readings)
     }
 
-    /// The whole robot along a stretch of a log without holes, from the log's start under its setpoints.
+    /// The whole robot along a stretch of a log without holes, from where it begins under its setpoints.
     pub(super) fn motion(
         &mut self,
         setup: &ClampedSetup,
         log: &RobotLog,
+        from: &Beginning,
         stretch: &Stretch,
     ) -> Result<Recording, String> {
         let (mut t_s, hold) = (asked::times(log), setup.study.hold);
@@ -138,11 +141,11 @@ impl WholeRobot {
         let mut columns = vec![None; self.model.joints().len()];
         for id in self.model.joint_ids() {
             let drive = self.joints.drive_mut(id);
-            let own = log.joint(&self.model.joints()[id.index()].name);
+            let name = &self.model.joints()[id.index()].name;
+            let own = log.joints.iter().zip(from).find(|(joint, _)| joint.name == *name);
             drive.is_rigid = own.is_none();
-            let Some(own) = own else { continue };
-            let [angle_rad, rate_rad_s, _] = crate::identify::smooth_along(&log.t_s, &own.q_rad)[0];
-            start.angle_rad[id.index()] = drive.true_rad(angle_rad);
+            let Some((own, &[reading_rad, rate_rad_s])) = own else { continue };
+            start.angle_rad[id.index()] = drive.true_rad(reading_rad);
             start.rate_rad_s[id.index()] = rate_rad_s;
             columns[id.index()] = own.q_ref_rad.as_ref().map(|beside| Column {
                 angle_rad: asked::setpoints(log, beside, own.setpoints.as_ref(), &t_s, hold),

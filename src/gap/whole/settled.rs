@@ -98,7 +98,7 @@ pub(super) fn settled_alike(
         return None;
     }
     let bench = Bench::new(setup, numbers, causes, alike)?;
-    let mut here = bench.with(numbers)?;
+    let mut here = bench.with(numbers, None)?;
     for _ in 0..POINTS {
         if deadline.leaves_out("the whole robot at its best") {
             break;
@@ -149,7 +149,8 @@ impl Bench<'_> {
         let held_out = driven(self.setup, |role| role == Role::Validate);
         let mut rows: [Vec<(&str, Vec<f64>)>; 2] = Default::default();
         for (rows, logs) in rows.iter_mut().zip([&held_out, &self.logs]) {
-            let left = self.left(&mut robot, logs, f64::INFINITY)?;
+            let from = self.beginnings(&mut robot, logs);
+            let left = self.left(&mut robot, logs, &from, f64::INFINITY)?;
             let joints = logs.iter().flat_map(|log| &log.joints).zip(left);
             rows.extend(joints.filter(|(joint, _)| moves(joint)).map(|(joint, left)| (joint.name.as_str(), left)));
         }
@@ -259,7 +260,8 @@ duration = 6.0
             assert_eq!(read.len(), 200);
             assert!((read[100] - joint.q_rad[100]).abs() < 2e-3, "{}: {}", read[100], joint.q_rad[100]);
         }
-        let left = bench.left(&mut robot, &[&log], f64::INFINITY).unwrap();
+        let from = bench.beginnings(&mut robot, &[&log]);
+        let left = bench.left(&mut robot, &[&log], &from, f64::INFINITY).unwrap();
         assert!(left.iter().all(|row| row.len() == 200 && row[100].abs() < 2e-3));
     }
 
@@ -271,7 +273,8 @@ duration = 6.0
         let bench = Bench::new(&setup, &[], &[], Vec::new()).unwrap();
         let (numbers, _) = bench.robot(&vec![0.0; bench.unknowns.len()], &vec![1.0; bench.unknowns.len()]);
         let mut stated = WholeRobot::of(&setup, &numbers, &[]).unwrap();
-        let stated = bench.left(&mut stated, &logs, f64::INFINITY).unwrap();
+        let from = bench.beginnings(&mut stated, &logs);
+        let stated = bench.left(&mut stated, &logs, &from, f64::INFINITY).unwrap();
         let best = as_stated_at_best(&setup, &Deadline::default()).unwrap();
         for (row, (joint, left_rad)) in stated.iter().zip(&best.left_rad) {
             let noise_rad = 0.0004_f64.hypot(0.0003 / 12f64.sqrt());
