@@ -3,16 +3,13 @@
 //! Rates out of a few readings are as rough as these. A joint on a soft servo swings from there for a second, which would be
 //! told as a cause.
 
-use super::bench::{LEAST_NOISE_RAD, STEP_S, mean_square};
-use super::robot::{Stretch, WholeRobot};
+use super::noise::{LEAST_NOISE_RAD, mean_square};
+use super::robot::{Beginning, Stretch, WholeRobot};
 use crate::gap::clamped::ClampedSetup;
 use crate::gap::hypothesis::reach::mean_period_s;
 use crate::identify::{best_window, smooth_along};
 use crate::log::RobotLog;
 use nalgebra::{DMatrix, DVector};
-
-/// Of each of a log's joints the reading at the first sample and its rate \[rad, rad/s\].
-pub(super) type Beginning = Vec<[f64; 2]>;
 
 /// The first samples by which a beginning is told \[s\].
 const EARLY_S: f64 = 0.6;
@@ -28,7 +25,7 @@ const SMOOTHED_S: f64 = 0.02;
 const NUDGE: f64 = 0.05;
 
 /// What is read where a log begins.
-pub(super) fn as_read(log: &RobotLog) -> Beginning {
+fn as_read(log: &RobotLog) -> Beginning {
     let first = |q_rad: &[f64]| {
         let [angle_rad, rate_rad_s, _] = smooth_along(&log.t_s, q_rad)[0];
         [angle_rad, rate_rad_s]
@@ -105,7 +102,7 @@ impl<'a> Early<'a> {
     /// Measured less simulated of each joint \[rad\].
     fn left(&self, robot: &mut WholeRobot, setup: &ClampedSetup, from: &Beginning) -> Option<Vec<Vec<f64>>> {
         let until_s = self.log.t_s[0] + EARLY_S;
-        let stretch = Stretch { period_s: mean_period_s(&self.log.t_s), step_s: STEP_S, until_s };
+        let stretch = Stretch::beginning(mean_period_s(&self.log.t_s), until_s);
         let recording = robot.motion(setup, self.log, from, &stretch).ok()?;
         let read = robot.read(&recording, self.log).ok()?;
         let rows = self.log.joints.iter().zip(read);

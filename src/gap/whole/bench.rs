@@ -1,9 +1,9 @@
 //! A clamped robot and its causes on the logs that setpoints drive, simulated at sizes of what is never quite right about
 //! them, and made linear there.
 
-use super::beginning::Beginning;
+use super::noise::{LEAST_NOISE_RAD, mean_square};
 use super::parts::{append, parts};
-use super::robot::{PlacedCause, Stretch, WholeRobot};
+use super::robot::{Beginning, PlacedCause, Stretch, WholeRobot};
 use super::unknown::{Quantity, Unknown, believed, is_body};
 use crate::gap::clamped::ClampedSetup;
 use crate::gap::hypothesis::reach::mean_period_s;
@@ -13,9 +13,8 @@ use crate::robot::description::FoundNumber;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 
-/// Time of all fitted logs that steps are told by \[s\], and steps of the simulation \[s\].
+/// Time of all fitted logs that steps are told by \[s\].
 const SIMULATED_S: f64 = 45.0;
-pub(super) const STEP_S: f64 = 2e-3;
 /// Halvings of a step that explains less.
 const HALVINGS: i32 = 3;
 /// Change of a number to either side for what it does, in its standard deviations: what scales masses, gains and friction
@@ -23,8 +22,6 @@ const HALVINGS: i32 = 3;
 const NUDGE: f64 = 0.05;
 /// To first order a change is at most so many times what it was told at.
 const LARGEST: f64 = 10.0;
-/// Nobody reads angles better than this \[rad\].
-pub(super) const LEAST_NOISE_RAD: f64 = 1e-4;
 
 /// Where each part of each log begins.
 pub(super) type Beginnings = Vec<Vec<Beginning>>;
@@ -210,7 +207,7 @@ impl<'a> Bench<'a> {
             let mut of_log: Vec<Vec<f64>> = Vec::new();
             let parts = parts(log);
             for (part, from) in parts.iter().zip(from).take_while(|(part, _)| part.t_s[0] <= until_s) {
-                let stretch = Stretch { period_s: mean_period_s(&part.t_s), step_s: STEP_S, until_s };
+                let stretch = Stretch::beginning(mean_period_s(&part.t_s), until_s);
                 let recording = robot.motion(self.setup, part, from, &stretch).ok()?;
                 let samples = part.t_s.partition_point(|t| *t <= until_s);
                 let of_joint = |(joint, read): (&JointColumns, Vec<f64>)| {
@@ -281,11 +278,6 @@ impl<'a> Bench<'a> {
 pub(super) fn dot(weights: &[f64], a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
     let rows = weights.iter().zip(a.iter().zip(b));
     rows.map(|(weight, (a, b))| weight * a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>()).sum()
-}
-
-/// The mean of squares.
-pub(super) fn mean_square(values: &[f64]) -> f64 {
-    values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64
 }
 
 /// Logs that setpoints drive.

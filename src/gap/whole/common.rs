@@ -3,7 +3,8 @@
 //! Alone along the motion of the others each joint shows little of it, or something else; the whole robot shows it on all. Every
 //! effect that joints propose is put on all of them, and those that explain most beyond numbers to first order are fitted.
 
-use super::bench::{Bench, Point, Slopes, mean_square};
+use super::bench::{Bench, Point, Slopes};
+use super::noise::mean_square;
 use super::numbers::found_robot;
 use super::robot::{PlacedCause, placed_causes};
 use super::settled::{Settled, each, settled_alike};

@@ -7,6 +7,7 @@ mod body;
 mod common;
 mod followed;
 mod masses;
+mod noise;
 mod numbers;
 mod parts;
 mod robot;

@@ -1,6 +1,5 @@
 //! A described robot as something to simulate: with what study and description believe, numbers that are others, and causes.
 
-use super::beginning::Beginning;
 use super::parts::{append, parts};
 use crate::gap::clamped::{ClampedDiagnosis, ClampedSetup};
 use crate::gap::hypothesis::reach::mean_period_s;
@@ -13,8 +12,12 @@ use crate::robot::simulate::{Column, Joints, Method, Recording, Scenario, Setpoi
 use crate::robot::study::asked;
 use crate::robot::{Model, State};
 
-/// Longest step \[s\].
+/// Longest step, and where numbers are searched \[s\].
 const STEP_S: f64 = 1e-3;
+const SEARCHED_STEP_S: f64 = 2e-3;
+
+/// Of each of a log's joints the reading at the first sample and its rate there \[rad, rad/s\].
+pub(super) type Beginning = Vec<[f64; 2]>;
 
 /// Of a log what is simulated, and how.
 pub(super) struct Stretch {
@@ -29,6 +32,11 @@ impl Stretch {
     /// All of a log.
     pub fn whole(period_s: f64) -> Self {
         Self { period_s, step_s: STEP_S, until_s: f64::INFINITY }
+    }
+
+    /// The first of a log, for searches.
+    pub fn beginning(period_s: f64, until_s: f64) -> Self {
+        Self { period_s, step_s: SEARCHED_STEP_S, until_s }
     }
 }
 

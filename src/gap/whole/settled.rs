@@ -5,7 +5,8 @@
 //! Along the measured motion alone the joints' pushes on one another are known no better than the readings' second
 //! derivatives and the described masses: a joint that no cause explains there may be explained here.
 
-use super::bench::{Bench, LEAST_NOISE_RAD, Point, driven, mean_square};
+use super::bench::{Bench, Point, driven};
+use super::noise::{LEAST_NOISE_RAD, mean_square};
 use super::robot::{PlacedCause, WholeRobot};
 use super::unknown::Quantity;
 use crate::deadline::Deadline;
