@@ -23,9 +23,8 @@ use std::sync::Arc;
 /// Predict the logs of a study from their start, with given or fitted parameters
 ///
 /// Only where each log starts is taken from the log itself: angle and speed as its first samples show them, or the instant of
-/// release.
-/// Prints the RMS of each log and writes <log>.predicted.csv (t [s], q [rad], dq [rad/s], q_measured [rad]). The joints of a
-/// robot with a clamped base are simulated all at once under the study's setpoints (t [s], <joint>.q [rad]).
+/// release. Prints the RMS of each log and writes <log>.predicted.csv (t [s], q [rad], dq [rad/s], q_measured [rad]). The joints
+/// of a robot with a clamped base are simulated all at once under the study's setpoints (t [s], <joint>.q [rad]).
 #[derive(Args, Debug)]
 #[command(after_help = "Example: aibo-fit simulate study.toml --fit fits/study/fit.json")]
 pub(super) struct SimulateArgs {
