@@ -52,7 +52,7 @@ fn searched_within(
     progress: &dyn Progress,
 ) -> Result<(ClampedCase, ClampedDiagnosis), TorqueError> {
     let (case, masses) = weighed_case(setup, options, progress)?;
-    let (case, found) = without_causes(setup, case, options, progress)?;
+    let (case, found) = at_a_glance(setup, case, options, progress)?;
     if let Some(found) = found {
         return Ok((case, found));
     }
@@ -85,7 +85,7 @@ fn searched_within(
 
 /// The robot where no causes of joints are needed, so that none are looked for: with numbers alone, or with a body in place that
 /// the torques ask for rather than for such causes, it leaves only noise of every joint, simulated as a whole. No answer elsewhere.
-fn without_causes(
+fn at_a_glance(
     setup: &ClampedSetup,
     case: ClampedCase,
     options: &GapOptions,

@@ -197,9 +197,10 @@ impl<'a> Judge<'a, '_> {
 
     /// Whether the joint as given is no more than an encoder's step off, and predicts held-out logs as well as the best.
     ///
-    /// Where other joints push it, whose motion is read in such steps, the recalibrated joint will do as well, and as well where
-    /// it leaves what would be no alarm: it may predict hardly worse. It may predict any worse where no cause has a size that logs agree on, for such a cause may only have
-    /// led the numbers to their place. The whole robot says the same where it needs no cause to predict the joint as well.
+    /// Where other joints push it, whose motion is read in such steps, the recalibrated joint will do as well, also where it
+    /// leaves what would be no alarm: it may predict hardly worse. It may predict any worse where no cause has a size that logs
+    /// agree on, for such a cause may only have led the numbers to their place. The whole robot says the same where it needs no
+    /// cause to predict the joint as well.
     fn has_hardly_a_cause(&self) -> bool {
         let stands = |t: &Trial, times: f64| self.held_rad(t) <= times * self.held_rad(&self.a.best);
         let is_small = |t: &Trial| !self.exceeds_a_step(t) || self.a.excess(self.evidence, t) < NO_ALARM;

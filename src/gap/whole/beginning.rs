@@ -5,6 +5,7 @@
 
 use super::noise::{LEAST_NOISE_RAD, mean_square};
 use super::robot::{Beginning, Stretch, WholeRobot};
+use crate::fit::correlation_length;
 use crate::gap::clamped::ClampedSetup;
 use crate::gap::hypothesis::reach::mean_period_s;
 use crate::identify::{best_window, smooth_along};
@@ -17,10 +18,11 @@ const EARLY_S: f64 = 0.6;
 const STEPS: usize = 3;
 const HALVINGS: i32 = 3;
 const WORTH_A_STEP: f64 = 0.01;
-/// A reading may be off by so many times the noise, and a rate by that within the time along which it was smoothed \[s\], beside
-/// as much as the joint moves early.
+/// A reading may be off by so many times the noise, and a rate by that within the time along which it was smoothed, beside what
+/// it gains in that time: \[s\], or samples where those take longer.
 const OFF: f64 = 3.0;
 const SMOOTHED_S: f64 = 0.02;
+const SMOOTHED: f64 = 3.0;
 /// Change of each for what it does, in what it may be off.
 const NUDGE: f64 = 0.05;
 
@@ -41,9 +43,10 @@ impl WholeRobot {
         let mut best = read.clone();
         let Some(mut left) = early.left(self, setup, &best) else { return best };
         for _ in 0..STEPS {
-            // What is left is taken as noise: a robot that is another than this one bends no beginning.
-            let weights: Vec<f64> =
-                left.iter().zip(&early.noise_rad2).map(|(row, noise)| mean_square(row).max(*noise).recip()).collect();
+            // What is left is taken as noise that hangs together: a robot that is another than this one bends no beginning far.
+            let weight =
+                |(row, noise): (&Vec<f64>, &f64)| (correlation_length(row) * mean_square(row).max(*noise)).recip();
+            let weights: Vec<f64> = left.iter().zip(&early.noise_rad2).map(weight).collect();
             let strained = |at: &Beginning| {
                 let both = at.iter().flatten().zip(read.iter().flatten()).zip(early.off.iter().flatten());
                 both.map(|((at, read), off)| (at - read) / off).collect::<Vec<f64>>()
@@ -88,12 +91,14 @@ struct Early<'a> {
 impl<'a> Early<'a> {
     fn of(log: &'a RobotLog) -> Self {
         let samples = log.t_s.partition_point(|t| *t <= log.t_s[0] + EARLY_S);
+        let smoothed_s = SMOOTHED_S.max(SMOOTHED * mean_period_s(&log.t_s));
         let of_joint = |q_rad: &Vec<f64>| {
             let variance = best_window(&log.t_s, q_rad).1.max(LEAST_NOISE_RAD.powi(2));
-            let early = &smooth_along(&log.t_s, q_rad)[..samples];
-            let fastest_rad_s = early.iter().map(|motion| motion[1].abs()).fold(0.0, f64::max);
+            let first = log.t_s.iter().zip(smooth_along(&log.t_s, q_rad));
+            let first = first.take_while(|(t, _)| **t <= log.t_s[0] + 2.0 * smoothed_s);
+            let most_rad_s2 = first.map(|(_, [_, _, acceleration])| acceleration.abs()).fold(0.0, f64::max);
             let off_rad = OFF * variance.sqrt();
-            (variance, [off_rad, off_rad / SMOOTHED_S + fastest_rad_s])
+            (variance, [off_rad, off_rad / smoothed_s + most_rad_s2 * smoothed_s])
         };
         let (noise_rad2, off) = log.joints.iter().map(|joint| of_joint(&joint.q_rad)).unzip();
         Self { log, samples, noise_rad2, off }
@@ -102,7 +107,7 @@ impl<'a> Early<'a> {
     /// Measured less simulated of each joint \[rad\].
     fn left(&self, robot: &mut WholeRobot, setup: &ClampedSetup, from: &Beginning) -> Option<Vec<Vec<f64>>> {
         let until_s = self.log.t_s[0] + EARLY_S;
-        let stretch = Stretch::beginning(mean_period_s(&self.log.t_s), until_s);
+        let stretch = Stretch::searched(mean_period_s(&self.log.t_s), until_s);
         let recording = robot.motion(setup, self.log, from, &stretch).ok()?;
         let read = robot.read(&recording, self.log).ok()?;
         let rows = self.log.joints.iter().zip(read);
@@ -142,5 +147,23 @@ impl<'a> Early<'a> {
         let falls = columns.tr_mul(&target) - DVector::from_column_slice(strained);
         let step = normal.cholesky()?.solve(&falls);
         Some((0..here.len()).map(|j| [0, 1].map(|k| step[2 * j + k] * off[2 * j + k])).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::whole::found_robot;
+    use std::path::Path;
+
+    /// MuJoCo's chirp begins at rest at 0; its payload is not described, so that this robot would follow better from elsewhere.
+    #[test]
+    fn an_arm_at_rest_begins_at_rest_though_another_robot_would_follow_it_better() {
+        let study = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/logs/loaded_arm/study.toml"));
+        let setup = ClampedSetup::read(study).unwrap();
+        let mut robot = WholeRobot::of(&setup, &found_robot(&setup, None).unwrap().numbers, &[]).unwrap();
+        let chirp = setup.logs.iter().find(|log| log.file.ends_with("chirp.csv")).unwrap();
+        let found = robot.beginning(&setup, chirp);
+        assert!(found.iter().all(|[angle, rate]| angle.abs() < 1e-3 && rate.abs() < 0.1), "{found:?}");
     }
 }

@@ -183,14 +183,20 @@ impl<'a> Bench<'a> {
         let sd = vec![1.0; sizes.len()];
         let (numbers, causes) = self.robot(&sizes, &sd);
         let mut robot = WholeRobot::of(self.setup, &numbers, &causes).ok()?;
-        let from = from.cloned().unwrap_or_else(|| self.beginnings(&mut robot, &self.logs));
-        let left = self.left(&mut robot, &self.logs, &from, SIMULATED_S / self.logs.len() as f64)?;
+        let until_s = SIMULATED_S / self.logs.len() as f64;
+        let from = from.cloned().unwrap_or_else(|| self.beginnings(&mut robot, &self.logs, until_s));
+        let left = self.left(&mut robot, &self.logs, &from, until_s)?;
         Some(Point { sizes, left, from, sd })
     }
 
-    /// Where a robot follows each part of logs best from.
-    pub fn beginnings(&self, robot: &mut WholeRobot, logs: &[&RobotLog]) -> Beginnings {
-        logs.iter().map(|log| parts(log).iter().map(|part| robot.beginning(self.setup, part)).collect()).collect()
+    /// Where a robot follows each part of logs best from which begins up to so long after their start \[s\].
+    pub fn beginnings(&self, robot: &mut WholeRobot, logs: &[&RobotLog], until_s: f64) -> Beginnings {
+        let mut of_log = |log: &&RobotLog| {
+            let (until_s, parts) = (log.t_s[0] + until_s, parts(log));
+            let those = parts.iter().take_while(|part| part.t_s[0] <= until_s);
+            those.map(|part| robot.beginning(self.setup, part)).collect()
+        };
+        logs.iter().map(&mut of_log).collect()
     }
 
     /// Measured less simulated of every joint of logs, up to so long after their start \[rad, s\].
@@ -206,8 +212,8 @@ impl<'a> Bench<'a> {
             let until_s = log.t_s[0] + until_s;
             let mut of_log: Vec<Vec<f64>> = Vec::new();
             let parts = parts(log);
-            for (part, from) in parts.iter().zip(from).take_while(|(part, _)| part.t_s[0] <= until_s) {
-                let stretch = Stretch::beginning(mean_period_s(&part.t_s), until_s);
+            for (part, from) in parts.iter().zip(from) {
+                let stretch = Stretch::searched(mean_period_s(&part.t_s), until_s);
                 let recording = robot.motion(self.setup, part, from, &stretch).ok()?;
                 let samples = part.t_s.partition_point(|t| *t <= until_s);
                 let of_joint = |(joint, read): (&JointColumns, Vec<f64>)| {

@@ -3,7 +3,7 @@
 //! Alone along the motion of the others each joint shows little of it, or something else; the whole robot shows it on all. Every
 //! effect that joints propose is put on all of them, and those that explain most beyond numbers to first order are fitted.
 
-use super::bench::{Bench, Point, Slopes};
+use super::bench::{Beginnings, Bench, Point, Slopes};
 use super::noise::mean_square;
 use super::numbers::found_robot;
 use super::robot::{PlacedCause, placed_causes};
@@ -209,16 +209,19 @@ impl<'a> Look<'a> {
 
     /// How many joints show the effect: without it on them the robot is worse. A limit does nothing where it is never reached.
     fn shown_by(&self, whole: &Settled, form: EffectForm, joints: &[&str]) -> usize {
-        let squares = |causes: &[PlacedCause]| -> Option<f64> {
-            let bench = Bench::new(self.setup, &whole.numbers, causes, Vec::new())?;
-            let left = bench.with(&whole.numbers, Some(&self.here.from))?.left;
-            let noise = self.noise_rad2.iter().zip(&left);
-            Some(noise.map(|(noise, left)| mean_square(left) / noise).sum())
+        let with = |causes: &[PlacedCause], from: Option<&Beginnings>| {
+            Bench::new(self.setup, &whole.numbers, causes, Vec::new())?.with(&whole.numbers, from)
         };
-        let Some(with_all) = squares(&whole.causes) else { return 0 };
+        let in_noise = |point: Point| -> f64 {
+            let rows = self.noise_rad2.iter().zip(&point.left);
+            rows.map(|(noise, left)| mean_square(left) / noise).sum()
+        };
+        let Some(all) = with(&whole.causes, None) else { return 0 };
+        let (from, with_all) = (all.from.clone(), in_noise(all));
         let shows = |joint: &&&str| {
             let others = whole.causes.iter().filter(|cause| cause.form != form || cause.joint != **joint);
-            squares(&others.cloned().collect::<Vec<_>>()).is_none_or(|without| without > SHOWS * with_all)
+            let without = with(&others.cloned().collect::<Vec<_>>(), Some(&from));
+            without.is_none_or(|without| in_noise(without) > SHOWS * with_all)
         };
         joints.par_iter().filter(shows).count()
     }

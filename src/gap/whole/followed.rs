@@ -137,8 +137,7 @@ pub(in crate::gap) fn as_found(
 /// The whole robot with the joints' numbers, where it needs no cause to leave only noise of every joint, and hardly more than
 /// with causes these left.
 fn with_numbers_alone(setup: &ClampedSetup, diagnosis: &ClampedDiagnosis, deadline: &Deadline) -> Option<AsFound> {
-    let found = found_robot(setup, Some(&diagnosis.without_causes())).ok()?;
-    let whole = settled(setup, &found.numbers, &[], deadline)?;
+    let whole = numbers_at_best(setup, diagnosis, deadline)?;
     let leaves_no_more = diagnosis.found().all(|own| {
         own.causes.is_empty()
             || whole.left_rad(&own.joint).is_some_and(|left_rad| left_rad <= HARDLY_WORSE * own.gap.after)
@@ -157,12 +156,17 @@ pub(in crate::gap) fn numbers_alone_leave_noise(
     diagnosis: &ClampedDiagnosis,
     deadline: &Deadline,
 ) -> bool {
-    let found = found_robot(setup, Some(&diagnosis.without_causes())).ok();
-    let whole = found.and_then(|found| settled(setup, &found.numbers, &[], deadline));
     let is_noise = |own: &Diagnosis, whole: &Settled| {
         whole.left_rad(&own.joint).is_some_and(|left_rad| left_rad <= NO_MORE * own.gap.floor)
     };
+    let whole = numbers_at_best(setup, diagnosis, deadline);
     whole.is_some_and(|whole| diagnosis.found().all(|own| is_noise(own, &whole)))
+}
+
+/// The whole robot with the joints' numbers and without their causes, at its best.
+fn numbers_at_best(setup: &ClampedSetup, diagnosis: &ClampedDiagnosis, deadline: &Deadline) -> Option<Settled> {
+    let found = found_robot(setup, Some(&diagnosis.without_causes())).ok()?;
+    settled(setup, &found.numbers, &[], deadline)
 }
 
 /// The whole robot as stated, at its best.

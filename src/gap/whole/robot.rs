@@ -34,8 +34,8 @@ impl Stretch {
         Self { period_s, step_s: STEP_S, until_s: f64::INFINITY }
     }
 
-    /// The first of a log, for searches.
-    pub fn beginning(period_s: f64, until_s: f64) -> Self {
+    /// Up to an instant, in the steps of searches.
+    pub fn searched(period_s: f64, until_s: f64) -> Self {
         Self { period_s, step_s: SEARCHED_STEP_S, until_s }
     }
 }

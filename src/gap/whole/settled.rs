@@ -150,7 +150,7 @@ impl Bench<'_> {
         let held_out = driven(self.setup, |role| role == Role::Validate);
         let mut rows: [Vec<(&str, Vec<f64>)>; 2] = Default::default();
         for (rows, logs) in rows.iter_mut().zip([&held_out, &self.logs]) {
-            let from = self.beginnings(&mut robot, logs);
+            let from = self.beginnings(&mut robot, logs, f64::INFINITY);
             let left = self.left(&mut robot, logs, &from, f64::INFINITY)?;
             let joints = logs.iter().flat_map(|log| &log.joints).zip(left);
             rows.extend(joints.filter(|(joint, _)| moves(joint)).map(|(joint, left)| (joint.name.as_str(), left)));
@@ -261,7 +261,7 @@ duration = 6.0
             assert_eq!(read.len(), 200);
             assert!((read[100] - joint.q_rad[100]).abs() < 2e-3, "{}: {}", read[100], joint.q_rad[100]);
         }
-        let from = bench.beginnings(&mut robot, &[&log]);
+        let from = bench.beginnings(&mut robot, &[&log], f64::INFINITY);
         let left = bench.left(&mut robot, &[&log], &from, f64::INFINITY).unwrap();
         assert!(left.iter().all(|row| row.len() == 200 && row[100].abs() < 2e-3));
     }
@@ -274,7 +274,7 @@ duration = 6.0
         let bench = Bench::new(&setup, &[], &[], Vec::new()).unwrap();
         let (numbers, _) = bench.robot(&vec![0.0; bench.unknowns.len()], &vec![1.0; bench.unknowns.len()]);
         let mut stated = WholeRobot::of(&setup, &numbers, &[]).unwrap();
-        let from = bench.beginnings(&mut stated, &logs);
+        let from = bench.beginnings(&mut stated, &logs, f64::INFINITY);
         let stated = bench.left(&mut stated, &logs, &from, f64::INFINITY).unwrap();
         let best = as_stated_at_best(&setup, &Deadline::default()).unwrap();
         for (row, (joint, left_rad)) in stated.iter().zip(&best.left_rad) {
