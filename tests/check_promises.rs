@@ -126,6 +126,51 @@ fn a_sidecar_that_tells_columns_alone_is_enough_for_the_health_of_a_log() {
     }
 }
 
+/// Seconds that were said to be nanoseconds made a log of 4e-9 s, without a word; what is wrong with the log of several joints was
+/// said to be that it has several.
+#[test]
+fn stamps_that_are_said_to_be_in_a_smaller_unit_are_refused_by_file_and_key() {
+    let dir = tempfile::tempdir().unwrap();
+    let row = |k: u32| {
+        let t = 0.01 * f64::from(k);
+        format!("{t:.2},{:.5},{:.5}\n", 0.5 * (3.0 * t).sin(), 0.4 * (3.0 * t + 0.1).sin())
+    };
+    let rows: String = (0..400).map(row).collect();
+    for (file, header) in [("one", "t,q,dq"), ("two", "t,a.q,b.q")] {
+        let log = format!("{file}.csv");
+        fs::write(dir.path().join(&log), format!("{header}\n{rows}")).unwrap();
+        for unit in ["ns", "us", "ms"] {
+            let sidecar = format!("schema = 1\n[columns]\nt = {{ name = \"t\", unit = \"{unit}\" }}\n");
+            fs::write(dir.path().join(format!("{file}.toml")), sidecar).unwrap();
+            let said = refused(dir.path(), &log);
+            for part in [log.as_str(), "column `t`", "`[columns] t.unit`", "t = { name = \"t\", unit = \"s\" }"] {
+                assert!(said.contains(part), "`{part}` is missing in\n{said}");
+            }
+        }
+    }
+}
+
+/// They were read, and nothing was said of them.
+#[test]
+fn tables_of_a_sidecar_that_are_not_used_and_mistakes_of_a_description_are_said() {
+    let dir = tempfile::tempdir().unwrap();
+    let rows: String =
+        (0..200).map(|k| 0.01 * f64::from(k)).map(|t| format!("{t:.2},{0:.5},{0:.5}\n", t.sin())).collect();
+    fs::write(dir.path().join("two.csv"), format!("t,a.q,b.q\n{rows}")).unwrap();
+    fs::write(dir.path().join("two.toml"), "schema = 1\n[release]\ntime = 0.1\n").unwrap();
+    let output = run_in(dir.path(), &["check", "two.csv"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stderr(&output).contains("two.toml: not used: [release]"), "{}", stderr(&output));
+    assert_eq!(stderr(&run_in(dir.path(), &["check", "two.csv", "--quiet"])), "");
+
+    changed(dir.path(), "arm", ["", ""], |line| format!("{line}\n").replace("ixx=\"0.006\"", "ixx=\"0.6\""));
+    let output = run_in(dir.path(), &["check", "study.toml"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let said = "warning: arm.urdf: link \"upper\": principal moments of inertia";
+    assert!(stderr(&output).contains(said) && !stdout(&output).contains("warning"), "{}", stderr(&output));
+    assert_eq!(stderr(&run_in(dir.path(), &["check", "study.toml", "--quiet"])), "");
+}
+
 /// An example's study in a folder, with other words in it and other readings.
 fn changed(folder: &Path, example: &str, words: [&str; 2], reading: impl Fn(&str) -> String) {
     for entry in fs::read_dir(root().join("data/examples").join(example)).unwrap() {

@@ -111,6 +111,28 @@ fn a_sidecar_tells_init_and_convert_what_the_columns_are() {
     assert_eq!(fs::read_to_string(dir.path().join("raw.toml")).unwrap(), sidecar);
 }
 
+/// All but its columns was passed over without a word, and so was a key that no sidecar has.
+#[test]
+fn what_a_sidecar_has_beside_columns_is_said_and_a_key_that_is_none_is_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    let row = |k: u32| format!("{:.2},{:.3}\n", 0.01 * f64::from(k), 0.5 * (0.05 * f64::from(k)).sin());
+    fs::write(dir.path().join("raw.csv"), format!("t,q\n{}", (0..200).map(row).collect::<String>())).unwrap();
+    let sidecar = |table: &str| fs::write(dir.path().join("raw.toml"), format!("schema = 1\n{table}")).unwrap();
+    sidecar("[release]\ntime = 0.1\n[columns]\nq = { name = \"q\", sign = -1 }\n");
+    let output = run_in(dir.path(), &["init", "raw.csv"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let said = stderr(&output);
+    assert!(said.contains("warning: raw.toml: not used: [release]") && said.contains("only [columns]"), "{said}");
+    assert_eq!(stderr(&run_in(dir.path(), &["init", "raw.csv", "--force", "--quiet"])), "");
+    sidecar("[relase]\ntime = 0.1\n");
+    for words in [&["init", "raw.csv", "--force"][..], &["convert", "raw.csv", "log.csv"], &["check", "raw.csv"]] {
+        let output = run_in(dir.path(), words);
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(3), "{words:?}: {said}");
+        assert!(said.contains("raw.toml") && said.contains("relase") && said.contains("line 2"), "{words:?}: {said}");
+    }
+}
+
 /// A study with its log's name was once read as the log's sidecar: it could not be written anew, and guesses were told as known.
 #[test]
 fn a_study_that_has_the_name_of_its_log_is_no_sidecar_until_somebody_changes_its_columns() {

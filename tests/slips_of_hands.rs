@@ -39,6 +39,21 @@ fn two_results_in_one_file_are_refused_however_it_is_named() {
     refused(dir.path(), &["drop", "good.csv", "--json", "-"], 2, &["--json", "name of a file"]);
 }
 
+/// It was said only after the walk.
+#[test]
+fn a_walk_whose_results_would_share_a_file_is_refused_before_it_is_simulated() {
+    let dir = bench();
+    let began = std::time::Instant::now();
+    let long = ["walk", "--duration", "1800", "--out", "o"];
+    let parts = ["two results would be written to this file"];
+    refused(dir.path(), &[&long[..], &["--json", "o/log.csv"]].concat(), 2, &parts);
+    refused(dir.path(), &[&long[..], &["--json", "a.mot", "--export-motion", "./a.mot"]].concat(), 2, &parts);
+    refused(dir.path(), &["walk", "--frames", "--out", "o", "--json", "o/report.html"], 2, &parts);
+    let onto_table = [&long[..], &["--setpoints", "good.csv", "--json", "good.csv"]].concat();
+    refused(dir.path(), &onto_table, 2, &["good.csv", "over this input"]);
+    assert!(began.elapsed().as_secs() < 20, "{:?}", began.elapsed());
+}
+
 #[test]
 fn synth_leaves_a_study_of_another_hand_and_repeats_its_own() {
     let dir = bench();
@@ -75,6 +90,57 @@ fn options_that_would_do_nothing_are_refused() {
     ];
     for (words, parts) in cases {
         refused(dir.path(), words, 2, parts);
+    }
+}
+
+/// One of another joint was taken for that of the study's; one of another robot was said to be wrong with the description.
+#[test]
+fn a_fit_of_another_joint_or_robot_is_refused() {
+    let dir = bench();
+    let put = |name: &str, text: &str| fs::write(dir.path().join(name), text).unwrap();
+    let knee = FIT.replacen("\"schema\": 1,", "\"schema\": 1, \"name\": \"knee\",", 1);
+    put("knee.json", &knee);
+    let words = |fit: &'static str| ["simulate", "study.toml", "--fit", fit, "--out", "o"];
+    let parts = ["knee.json: the fit of joint `knee`", "`j`, which study.toml is of", "`name`"];
+    refused(dir.path(), &words("knee.json"), 3, &parts);
+    // A fit of logs without a study has their name.
+    let log = "\"logs\": [{\"file\": \"knee-1.csv\", \"role\": \"fit\", \"rms\": 0.1}]";
+    put("log.json", &knee.replacen("\"logs\": []", log, 1));
+    expect_code(dir.path(), &words("log.json"), 0);
+    fs::remove_dir_all(dir.path().join("o")).unwrap();
+    put("gap.json", "{ \"schema\": 1, \"name\": \"j\", \"verdict\": \"none\", \"effects\": [] }");
+    refused(dir.path(), &words("gap.json"), 3, &["gap.json: this is what `gap --json` wrote", "fit.json beside"]);
+    let number = "{ \"name\": \"arm/knee\", \"key\": \"frictionloss\", \"was\": 0.1, \"value\": 0.2, \"interval\": null, \
+                  \"unit\": \"N m\" }";
+    put("robot.json", &format!("{{ \"schema\": 1, \"found\": [{number}], \"joints\": {{}} }}"));
+    refused(dir.path(), &words("robot.json"), 3, &["robot.json: ", "of a whole robot", "one joint"]);
+    let arm = root().join("data/examples/arm/study.toml");
+    let words = |fit: &'static str| ["simulate", arm.to_str().unwrap(), "--fit", fit, "--out", "o"];
+    let parts = ["robot.json: found on another robot", "no joint `arm/knee`, but arm/shoulder, arm/elbow"];
+    refused(dir.path(), &words("robot.json"), 3, &parts);
+    refused(
+        dir.path(),
+        &words("knee.json"),
+        3,
+        &["knee.json: this is what was found on the joint `knee` alone", "robot's"],
+    );
+}
+
+/// It hung limp in the simulation, without a word.
+#[test]
+fn a_joint_without_a_gain_is_not_simulated_under_setpoints() {
+    let dir = tempfile::tempdir().unwrap();
+    let example = root().join("data/examples/arm");
+    for name in ["arm.urdf", "log0.csv", "log1.csv", "log2.csv"] {
+        fs::copy(example.join(name), dir.path().join(name)).unwrap();
+    }
+    let study = fs::read_to_string(example.join("study.toml")).unwrap();
+    let limp = study.replacen("kp = 12.0\nkd = 0.2\n", "coulomb = 0.05\n", 1);
+    assert_ne!(study, limp);
+    fs::write(dir.path().join("study.toml"), limp).unwrap();
+    let parts = ["study.toml: joint arm/elbow is driven by position", "states kp [N m/rad]"];
+    for command in ["simulate", "check", "gap"] {
+        refused(dir.path(), &[command, "study.toml", "--out", "o"], 3, &parts);
     }
 }
 

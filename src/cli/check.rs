@@ -1,8 +1,8 @@
 //! `aibo-fit check`: what logs are like and what they can tell, before any diagnosis.
 
 use super::CliError;
-use super::common::{CommonArgs, log_name, print, write_outputs};
-use super::init::drafted;
+use super::common::{CommonArgs, log_name, print, warn, write_outputs};
+use super::init::{drafted, warn_of_unused};
 use super::progress::Progress;
 use super::provenance::provenance;
 use super::still::never_moved;
@@ -61,9 +61,9 @@ pub(super) fn run(args: &CheckArgs) -> Result<u8, CliError> {
     progress.say("reading");
     let is_study = args.path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
     let checked = match &args.robot {
-        Some(robot) => robot_study(&drafted(&args.path, robot, &args.common)?)?,
-        None if is_study => study(&args.path)?,
-        None => log(&args.path)?,
+        Some(robot) => robot_study(&drafted(&args.path, robot, &args.common)?, args, &progress)?,
+        None if is_study => study(args, &progress)?,
+        None => log(args, &progress)?,
     };
     match checked {
         Checked::Joint { case, inputs, predict } => Check::new(args, &progress, inputs, predict)?.joint(&case),
@@ -207,10 +207,11 @@ fn next(args: &CheckArgs, reports: &[CheckReport]) -> String {
 }
 
 /// A study of a joint or of a robot with a clamped base; those of walking robots are refused.
-fn study(path: &Path) -> Result<Checked, CliError> {
+fn study(args: &CheckArgs, progress: &Progress) -> Result<Checked, CliError> {
+    let path = args.path.as_path();
     match study_kind(path)? {
         StudyKind::Robot => Err(of_walking(path)),
-        StudyKind::Clamped => robot_study(path),
+        StudyKind::Clamped => robot_study(path, args, progress),
         StudyKind::Joint => Ok(of_joint(Case::of_study(path)?, Some(Predict::Motion))),
     }
 }
@@ -230,9 +231,12 @@ fn of_joint(case: Case, predict: Option<Predict>) -> Checked {
     Checked::Joint { inputs: case.inputs(), case: Box::new(case), predict }
 }
 
-fn robot_study(path: &Path) -> Result<Checked, CliError> {
+fn robot_study(path: &Path, args: &CheckArgs, progress: &Progress) -> Result<Checked, CliError> {
     let wrong = |error| CliError::ClampedCase(Box::new(error));
     let setup = ClampedSetup::read(path).map_err(wrong)?;
+    if !args.common.quiet {
+        progress.pause(|| setup.description.warnings.iter().for_each(|warning| warn(warning)));
+    }
     let ClampedCase { robot: name, joints, mut notes, .. } = ClampedCase::of(&setup).map_err(wrong)?;
     let (inputs, predict) = (setup.inputs(), setup.study.predict);
     notes.extend((predict == Predict::Torque).then(|| PREDICTS_TORQUES.to_owned()));
@@ -241,10 +245,22 @@ fn robot_study(path: &Path) -> Result<Checked, CliError> {
 }
 
 /// A log by its sidecar: each joint of several, or the only one.
-fn log(path: &Path) -> Result<Checked, CliError> {
-    let Ok(mut source) = read_source(path, &sidecar_columns(path)?) else {
-        // Read as the log of one joint it is told what is wrong with it.
-        return Ok(of_joint(Case::of_logs(&[path.to_path_buf()], None)?, None));
+fn log(args: &CheckArgs, progress: &Progress) -> Result<Checked, CliError> {
+    let path = args.path.as_path();
+    let mut source = match read_source(path, &sidecar_columns(path)?) {
+        Ok(source) => source,
+        Err(error) => {
+            // Read as the log of one joint it is told what is wrong with it, unless all that is wrong is that it has several.
+            return match Case::of_logs(&[path.to_path_buf()], None) {
+                Err(CaseError::Log(LogError::SeveralJoints { .. })) => Err(error.into()),
+                case => Ok(of_joint(case?, None)),
+            };
+        }
+    };
+    let unused = |why: &str| {
+        if !args.common.quiet {
+            progress.pause(|| warn_of_unused(path, why));
+        }
     };
     let names: Vec<Option<String>> = source.joints().into_iter().map(|name| name.map(str::to_owned)).collect();
     let sidecar = sidecar_of(path);
@@ -254,13 +270,17 @@ fn log(path: &Path) -> Result<Checked, CliError> {
         let told = if is_told { by_sidecar(path)? } else { None };
         return match told {
             Some(case) => Ok(of_joint(case, None)),
-            None => Ok(Checked::Joint { case: joint_of(&Mutex::new(source), None)?, inputs, predict: None }),
+            None => {
+                unused("where no `drive` says what moves the joint `check` takes only [columns] of the sidecar");
+                Ok(Checked::Joint { case: joint_of(&Mutex::new(source), None)?, inputs, predict: None })
+            }
         };
     }
     let names: Vec<String> = names.into_iter().flatten().collect();
     if names.is_empty() {
         return Ok(of_joint(Case::of_logs(&[path.to_path_buf()], None)?, None));
     }
+    unused("of the sidecar of several joints `check` takes only [columns]");
     // What is not looked at need not be held.
     source.channels.retain(|channel| !channel.ours.as_ref().is_none_or(|ours| ours.ends_with(".dq")));
     Ok(Checked::Log { source, names, inputs })

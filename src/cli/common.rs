@@ -73,6 +73,12 @@ pub(super) fn write_outputs(mut outputs: Outputs, inputs: &[PathBuf]) -> Result<
     Ok(outputs.write()?)
 }
 
+/// Refuses, before a long run, what [`write_outputs`] would refuse after it.
+pub(super) fn refuse_clashes(results: &[PathBuf], inputs: &[PathBuf]) -> Result<(), CliError> {
+    refuse_overwriting(results.iter().map(PathBuf::as_path), inputs)?;
+    refuse_sharing(results.iter().map(PathBuf::as_path))
+}
+
 /// Refuses to write where a file was read.
 pub(super) fn refuse_overwriting<'a>(
     outputs: impl IntoIterator<Item = &'a Path>,

@@ -1,8 +1,8 @@
 //! `aibo-fit init`: a study written from logs.
 
 use super::CliError;
-use super::common::{CommonArgs, log_name, print, study_name, write_outputs};
-use crate::log::Outputs;
+use super::common::{CommonArgs, log_name, print, study_name, warn, write_outputs};
+use crate::log::{Outputs, beside_columns};
 use crate::report::{Draft, draft_study, list_item};
 use clap::Args;
 use std::fs;
@@ -55,6 +55,7 @@ pub(super) fn run(args: &InitArgs) -> Result<u8, CliError> {
     let draft = draft_study(&args.logs, args.robot.as_deref(), args.joint.as_deref(), folder_of(&study))?;
     write_draft(&study, &draft).map_err(not_over_inputs)?;
     if !args.quiet {
+        args.logs.iter().for_each(|log| warn_of_unused(log, NOT_TAKEN));
         print(&format!("study: {}\n\nWhat the logs do not tell:\n", study.display()));
         draft.untold.iter().for_each(|sentence| print(&(list_item(sentence) + "\n")));
         let study = study.display();
@@ -83,6 +84,7 @@ pub(super) fn drafted(log: &Path, robot: &Path, common: &CommonArgs) -> Result<P
     }
     write_draft(&study, &draft)?;
     if !common.quiet {
+        warn_of_unused(log, NOT_TAKEN);
         print(&format!("study: {} (written from the log; guesses are marked in it)\n", study.display()));
         draft
             .untold
@@ -91,6 +93,18 @@ pub(super) fn drafted(log: &Path, robot: &Path, common: &CommonArgs) -> Result<P
         print("\n");
     }
     Ok(study)
+}
+
+/// Why a study that is written lacks what sidecars say.
+const NOT_TAKEN: &str = "the study that is written has only [columns] of it; copy what belongs there";
+
+/// Says what a log's sidecar has that is not used.
+pub(super) fn warn_of_unused(log: &Path, why: &str) {
+    let keys = beside_columns(log);
+    if !keys.is_empty() {
+        let sidecar = log.with_extension("toml");
+        warn(&format!("{}: not used: {}; {why}", sidecar.display(), keys.join(", ")));
+    }
 }
 
 fn write_draft(study: &Path, draft: &Draft) -> Result<(), CliError> {

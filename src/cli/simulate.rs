@@ -145,6 +145,13 @@ fn in_force(args: &SimulateArgs, case: &Case) -> Result<InForce, CliError> {
     };
     let file = read_fit(path)?;
     let wrong = |what: String| CliError::FitFile { file: path.clone(), what };
+    if is_of_other_joint(&file, &case.joint.name) {
+        let (own, joint, study) = (&file.name, &case.joint.name, args.study.display());
+        return Err(wrong(format!(
+            "the fit of joint `{own}`, expected that of `{joint}`, which {study} is of; where they are one joint, write its name \
+             as `name` into the fit"
+        )));
+    }
     let number = |key: &str, quantity: &Quantity, zero_allowed: bool| match quantity.value {
         Some(v) if v < LARGEST && (v > 0.0 || v == 0.0 && zero_allowed) => Ok(v),
         Some(v) => Err(wrong(format!(
@@ -193,6 +200,14 @@ fn in_force(args: &SimulateArgs, case: &Case) -> Result<InForce, CliError> {
     let of = |law: &Law<f64>| format!(", with a law of the {} by {}", law.acts(), law.variable());
     let source = path.display().to_string() + &laws.iter().map(of).collect::<String>();
     Ok(InForce { nominal, armature_kg_m2, rest_rad, gains, effects, laws, source })
+}
+
+/// Whether a fit says that it is of another joint. One of logs without a study has their name, which says nothing.
+fn is_of_other_joint(file: &FitFile, joint: &str) -> bool {
+    let own = file.name.to_lowercase();
+    let mut stems = file.logs.iter().filter_map(|log| Path::new(&log.file).file_stem());
+    let is_of_log = stems.any(|stem| stem.to_string_lossy().to_lowercase().starts_with(&own));
+    !own.is_empty() && file.name != joint && !is_of_log
 }
 
 /// An effect of a fit file.
@@ -268,6 +283,16 @@ fn read_fit(path: &Path) -> Result<FitFile, CliError> {
     }
     if any.get("moved") == Some(&serde_json::Value::Bool(false)) {
         return Err(wrong("the joint never moved, so this holds no fit; leave --fit out, or fit another log".into()));
+    }
+    if any.get("found").is_some() && any.get("joints").is_some() {
+        let what = "this is what `gap --json` wrote of a whole robot, expected the fit of one joint: fit.json in that joint's \
+                    folder beside the robot's report";
+        return Err(wrong(what.into()));
+    }
+    if any.get("verdict").is_some() {
+        return Err(wrong(
+            "this is what `gap --json` wrote, expected the fit.json beside the report of that run".into(),
+        ));
     }
     serde_json::from_str(text).map_err(|error| wrong(format!("{error}; {EXPECTED}")))
 }

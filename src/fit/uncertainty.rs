@@ -161,6 +161,10 @@ fn inverse_of(jtj: &DMatrix<f64>, answering: &[usize]) -> Result<DMatrix<f64>, U
     let n = answering.len();
     let scale: Vec<f64> = answering.iter().map(|&i| jtj[(i, i)].sqrt()).collect();
     let unit = DMatrix::from_fn(n, n, |i, k| jtj[(answering[i], answering[k])] / (scale[i] * scale[k]));
+    if n == 0 || unit.iter().any(|entry| !entry.is_finite()) {
+        // Nothing answers, or beyond all numbers.
+        return Err(Undetermined { direction: DVector::zeros(p) });
+    }
     let eigen = unit.clone().symmetric_eigen();
     let (at, low) = eigen.eigenvalues.argmin();
     let inverse = unit.cholesky().map(|c| c.inverse());
@@ -320,6 +324,17 @@ mod tests {
             robust += usize::from(mean.abs() <= u.half_width_robust(0));
         }
         (naive as f64 / 400.0, robust as f64 / 400.0)
+    }
+
+    /// Where no residual answers to anything it panicked.
+    #[test]
+    fn what_nothing_answers_to_and_what_is_beyond_all_numbers_is_undetermined() {
+        for slope in [0.0, f64::NAN, 1e200] {
+            let coordinate = Coordinate { name: "mean".into(), lower: -1.0, upper: 1.0, scale: 1.0 };
+            let problem = Mean { coordinates: vec![coordinate], weights: vec![1.0; 8], y: vec![0.0; 8] };
+            let block = Block { columns: vec![0], residual: vec![1.0; 8], jacobian: vec![slope; 8] };
+            assert!(uncertainty(&problem, &[block]).is_err(), "{slope}");
+        }
     }
 
     #[test]

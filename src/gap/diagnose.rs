@@ -15,7 +15,7 @@ use super::search::together::all_together;
 use super::verdict::as_given::AsGiven;
 use super::verdict::decide::{Decision, EXPLAINED, HARDLY_A_GAP, decide};
 use super::verdict::detect::detectable;
-use super::verdict::doubts::Simulated;
+use super::verdict::doubts::{Simulated, asking};
 use super::verdict::law_found::{law_found, law_hinted};
 use super::verdict::next::next;
 use super::verdict::numbers::{UNNAMED, numbers, numbers_beside};
@@ -64,7 +64,9 @@ const DETECTABLE: &str = "what these logs could have shown";
 /// # Errors
 /// [`GapError`] where there is nothing to diagnose.
 pub fn diagnose(case: &Case, options: &GapOptions, progress: &dyn Progress) -> Result<Diagnosis, GapError> {
-    diagnose_from(case, options, Beside::default(), progress)
+    let mut diagnosis = diagnose_from(case, options, Beside::default(), progress)?;
+    diagnosis.answer.sentence = options.told_in(&diagnosis.answer.sentence, &diagnosis.joint);
+    Ok(diagnosis)
 }
 
 /// What the robot says beside a joint's own logs.
@@ -116,7 +118,7 @@ pub(super) fn diagnose_from(
     let parts = (&effect_parameters[..], &causes[..]);
     let mut sentence = sentence(&case.joint.name, &decision, &gap, moved, parts, law.as_ref(), described.is_some());
     sentence += &weighed.further(&gap, &beliefs, &differs);
-    let mut ranking = ranking(&evidence, &held, &attribution, decision.answer, &gap);
+    let mut ranking = ranking(&evidence, &held, &attribution, &decision, &gap);
     if let [(effect, numbers)] = &effect_parameters[..] {
         let own = ranking.iter_mut().filter(|candidate| candidate.effect == *effect);
         own.for_each(|candidate| candidate.parameters.clone_from(numbers));
@@ -139,6 +141,7 @@ pub(super) fn diagnose_from(
         let simulated = Simulated { causes: &causes, beliefs: &beliefs, given_rad, floor_rad, deadline };
         doubts.extend(simulated.doubts(case));
     }
+    sentence = asking(&sentence, &doubts, weighed.is_named());
     let budget = options.deadline.spent();
     let is_finished = budget.as_ref().is_none_or(|spent| spent.finished);
     if let Some(spent) = &budget {
@@ -428,10 +431,35 @@ fn rivals<'a>(a: &'a Attribution, decision: &Decision<'_>) -> Vec<&'a Trial> {
     }
 }
 
-/// Single effects, the likeliest first; the answer's, where that is one alone, in the form and with the numbers of the answer.
-fn ranking(evidence: &Evidence, held: &HeldOut, a: &Attribution, answer: &Trial, gap: &Gap) -> Vec<Candidate> {
-    let firsts: Vec<&Trial> =
-        a.firsts.iter().map(|t| if t.effects() == answer.effects() { answer } else { t }).collect();
+/// Deviance by which the fit of an effect in the answer's place is better than that of the effect looked for alone.
+const FITS_BETTER: f64 = 1.0;
+
+/// Single effects, the likeliest first; the answer's, where that is one alone, in the form and with the numbers of the answer,
+/// and those that stand as well with the fit that does: the search for one alone may have ended elsewhere.
+fn ranking(evidence: &Evidence, held: &HeldOut, a: &Attribution, decision: &Decision<'_>, gap: &Gap) -> Vec<Candidate> {
+    let answer = decision.answer;
+    let score = |t: &Trial| a.score(evidence, t);
+    let in_its_place = || a.rivals.first().into_iter().flatten().chain([&a.best]).filter(|t| t.effects().len() == 1);
+    let better = |t: &Trial| {
+        let same = in_its_place().filter(|other| other.effects() == t.effects());
+        let stands = same.filter(|other| decision.equivalent.contains(&other.effects()[0]));
+        let best = stands.min_by(|a, b| score(a).total_cmp(&score(b)));
+        best.filter(|best| score(best) < score(t) - FITS_BETTER)
+    };
+    let is_answer = |t: &Trial| t.effects() == answer.effects();
+    let mut firsts: Vec<&Trial> = Vec::new();
+    let mut is_in_order = true;
+    for t in &a.firsts {
+        let better = if is_answer(t) { None } else { better(t) };
+        is_in_order &= better.is_none();
+        firsts.push(if is_answer(t) { answer } else { better.unwrap_or(t) });
+    }
+    if !is_in_order {
+        // An answer that leads still does.
+        let leads = firsts.first().is_some_and(|t| is_answer(t));
+        let place = |t: &Trial| if leads && is_answer(t) { f64::NEG_INFINITY } else { score(t) };
+        firsts.sort_by(|a, b| place(a).total_cmp(&place(b)));
+    }
     let best = firsts.first();
     firsts
         .iter()

@@ -2,6 +2,7 @@
 
 use super::body_kind::BodyKind;
 use super::hypothesis::logs::LogSet;
+use super::on_demand;
 use super::search::differs::Differs;
 use crate::deadline::{Deadline, Spent};
 use crate::identify::{BeliefFound, Directives, Estimate};
@@ -38,6 +39,15 @@ impl GapOptions {
     /// Whether anything is named that alone is considered.
     pub(super) fn names_alone(&self) -> bool {
         !(self.only.is_empty() && self.only_bodies.is_empty())
+    }
+
+    /// The sentence of an answer about what bears a name, with what was looked for on demand.
+    pub(super) fn told_in(&self, sentence: &str, name: &str) -> String {
+        let ids = |effects: &[EffectId], bodies: &[BodyKind]| -> Vec<&'static str> {
+            effects.iter().map(|effect| effect.id()).chain(bodies.iter().map(|kind| kind.id())).collect()
+        };
+        let (without, only) = (ids(&self.without, &self.without_bodies), ids(&self.only, &self.only_bodies));
+        on_demand::told_in(sentence, name, &without, &only)
     }
 }
 
@@ -251,6 +261,13 @@ pub struct Where {
     pub profile: Vec<ProfileBin>,
 }
 
+impl Where {
+    /// The variable by which the gap is placed, of which the profile is; the one that explains most where none is named.
+    pub fn by(&self) -> Option<Variable> {
+        self.variable.or_else(|| self.variables.first().map(|(variable, _)| *variable))
+    }
+}
+
 /// One cell of the map: a log in a phase.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MapCell {
@@ -306,6 +323,17 @@ pub struct Gap {
     pub held_out: String,
     /// One for each held-out log.
     pub per_log: Vec<LogGap>,
+}
+
+/// How logs were held out that were not.
+pub(crate) const NOT_HELD_OUT: &str =
+    "not at all; these logs were fitted with the others, which do not show by themselves what all logs do";
+
+impl Gap {
+    /// Whether the logs of its figures were held out: else they were fitted with the others.
+    pub fn is_held_out(&self) -> bool {
+        self.held_out != NOT_HELD_OUT
+    }
 }
 
 /// The gap of one held-out log \[rad RMS\].

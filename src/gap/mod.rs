@@ -18,6 +18,7 @@ pub mod inverse;
 mod location;
 #[cfg(feature = "robots")]
 pub mod neighbours;
+mod on_demand;
 #[cfg(feature = "robots")]
 pub mod robot;
 mod search;
@@ -29,6 +30,7 @@ pub use crate::identify::BeliefFound;
 pub use body_kind::BodyKind;
 pub use check::{Checkup, check};
 pub use diagnose::{GapError, diagnose};
+pub(crate) use diagnosis::NOT_HELD_OUT;
 pub use diagnosis::{
     Answer, Candidate, CauseShare, Confusion, Detectable, Diagnosis, Gap, GapOptions, LawFound, LogGap, LogTraces,
     MapCell, Next, Number, Phase, ProfileBin, ResidualTorque, Variable, Verdict, Where,

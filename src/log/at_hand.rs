@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use super::clamped_study::{ClampedStudy, clamped_study_of, without_joints};
+use super::clamped_study::{ClampedStudy, clamped_study_of};
 use super::column::column_of;
 use super::columns::Columns;
 use super::document::Document;
@@ -60,7 +60,6 @@ pub fn read_at_hand(name: &Path, text: &str, logs: &[Source]) -> Result<StudyAtH
             let study = clamped_study_of(&document)?;
             let entries = study.logs.iter().map(|entry| (entry.file.as_str(), entry.path.as_path()));
             let read = robot_logs(logs, entries, &study.columns, study.sensor.period_s)?;
-            let read = without_joints(&study, read);
             StudyAtHand::Clamped(Box::new(study), read)
         }
         StudyKind::Robot => {

@@ -91,7 +91,7 @@ pub use robot_study::{
     ControlSpec, FloorSpec, Forward, LegFrictionSpec, RobotRelease, RobotScenario, RobotSensorSpec, RobotStudy,
     RobotStudyLog, StudyKind, read_robot_study, read_robot_study_logs, study_kind,
 };
-pub use sidecar::sidecar_columns;
+pub use sidecar::{beside_columns, sidecar_columns};
 pub use source::{Channel, Source, log_files, read_source};
 pub use study::{read_sidecar_for, read_study};
 pub use thin::{liveliest, stretches, thinned};

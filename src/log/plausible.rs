@@ -6,11 +6,16 @@ use std::path::Path;
 use super::column::Column;
 use super::error::{LogError, UnitFault};
 use super::types::{Log, SensorSpec};
+use crate::number::extent;
 
 /// Gaps longer than this are two recordings \[s\].
 pub(super) const LONGEST_GAP_S: f64 = 60.0;
 /// No joint logger is slower than this \[s\]; 8 ms read as seconds is far beyond it.
 const SLOWEST_STEP_S: f64 = 0.5;
+/// No logger of joints is faster, on average \[s\]; 10 ms read as us is far below it.
+const FASTEST_STEP_S: f64 = 1e-6;
+/// Loggers that are faster than this are as likely to tell milliseconds: it is the motion that shows \[s\].
+const HASTY_STEP_S: f64 = 1e-4;
 /// Two turns \[rad\]: more than a limb's joint does, little in degrees.
 const WIDEST_ANGLE: f64 = 4.0 * PI;
 /// Median speed of a moving joint that only degrees reach \[rad/s\].
@@ -39,6 +44,8 @@ pub(super) fn faults(t: &[f64], q: &[f64], q_ref: &[f64]) -> Vec<(Column, usize,
             _ => "nanoseconds",
         };
         faults.push((Column::Time, 0, UnitFault::Time { step_s, unit }));
+    } else if let Some(step_s) = hasty_step(t, q) {
+        faults.push((Column::Time, 0, UnitFault::Haste { step_s }));
     }
     let Some((at, angle)) = largest(q) else { return faults };
     let beyond = |values: &[f64], value: f64| {
@@ -63,6 +70,17 @@ pub(super) fn faults(t: &[f64], q: &[f64], q_ref: &[f64]) -> Vec<(Column, usize,
         }
     }
     faults
+}
+
+/// The mean step \[s\], where it is too short for any log, or for the way that the joint goes from its one end to its other.
+fn hasty_step(t: &[f64], q: &[f64]) -> Option<f64> {
+    let lasts_s = t.last()? - t.first()?;
+    let step_s = lasts_s / (t.len() - 1) as f64;
+    let [low, high] = extent(q.iter().copied());
+    // What goes farther is another unit of angles.
+    let is_angle = high - low <= WIDEST_ANGLE;
+    let is_too_far = step_s < HASTY_STEP_S && is_angle && high - low > FASTEST_MEDIAN * lasts_s;
+    (step_s > 0.0 && (step_s < FASTEST_STEP_S || is_too_far)).then_some(step_s)
 }
 
 /// The number of largest magnitude, the first of several.
@@ -124,6 +142,26 @@ mod tests {
         let t: Vec<f64> = (0..2000).map(|i| f64::from(i) * 1e-5).collect();
         let q: Vec<f64> = (0..2000).map(|i| if i % 2 == 0 { 0.0 } else { 0.002 }).collect();
         assert!(median_moving_speed(&t, &q, 1e-5) < 1.0);
+    }
+
+    /// Seconds that were said to be nanoseconds made a log of 2e-9 s, without a word.
+    #[test]
+    fn stamps_that_are_too_near_to_one_another_are_in_a_larger_unit() {
+        let of = |unit_s: f64, size: f64| {
+            let t: Vec<f64> = (0..200).map(|k| 0.01 * f64::from(k) * unit_s).collect();
+            let q: Vec<f64> = (0..200).map(|k| size * f64::from(k % 40)).collect();
+            faults(&t, &q, &[]).first().map(|(column, _, fault)| (*column, *fault))
+        };
+        for unit_s in [1e-3, 1e-6, 1e-9] {
+            let (column, fault) = of(unit_s, 0.02).unwrap();
+            let said = fault.to_string();
+            assert!(column == Column::Time && said.contains("`[columns] t.unit`"), "{unit_s}: {said}");
+        }
+        assert_eq!(of(1.0, 0.02), None);
+        // 100 kHz is a rate at which joints at rest are looked at.
+        assert_eq!(of(1e-3, 1e-6), None);
+        assert!(hasty_step(&[0.0], &[0.0]).is_none() && hasty_step(&[0.0, 0.0], &[0.0; 2]).is_none());
+        assert!(hasty_step(&[], &[]).is_none() && hasty_step(&[f64::NAN; 3], &[0.0; 3]).is_none());
     }
 
     #[test]

@@ -7,6 +7,7 @@ use super::document::Document;
 use super::error::LogError;
 use super::raw_columns::study_columns;
 use super::robot_study::{StudyKind, kind_of};
+use super::schema::RawStudy;
 
 /// The file `NAME.toml` beside a log `NAME.csv`, where there is one.
 pub(crate) fn sidecar_of(log: &Path) -> Option<PathBuf> {
@@ -17,9 +18,29 @@ pub(crate) fn sidecar_of(log: &Path) -> Option<PathBuf> {
 /// What the sidecar `NAME.toml` beside a log `NAME.csv` says of its columns; nothing where there is none.
 ///
 /// # Errors
-/// As [`study_columns`].
+/// As [`study_columns`], and where it has a key that no sidecar has. A study may have the log's name: its other keys are for its
+/// reader to check.
 pub fn sidecar_columns(log: &Path) -> Result<Columns, LogError> {
-    sidecar_of(log).map_or_else(|| Ok(Columns::default()), |sidecar| study_columns(&sidecar))
+    let Some(sidecar) = sidecar_of(log) else { return Ok(Columns::default()) };
+    let columns = study_columns(&sidecar)?;
+    if study_beside(log).is_none() {
+        let _all_are_known: RawStudy = Document::open(&sidecar)?.parse_any()?;
+    }
+    Ok(columns)
+}
+
+/// Tables of a log's sidecar of which who takes its [`sidecar_columns`] alone takes nothing, as they are written; none of a study
+/// that has the log's name, and none where there is no sidecar.
+pub fn beside_columns(log: &Path) -> Vec<String> {
+    const TAKEN: [&str; 3] = ["schema", "about", "columns"];
+    let Some(sidecar) = sidecar_of(log).filter(|_| study_beside(log).is_none()) else { return Vec::new() };
+    let Ok(document) = Document::open(&sidecar) else { return Vec::new() };
+    let Ok(table) = toml::from_str::<toml::Table>(document.text()) else { return Vec::new() };
+    let written = |(key, value): (&String, &toml::Value)| match value {
+        toml::Value::Array(_) => format!("[[{key}]]"),
+        _ => format!("[{key}]"),
+    };
+    table.iter().filter(|(key, _)| !TAKEN.contains(&key.as_str())).map(written).collect()
 }
 
 /// The kind of study that stands in the place of a log's sidecar: it is about a joint or a robot, and names logs.
@@ -35,6 +56,32 @@ pub(crate) fn study_beside(log: &Path) -> Option<StudyKind> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Only `[columns]` was looked at, whatever else stood there.
+    #[test]
+    fn a_sidecar_has_known_keys_and_those_beside_columns_are_told() {
+        let dir = tempfile::tempdir().unwrap();
+        let log = dir.path().join("swing.csv");
+        let read = |text: &str| {
+            std::fs::write(log.with_extension("toml"), text).unwrap();
+            (sidecar_columns(&log).map_err(|error| error.to_string()), beside_columns(&log))
+        };
+        let told = "schema = 1\n[columns]\nq = { name = \"angle\" }\n";
+        let (columns, beside) = read(told);
+        assert_eq!((columns.unwrap().toml().as_str(), beside.len()), ("[columns]\nq = { name = \"angle\" }\n", 0));
+        let (columns, beside) = read(&format!("{told}[release]\ntime = 0.1\n[[log]]\ndrive = \"off\"\n"));
+        assert_eq!(columns.map(|columns| columns.0.len()), Ok(1));
+        assert_eq!(beside.len(), 2);
+        assert!(beside.contains(&"[release]".to_owned()) && beside.contains(&"[[log]]".to_owned()), "{beside:?}");
+        for (text, key) in [("[relase]\ntime = 0.1\n", "relase"), ("[release]\ntme = 0.1\n", "tme")] {
+            let error = read(&format!("{told}{text}")).0.unwrap_err();
+            assert!(error.contains("swing.toml") && error.contains(key) && error.contains("line "), "{error}");
+        }
+        // A study has tables of its own.
+        let (columns, beside) =
+            read("[robot]\nscenario = \"fixed\"\n[joints.a]\nkp = 1.0\n[[log]]\nfile = \"swing.csv\"\n");
+        assert_eq!((columns.map(|columns| columns.0.len()), beside), (Ok(0), Vec::new()));
+    }
 
     #[test]
     fn a_study_that_has_the_name_of_a_log_is_told_from_its_sidecar() {

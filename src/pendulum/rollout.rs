@@ -212,6 +212,10 @@ fn walk<T: Real>(
                 command = held;
             }
             body.advance(until, &command)?;
+            if body.now_s().re().is_nan() {
+                // Torques beyond all numbers make an event at no instant, and time would never go on.
+                return Err(Diverged { at_s: now.re() });
+            }
             // An event that falls on a sample must still bear its derivative: the clock takes it over.
             if event != Event::None && until.re() >= body.now_s().re() {
                 *body.clock_mut() = until;

@@ -48,6 +48,18 @@ fn coulomb_oscillator_loses_its_amplitude_in_equal_parts() {
     }
 }
 
+/// Masses of 1e200 kg made an event at no instant, and the motion never came to its end.
+#[test]
+fn torques_beyond_all_numbers_diverge_and_do_not_hang() {
+    let mut c = chain(0.01, 0.05, 1e-3, 1e-3);
+    c.motor = Some(Motor::new(MotorSpec { kp_nm_rad: 1e308, ..motor() }));
+    // From less than friction to infinity within what halving can tell.
+    let setpoint_rad = [0.0, 1e19, 2e19, 3e19];
+    let input = Input::Position { setpoint_rad: &setpoint_rad, hold: Hold::Linear, on: None };
+    let diverged = rollout(&c, input, &times(4, 0.01), free(0.0), |_, _| ()).expect_err("no number holds this");
+    assert!(diverged.at_s.is_finite(), "{diverged}");
+}
+
 #[test]
 fn a_joint_sticks_below_breakaway_and_never_creeps() {
     let c = chain(1e-4, 0.00162, 0.020, 0.010);

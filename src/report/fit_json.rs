@@ -3,6 +3,7 @@
 use super::{DropReport, FullRow, ModelSummary, ParameterRow, ParameterStatus, RefitSummary};
 use crate::identify::{BeliefFound, DropFit, Named};
 use crate::joint::LawTable;
+use crate::number::quantity;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -28,6 +29,10 @@ pub struct FitFile {
     /// Masses of the link's bodies \[kg\], where they were the parameters.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub masses: BTreeMap<String, Quantity>,
+    /// Gains that the study states of the drive: `joint.gain` and `joint.kd` are factors of them. Absent where logs have
+    /// different ones, and of a motor that is fed by voltage.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drive: Option<DriveGains>,
     /// Ratios to the inertia, where the logs determine nothing else.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub ratios: BTreeMap<String, Quantity>,
@@ -98,6 +103,15 @@ pub struct JointFit {
     pub ki: Option<Quantity>,
 }
 
+/// Gains of a drive, `torque = kp (q_ref - q) - kd q'`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DriveGains {
+    /// \[N m/rad\]
+    pub kp_nm_rad: f64,
+    /// \[N m s/rad\]
+    pub kd_nm_s_rad: f64,
+}
+
 /// A number with its unit and its intervals.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Quantity {
@@ -155,6 +169,18 @@ pub struct LogFit {
     /// Predicted from the other logs alone \[rad\]; absent where that was not done.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rms_held_out: Option<f64>,
+}
+
+impl EffectFit {
+    /// `delay (T = 0.0161 [0.0156, 0.0167] s)`
+    pub(crate) fn words(&self) -> String {
+        let value =
+            |(name, of): (&String, &Quantity)| Some(format!("{name} = {}", quantity(of.value?, of.interval, &of.unit)));
+        let values: Vec<String> = self.parameters.iter().filter_map(value).collect();
+        let values = if values.is_empty() { String::new() } else { format!(" ({})", values.join(", ")) };
+        let only = if self.logs.is_empty() { String::new() } else { format!(" in {} only", self.logs.join(", ")) };
+        format!("{}{values}{only}", self.id)
+    }
 }
 
 impl Quantity {
@@ -219,6 +245,7 @@ impl FitFile {
             effects,
             law: None,
             masses: masses.map(|e| (e.name.clone(), Quantity::of(&super::assemble::row(e)))).collect(),
+            drive: None,
             ratios: ratios.iter().map(|row| (row.name.clone(), Quantity::of(row))).collect(),
             beliefs: fit.beliefs.iter().map(|belief| (belief.name.clone(), belief.clone())).collect(),
             undetermined: fit.undetermined.clone(),

@@ -1,6 +1,7 @@
 //! A joint's friction as a table over its speed, for simulators that take one, or none of our formulas.
 
-use crate::number::math;
+use super::EffectFit;
+use crate::number::{math, quantity};
 use serde::Serialize;
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -101,14 +102,24 @@ fn table(joint: &str, document: &Value) -> Option<FrictionTable> {
     let rows: Vec<_> = rows.collect();
     let back = rows.iter().rev().map(|(w, torque, low, high)| (-w, -torque, high.map(|x| -x), low.map(|x| -x)));
     let all: Vec<_> = back.chain([(0.0, 0.0, Some(0.0), Some(0.0))]).chain(rows.iter().copied()).collect();
-    let others = effects.iter().filter_map(|effect| effect["id"].as_str()).filter(|id| *id != "stribeck");
+    let in_words = |effect: &Value| {
+        let id = effect["id"].as_str().filter(|id| *id != "stribeck")?;
+        let read = serde_json::from_value::<EffectFit>(effect.clone());
+        Some(format!("{joint}: {}", read.map_or_else(|_| id.to_owned(), |effect| effect.words())))
+    };
+    // Who takes the friction without the gain beside which it was found has another joint.
+    let gain = Known::of(&document["joint"]["gain"]).filter(|gain| gain.value != 1.0);
+    let gain = gain.map(|gain| {
+        let gain = quantity(gain.value, gain.ends, "");
+        format!("{joint}: gain = {gain} of what is stated, beside which this friction was found")
+    });
     Some(FrictionTable {
         joint: joint.to_owned(),
         speed_rad_s: all.iter().map(|row| row.0).collect(),
         torque_nm: all.iter().map(|row| row.1).collect(),
         low_nm: all.iter().map(|row| row.2).collect(),
         high_nm: all.iter().map(|row| row.3).collect(),
-        cannot_say: others.map(|id| format!("{joint}: {id}")).collect(),
+        cannot_say: effects.iter().filter_map(in_words).chain(gain).collect(),
     })
 }
 
@@ -169,6 +180,17 @@ mod tests {
             assert!((table.torque_nm[at] - (0.1 + 0.1 * share + 0.05)).abs() < 1e-12, "{form}");
             assert!(table.torque_nm[21] > 0.199 && table.cannot_say.is_empty());
         }
+    }
+
+    #[test]
+    fn what_a_table_cannot_say_stands_with_its_values() {
+        let late = json!([{ "id": "delay", "form": null, "parameters": {
+            "T": { "value": 0.025, "unit": "s", "interval": [0.024, 0.026] } } }]);
+        let mut document = document(late);
+        document["joint"]["gain"] = json!({ "value": 1.1, "interval": [1.0, 1.2] });
+        let told = &friction_tables(&document)[0].cannot_say;
+        assert_eq!(told[0], "knee: delay (T = 0.0250 [0.0240, 0.0260] s)");
+        assert!(told[1].starts_with("knee: gain = 1.10 [1.00, 1.20] of what is stated"), "{}", told[1]);
     }
 
     #[test]

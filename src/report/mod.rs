@@ -58,7 +58,7 @@ pub use clamped_gap::{
 };
 pub use draft::{Draft, DraftError, draft_study};
 pub use error::ReportError;
-pub use fit_json::{EffectFit, FitFile, JointFit, LogFit, ModelFit, Quantity, SCHEMA};
+pub use fit_json::{DriveGains, EffectFit, FitFile, JointFit, LogFit, ModelFit, Quantity, SCHEMA};
 #[cfg(feature = "fleet")]
 pub use fleet::{
     DayFrom, FleetReport, FleetRow, FleetSize, FleetStudy, JointTrend, TrendPoint, fleet_html, fleet_json,

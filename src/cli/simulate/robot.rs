@@ -28,6 +28,12 @@ pub(super) fn run(args: &SimulateArgs) -> Result<u8, CliError> {
         Some(fit) => found_in(fit)?,
         None => (found_robot(&setup, None).unwrap_or_default().numbers, Vec::new(), Vec::new()),
     };
+    if let Some(error) = setup.without_gain() {
+        return Err(error.into());
+    }
+    if let Some(fit) = &args.fit {
+        refuse_other_robot(fit, &setup, &numbers, &causes)?;
+    }
     let source = args.fit.as_ref().unwrap_or(&args.study).display().to_string();
     let cannot = |what| CliError::from(ClampedCaseError::NotSimulated { file: setup.study.model_path.clone(), what });
     let mut robot = WholeRobot::of(&setup, &numbers, &causes).map_err(cannot)?;
@@ -72,6 +78,29 @@ pub(super) fn run(args: &SimulateArgs) -> Result<u8, CliError> {
     args.end(outputs, &inputs, &found, &text)
 }
 
+/// Refuses what was found on another robot.
+fn refuse_other_robot(
+    fit: &Path,
+    setup: &ClampedSetup,
+    numbers: &[FoundNumber],
+    causes: &[PlacedCause],
+) -> Result<(), CliError> {
+    let described = &setup.description;
+    let (of_joints, of_links): (Vec<&FoundNumber>, Vec<&FoundNumber>) =
+        numbers.iter().partition(|number| number.key.is_of_joint());
+    let mut names = of_joints.iter().map(|number| &number.name).chain(causes.iter().map(|cause| &cause.joint));
+    let joint = names.find(|name| described.joint(name).is_none());
+    let link = of_links.iter().map(|number| &number.name).find(|name| described.link(name).is_none());
+    let (what, name, known): (&str, &String, Vec<&str>) = match (joint, link) {
+        (Some(name), _) => ("joint", name, described.joints.iter().map(|joint| joint.name.as_str()).collect()),
+        (None, Some(name)) => ("link", name, described.links.iter().map(|link| link.name.as_str()).collect()),
+        (None, None) => return Ok(()),
+    };
+    let model = setup.study.model_path.display();
+    let what = format!("found on another robot: {model} has no {what} `{name}`, but {}", known.join(", "));
+    Err(CliError::FitFile { file: fit.to_path_buf(), what })
+}
+
 /// Numbers and causes that `gap --json` wrote, and what of it is not simulated, in words.
 type Found = (Vec<FoundNumber>, Vec<PlacedCause>, Vec<String>);
 
@@ -80,7 +109,12 @@ fn found_in(file: &Path) -> Result<Found, CliError> {
     let wrong = |what: String| CliError::FitFile { file: file.to_path_buf(), what };
     let document: Value = serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
     let numbers = document.get("found").cloned().ok_or_else(|| {
-        wrong("key `found` is missing; expected what `aibo-fit gap --json` writes of a robot's study".to_owned())
+        let expected = "expected what `aibo-fit gap --json` writes of a robot's study";
+        let of_joint = document["name"].as_str().filter(|_| document["joint"].is_object());
+        wrong(match of_joint {
+            Some(joint) => format!("this is what was found on the joint `{joint}` alone; {expected}"),
+            None => format!("key `found` is missing; {expected}"),
+        })
     })?;
     let numbers: Vec<FoundNumber> =
         serde_json::from_value(numbers).map_err(|error| wrong(format!("`found`: {error}")))?;

@@ -14,7 +14,7 @@ mod study;
 mod weak;
 
 use super::CliError;
-use super::common::{CommonArgs, file_to_write, log_name, print, write_outputs};
+use super::common::{CommonArgs, file_to_write, log_name, print, refuse_clashes, write_outputs};
 use super::progress::Progress;
 use super::provenance::provenance;
 use crate::geometry::robot_file::{Base, FRICTION_SET, GAIN_SET};
@@ -157,6 +157,29 @@ impl WalkArgs {
         self.gait.as_ref().filter(|name| name.contains(['.', '/', '\\'])).map(PathBuf::from)
     }
 
+    /// Files that are read.
+    fn inputs(&self) -> Vec<PathBuf> {
+        self.robot.iter().chain(&self.setpoints).cloned().chain(self.gait_file()).collect()
+    }
+
+    /// Files that are written whatever comes out, figures apart.
+    fn results(&self) -> Vec<PathBuf> {
+        let studies = [
+            (self.integrators.is_some(), "walk-integrators"),
+            (self.frames, "walk-frames"),
+            (self.falls, "walk-falls"),
+            (self.weak_q2, "walk-weak-q2"),
+        ];
+        let study = studies.into_iter().find_map(|(is_asked, name)| is_asked.then_some(name));
+        let (name, files) = match study {
+            Some(name) => (name, OF_STUDIES),
+            None => (if self.air { "walk-air" } else { "walk" }, OF_WALKS),
+        };
+        let folder = self.folder(name);
+        let named = self.common.json.iter().chain(&self.export_motion).cloned();
+        files.iter().map(|file| folder.join(file)).chain(named).collect()
+    }
+
     fn method(&self) -> Method {
         let is_long = self.duration.is_some_and(|duration_s| duration_s > LONG_S);
         self.method_by(match (self.air, is_long) {
@@ -183,6 +206,10 @@ impl WalkArgs {
 /// A walk that is longer takes shorter steps: what they leave of error turns the heading a little with every cycle [s].
 const LONG_S: f64 = 60.0;
 
+/// Files of a walk, and of a study of walks, whatever figures go with them.
+const OF_WALKS: &[&str] = &["report.html", "animation.html", "walk.gif", "log.csv"];
+const OF_STUDIES: &[&str] = &["report.html"];
+
 /// Steps per second beyond which no leg of this size walks [1/s].
 const FASTEST_HZ: f64 = 50.0;
 
@@ -198,6 +225,7 @@ pub(super) fn run(args: &WalkArgs) -> Result<u8, CliError> {
         let why = "--step is for stiff, rk2 and rk4; this --method chooses its own steps, by --tolerance";
         return Err(CliError::Usage(why.to_owned()));
     }
+    refuse_clashes(&args.results(), &args.inputs())?;
     let progress = Progress::new(args.common.quiet);
     progress.say("reading");
     let read = args.robot.as_deref().map(|file| described::read(file, args.air)).transpose()?;

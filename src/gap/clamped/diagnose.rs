@@ -9,7 +9,7 @@ use crate::gap::diagnose::{Beside, diagnose_from, flattered};
 use crate::gap::hypothesis::held_out::closed;
 use crate::gap::verdict::as_given::AsGiven;
 use crate::gap::verdict::sentence::{REFITTED, number_words, words};
-use crate::gap::{CauseShare, Diagnosis, GapError, GapOptions, Number, Verdict};
+use crate::gap::{CauseShare, Diagnosis, Gap, GapError, GapOptions, Number, Verdict};
 use crate::joint::EffectId;
 use crate::number::{capital, mrad, newton_metres, quantity};
 use crate::progress::{Progress, Step};
@@ -184,11 +184,18 @@ pub(in crate::gap) fn concluded(
         probability: found().map(|d| d.answer.probability).try_fold(1.0, |least, own| Some(f64::min(least, own?))),
         sentence: sentence(robot, &joints, &gap, &bodies, &causes, &pooled),
     };
-    let chosen: Vec<&str> = joints
-        .iter()
-        .filter(|joint| joint.diagnosis.as_ref().is_some_and(|d| !d.gap.outer))
-        .map(|joint| joint.joint.as_str())
-        .collect();
+    let those = |is_so: fn(&Gap) -> bool| {
+        let own = joints.iter().filter(|joint| joint.diagnosis.as_ref().is_some_and(|d| is_so(&d.gap)));
+        own.map(|joint| joint.joint.as_str()).collect::<Vec<&str>>()
+    };
+    let (chosen, fitted) = (those(|gap| !gap.outer && gap.is_held_out()), those(|gap| !gap.is_held_out()));
+    if !fitted.is_empty() {
+        notes.push(format!(
+            "{}: these figures are from logs that were fitted with the others, as these do not show by themselves what all logs do: \
+             nothing was held out.",
+            fitted.join(", ")
+        ));
+    }
     if !chosen.is_empty() {
         notes.push(format!(
             "{}: these figures are from logs that also helped to choose the answer, or were held out only in turn; each \
@@ -243,7 +250,8 @@ impl ClampedDiagnosis {
             number.key == FoundKey::Mass && !within
         };
         let masses = weighed.iter().filter(is_other);
-        let told = masses.map(|mass| format!("{}: {}", mass.name, mass.words()));
+        let end = |mass: &FoundNumber| if mass.interval.is_none() { " (the end of what is believed)" } else { "" };
+        let told = masses.map(|mass| format!("{}: {}{}", mass.name, mass.words(), end(mass)));
         let told: Vec<String> = told.collect();
         if !told.is_empty() {
             self.notes.push(format!(
@@ -269,6 +277,15 @@ impl ClampedDiagnosis {
         }
         self.gap.outer = false;
         self.notes.push(flattered(what));
+        self
+    }
+
+    /// The same, whose sentences say what was looked for on demand.
+    pub(in crate::gap) fn asked(mut self, options: &GapOptions) -> Self {
+        self.answer.sentence = options.told_in(&self.answer.sentence, &self.robot);
+        for own in self.joints.iter_mut().filter_map(|joint| joint.diagnosis.as_mut()) {
+            own.answer.sentence = options.told_in(&own.answer.sentence, &own.joint);
+        }
         self
     }
 

@@ -3,14 +3,15 @@
 use super::alike::alike;
 use crate::identify::CaseError;
 use crate::log::{
-    ClampedStudy, JointBeliefs, LogError, MotorSpec, RobotLog, Uncertain, read_clamped_study, read_clamped_study_logs,
+    ClampedStudy, DriveMode, JointBeliefs, LogError, MotorSpec, RobotLog, Uncertain, read_clamped_study,
+    read_clamped_study_logs,
 };
 use crate::robot::description::{
     Actuator, BodyChange, Description, DescriptionError, FoundNumber, LinkId, Mover, MoverId, NoSuchPart,
 };
 use crate::robot::tree::{Tree, TreeBase, TreeError};
 use nalgebra::Vector3;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Numbers that every joint has, whatever its name.
@@ -45,7 +46,8 @@ impl ClampedSetup {
     /// # Errors
     /// As [`ClampedSetup::read`].
     pub fn of_read(study: ClampedStudy, logs: Vec<RobotLog>) -> Result<Self, ClampedCaseError> {
-        let setup = Self { logs, ..Self::of_robot(study)? };
+        let mut setup = Self { logs, ..Self::of_robot(study)? };
+        setup.leave_out()?;
         for log in &setup.logs {
             for joint in &log.joints {
                 let column = || format!("column `{}.q`", joint.name);
@@ -74,6 +76,9 @@ impl ClampedSetup {
         }
         let description =
             Description::read(&study.model_path).map_err(|error| ClampedCaseError::Description(Box::new(error)))?;
+        if let Some(what) = description.too_heavy_to_move() {
+            return Err(ClampedCaseError::TooHeavy { file: study.model_path, what });
+        }
         // The base is held by whoever took the logs, though a description of a robot that walks lets it go.
         let mut description = Description { free_joint: None, ..description.with_equalities() };
         let of_tree = |source| ClampedCaseError::Tree { file: study.model_path.clone(), source };
@@ -93,6 +98,39 @@ impl ClampedSetup {
         let is_bare = |name: &&str| is_meant(name) && !self.study.by_joint.contains_key(*name);
         let joint = self.tree.joint_names().find(is_bare)?.to_owned();
         Some(ClampedCaseError::Incomplete { joint, why })
+    }
+
+    /// Leaves out the joints that the study does not want: of its logs, or of robots that its logs need not have all of.
+    fn leave_out(&mut self) -> Result<(), ClampedCaseError> {
+        let Self { study, description, logs, .. } = self;
+        let is_there =
+            |name: &str| logs.iter().any(|log| log.joint(name).is_some()) || description.joint(name).is_some();
+        if let Some(name) = study.without.iter().find(|name| !is_there(name)) {
+            let known = logs.iter().flat_map(|log| &log.joints).map(|joint| joint.name.as_str());
+            let known: BTreeSet<&str> =
+                known.chain(description.joints.iter().map(|joint| joint.name.as_str())).collect();
+            return Err(ClampedCaseError::Unknown {
+                file: study.file.clone(),
+                place: "[robot] without".to_owned(),
+                what: "joint",
+                name: name.clone(),
+                known: known.into_iter().collect::<Vec<_>>().join(", "),
+            });
+        }
+        logs.iter_mut().for_each(|log| log.joints.retain(|joint| !study.without.contains(&joint.name)));
+        Ok(())
+    }
+
+    /// Why a joint of a log cannot follow the setpoints that drive it, in the study's order.
+    pub fn without_gain(&self) -> Option<ClampedCaseError> {
+        let driven = self.study.logs.iter().zip(&self.logs).filter(|(entry, _)| entry.drive == DriveMode::Position);
+        let names = driven.flat_map(|(_, log)| &log.joints).map(|joint| joint.name.as_str());
+        // A joint that follows another has no motor of its own.
+        let mut movers =
+            names.filter_map(|name| self.description.joint(name)).filter(|at| self.tree.joints().contains(at));
+        let lacks_gain = movers.find(|at| self.motor(*at).is_none())?;
+        let joint = self.description.joints[lacks_gain.0].name.clone();
+        Some(ClampedCaseError::NoGain { file: self.study.file.clone(), joint })
     }
 
     /// Joints that may share a cause: the study's groups, and joints that the tree makes alike.
@@ -192,6 +230,14 @@ pub enum ClampedCaseError {
         file: PathBuf,
         /// The description that it names.
         model: PathBuf,
+    },
+    /// A link that moves is heavier than any of a machine.
+    #[error("{}: {what}", file.display())]
+    TooHeavy {
+        /// The description.
+        file: PathBuf,
+        /// Which link, what it has, and what was expected.
+        what: String,
     },
     /// The description makes no tree.
     #[error("{}: {source}", file.display())]
@@ -377,6 +423,57 @@ mod tests {
         assert!(error.contains("`[joints.default] kt` is missing"), "{error}");
         let error = ClampedSetup::of_study(read_clamped_study(&file).unwrap()).unwrap_err().to_string();
         assert!(error.starts_with("joint k has no table"), "before logs are read any joint may be meant: {error}");
+    }
+
+    /// `simulate` let such a joint go without a word, where `check` and `gap` refused it.
+    #[test]
+    fn a_joint_that_setpoints_drive_needs_a_gain() {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("study.toml");
+        std::fs::write(dir.path().join("log.csv"), "t,j.q,k.q\n0,0,0\n0.01,0,0\n").unwrap();
+        let said = |arm: &str, study: &str| {
+            std::fs::write(dir.path().join("arm.xml"), arm).unwrap();
+            std::fs::write(&file, study).unwrap();
+            ClampedSetup::read(&file).unwrap().without_gain().map(|error| error.to_string())
+        };
+        assert_eq!(said(ARM, STUDY), None);
+        let general = ARM.find("<general").unwrap()..ARM.find("</actuator>").unwrap();
+        let mut bare = ARM.to_owned();
+        bare.replace_range(general, "");
+        let error = said(&bare, STUDY).unwrap();
+        assert!(error.contains("study.toml: joint k is driven by position") && error.contains("states kp"), "{error}");
+        assert_eq!(said(&bare, &STUDY.replace("drive = \"position\"", "drive = \"off\"")), None);
+        assert_eq!(said(&bare, &format!("{STUDY}[joints.k]\nkp = 2.0\n")), None);
+    }
+
+    /// A name that nothing has was passed over.
+    #[test]
+    fn joints_that_are_left_out_are_joints_of_the_logs_or_of_the_robot() {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("study.toml");
+        std::fs::write(dir.path().join("arm.xml"), ARM).unwrap();
+        std::fs::write(dir.path().join("log.csv"), "t,j.q,hand.q\n0,0,0\n0.01,0,0\n").unwrap();
+        let joints = |without: &str| {
+            let without = format!("scenario = \"fixed\"\nwithout = [{without}]");
+            std::fs::write(&file, STUDY.replace("scenario = \"fixed\"", &without)).unwrap();
+            let setup = ClampedSetup::read(&file).map_err(|error| error.to_string())?;
+            Ok::<_, String>(setup.logs[0].joints.iter().map(|joint| joint.name.clone()).collect::<Vec<_>>())
+        };
+        assert_eq!(joints("\"hand\", \"k\"").unwrap(), ["j"]);
+        let error = joints("\"hand\", \"hnad\"").unwrap_err();
+        assert!(error.contains("[robot] without: the robot has no joint `hnad`; it has hand, j, k"), "{error}");
+    }
+
+    /// Such a robot was simulated, for minutes or without an end.
+    #[test]
+    fn what_joints_move_is_not_heavier_than_a_machine() {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("study.toml");
+        std::fs::write(dir.path().join("log.csv"), "t,j.q,k.q\n0,0,0\n0.01,0,0\n").unwrap();
+        std::fs::write(dir.path().join("arm.xml"), ARM.replace("mass=\".5\"", "mass=\"1e9\"")).unwrap();
+        std::fs::write(&file, STUDY).unwrap();
+        let error = ClampedSetup::read(&file).unwrap_err().to_string();
+        assert!(error.contains("arm.xml: link \"b\": a mass of 1e9 kg, expected at most 1e6 kg"), "{error}");
     }
 
     #[test]

@@ -5,6 +5,7 @@ use super::evidence::Evidence;
 use super::folds::Folds;
 use super::trial::{Trial, loss, predicted};
 use crate::fit::Budget;
+use crate::gap::NOT_HELD_OUT;
 use crate::identify::Experiment;
 use crate::number::math;
 use rand::{Rng, SeedableRng};
@@ -44,9 +45,7 @@ impl HeldOut {
         }
         let all = &evidence.fit;
         if let Some(from) = evidence.pooled_from {
-            let how =
-                "not at all; these logs were fitted with the others, which do not show by themselves what all logs do";
-            return Self { experiments: all[from..].to_vec(), how, from: From::Pooled(from) };
+            return Self { experiments: all[from..].to_vec(), how: NOT_HELD_OUT, from: From::Pooled(from) };
         }
         let how = if all.len() == 1 {
             "each part of the only log predicted by a fit to its other parts"

@@ -160,7 +160,7 @@ impl Bench<'_> {
             let around = |sd: f64| {
                 [-1.0, 1.0].map(|side| (offset + scale * estimated.value + side * HALF_95 * scale * sd).max(least))
             };
-            let is_told = estimated.sd < BODY_OPEN * sd[k];
+            let is_told = estimated.sd < BODY_OPEN * sd[k] && !estimated.is_held();
             Number {
                 name: name.to_owned(),
                 value: offset + scale * estimated.value,

@@ -77,7 +77,7 @@ pub fn diagnose_torques(
         }));
     }
     let found = concluded(&first.robot, &first.groups, joints, bodies, Some(&as_described), first.notes.clone());
-    let found = found.within(&options.deadline);
+    let found = found.asked(options).within(&options.deadline);
     Ok(TorqueDiagnosis { found, traces: traces.into_iter().flatten().collect() })
 }
 

@@ -43,7 +43,7 @@ pub fn diagnose_motion(
     progress: &dyn Progress,
 ) -> Result<(ClampedCase, ClampedDiagnosis), TorqueError> {
     let (case, found) = searched_within(setup, options, progress)?;
-    Ok((case, found.within(&options.deadline)))
+    Ok((case, found.asked(options).within(&options.deadline)))
 }
 
 fn searched_within(

@@ -33,6 +33,11 @@ impl Estimated {
         Self { value: solved.x[unknown], sd: math::hypot(naive_sd, spread.sqrt()), naive_sd }
     }
 
+    /// Whether it is held at an end of what it may be: curvature says nothing of it there.
+    pub fn is_held(self) -> bool {
+        self.naive_sd == 0.0
+    }
+
     fn number(self, name: &str, unit: &str, offset: f64, scale: f64) -> Number {
         let value = offset + scale * self.value;
         let around = |sd: f64| {

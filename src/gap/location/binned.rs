@@ -204,6 +204,12 @@ impl Binned {
         self.span().map_or(0.0, |span| (inside(span) / self.energy).min(1.0))
     }
 
+    /// Share of it in the bins whose middle lies between two values of the variable.
+    pub(in crate::gap) fn energy_within(&self, [low, high]: [f64; 2]) -> f64 {
+        let inside: f64 = self.bins.iter().filter(|b| (low..=high).contains(&b.at)).map(|b| b.energy).sum();
+        if self.energy > 0.0 { (inside / self.energy).min(1.0) } else { 0.0 }
+    }
+
     /// The mean torque over the variable, with 95 % bands.
     pub(in crate::gap) fn profile(&self) -> Vec<ProfileBin> {
         let bin = |b: &Bin| ProfileBin {
@@ -262,6 +268,8 @@ mod tests {
         assert!(binned.share > 0.8, "{}", binned.share);
         let [low, high] = binned.range().unwrap();
         assert!(low > 0.7 && high > 0.99, "{low} {high}");
+        assert_eq!(binned.energy_within([low, high]), binned.energy_in_range());
+        assert_eq!(binned.energy_within([1.5, 2.0]), 0.0);
         let profile = binned.profile();
         assert!(profile[0].band_nm[0] < 0.0 && profile[0].band_nm[1] > 0.0 && profile[0].band_nm[1] < 0.1);
         assert!(profile[9].band_nm[0] < 1.0 && profile[9].band_nm[1] > 1.0);

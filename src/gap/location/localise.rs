@@ -6,8 +6,9 @@
 use super::log_part::{LogPart, NOTICEABLE, exceeds};
 use super::map::map;
 use super::stage::stage_of;
-use super::variables::{best, explained_by_each, shares};
-use crate::gap::diagnosis::{MapCell, Phase, Where};
+use super::variables::{Form, best, explained_by, explained_by_each, shares};
+use crate::gap::diagnosis::{MapCell, Phase, Variable, Where};
+use crate::joint::LawActs;
 
 /// Up to this share it must show in the residual torque too, in one cell of the map at least.
 const OBVIOUS: f64 = 1.0;
@@ -46,6 +47,36 @@ pub fn localise(parts: &[LogPart]) -> Where {
         profile: best.map(|e| e.binned.profile()).unwrap_or_default(),
         cells,
     }
+}
+
+/// The place by a law: its variable, and the range in which it is strongest, with what the torque that is lacking does along that
+/// variable.
+pub(in crate::gap) fn place_by_law(
+    place: &mut Where,
+    parts: &[LogPart],
+    (acts, variable): (LawActs, Variable),
+    range: [f64; 2],
+) {
+    let form = match (acts, variable) {
+        (LawActs::Friction, _) | (_, Variable::Speed) => Form::AgainstMotion,
+        (_, Variable::Load | Variable::Torque | Variable::SetpointRate) => Form::Along,
+        _ => Form::Plain,
+    };
+    let binned = explained_by(parts, &[(variable, form)]).pop().map(|explained| explained.binned);
+    place.variable = Some(variable);
+    place.range = Some(range);
+    place.share = binned.as_ref().map_or(0.0, |binned| binned.energy_within(in_bins(variable, range)));
+    place.profile = binned.map(|binned| binned.profile()).unwrap_or_default();
+}
+
+/// A range of a law's variable as bins have it: these know the size of some variables alone.
+fn in_bins(variable: Variable, [low, high]: [f64; 2]) -> [f64; 2] {
+    let is_size = matches!(variable, Variable::Speed | Variable::Load | Variable::Torque | Variable::SetpointRate);
+    if !is_size || low >= 0.0 {
+        return [low, high];
+    }
+    let least = if high < 0.0 { -high } else { 0.0 };
+    [least, (-low).max(high)]
 }
 
 fn nowhere() -> Where {

@@ -170,3 +170,19 @@ fn same_parts_same_answer_and_nothing_from_nothing() {
     let nothing = localise(&[]);
     assert!(nothing.cells.is_empty() && nothing.stage.is_none());
 }
+
+/// The profile was once that of the variable which the torque shows, drawn against that of the law.
+#[test]
+fn what_a_law_places_has_a_profile_along_the_laws_variable() {
+    let parts = recalibrated(&leg(|at| -0.06 * ((at.q + 0.06).sin() - at.q.sin())), &with(SENSORS[0], &free()));
+    let mut w = localise(&parts);
+    assert!(w.variable == Some(Variable::Angle) && w.profile[0].at < 0.0, "{}", name(&w));
+    place_by_law(&mut w, &parts, (LawActs::Torque, Variable::Time), [0.0, 1.0]);
+    let last_s = parts.iter().flat_map(|p| &p.torque.t_s).copied().fold(0.0, f64::max);
+    assert!(w.variable == Some(Variable::Time) && w.range == Some([0.0, 1.0]), "{}", name(&w));
+    assert!(w.profile.len() > 3 && w.profile.iter().all(|bin| (0.0..=last_s).contains(&bin.at)));
+    // Bins know the size of some variables alone.
+    assert_eq!(in_bins(Variable::Torque, [-2.0, -1.0]), [1.0, 2.0]);
+    assert_eq!(in_bins(Variable::Torque, [-2.0, 1.0]), [0.0, 2.0]);
+    assert_eq!(in_bins(Variable::Angle, [-2.0, 1.0]), [-2.0, 1.0]);
+}

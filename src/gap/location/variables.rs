@@ -62,13 +62,18 @@ impl Explained {
 
 /// What every variable explains in each form, in the order in which they are tried.
 pub(in crate::gap) fn explained_by_each(parts: &[LogPart]) -> Vec<Explained> {
+    explained_by(parts, &TRIED.map(|(variable, form, _)| (variable, form)))
+}
+
+/// What variables explain, each in a form.
+pub(in crate::gap) fn explained_by(parts: &[LogPart], tried: &[(Variable, Form)]) -> Vec<Explained> {
     let (samples, places) = samples(parts);
     let amplitudes: Vec<Vec<f64>> = parts.iter().map(amplitudes).collect();
-    let explain = |&(variable, form, _): &(Variable, Form, f64)| {
+    let explain = |&(variable, form): &(Variable, Form)| {
         let look = |&(log, k): &(usize, usize)| look(&parts[log], &amplitudes[log], k, variable, form);
         Explained { variable, form, binned: explain(&samples, &places.iter().map(look).collect::<Vec<_>>()) }
     };
-    TRIED.iter().map(explain).collect()
+    tried.iter().map(explain).collect()
 }
 
 /// The variable that is taken for the answer; `None` where none explains anything.

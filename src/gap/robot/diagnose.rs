@@ -25,6 +25,7 @@ use super::torque::residual_torque_nm;
 use super::tried::Attribution;
 use crate::deadline::NO_PROBABILITY;
 use crate::gap::hypothesis::held_out::closed;
+use crate::gap::on_demand::told_in;
 use crate::gap::verdict::rates::{Rates, probability};
 use crate::gap::{Next, Verdict};
 use rayon::prelude::*;
@@ -111,6 +112,8 @@ pub fn diagnose_robot(
     });
     let detectable = detectable.collect();
     let mut notes = notes(&bench, &decision, &gap);
+    let ids = |causes: &[Cause]| -> Vec<&'static str> { causes.iter().map(|cause| cause.id()).collect() };
+    sentence = told_in(&sentence, case.robot(), &ids(&options.without), &ids(&options.only));
     if let Some(spent) = &budget {
         sentence = spent.before(&sentence);
         notes.insert(0, spent.words());

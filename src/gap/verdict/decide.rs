@@ -32,6 +32,10 @@ const NO_ALARM: f64 = 0.3;
 const CLOSES: f64 = 0.75;
 /// Standard deviations of their difference within which hypotheses count as equally good, beside [`EQUAL_DEVIANCE`].
 const EQUAL_Z: f64 = 1.7;
+/// The same from which on they can be told apart, whatever their deviance.
+const TOLD_APART_Z: f64 = 2.0;
+/// Share of what recalibration leaves below which their difference counts for nothing.
+const EQUAL_SHARE: f64 = 0.02;
 /// Standard deviations from which on the drive's gain has clearly moved.
 const GAIN_SD: f64 = 1.5;
 
@@ -235,12 +239,11 @@ impl<'a> Judge<'a, '_> {
         let mut effects = answer.effects().to_vec();
         let (mut equivalent, margin) = equivalent_of(self.evidence, a, 0);
         let mut chosen = answer;
-        // Of single effects that stand equally well, with what they ask of the beliefs, the one with the fewest parameters is
-        // named. A late setpoint is simpler than a late reading, which changes the loop as well.
+        // Of single effects that stand equally well, with what they ask of the beliefs, the simplest is named.
         let as_well = |t: &&Trial| {
             matches!(t.effects(), [e] if equivalent.contains(e)) && self.score(t) - self.score(answer) < EQUAL_DEVIANCE
         };
-        let complexity = |t: &Trial| (t.effects()[0].searched_count(), t.effects()[0] == EffectId::SensorDelay);
+        let complexity = |t: &Trial| complexity(t.effects()[0]);
         let simplest = a.rivals.first().into_iter().flatten().filter(as_well).min_by_key(|t| complexity(t));
         if let ([_], Some(trial)) = (&effects[..], simplest)
             && answer.model.only()[0].is_none()
@@ -325,7 +328,8 @@ pub(in crate::gap) fn equivalent_of(evidence: &Evidence, a: &Attribution, k: usi
         let z = a.behind(evidence, rival, answer);
         let near = a.excess(evidence, rival) - a.excess(evidence, answer);
         let share = near / a.excess(evidence, &a.calibrated).max(1e-9);
-        if behind < EQUAL_DEVIANCE || (z < EQUAL_Z && share < 0.02) {
+        let is_simpler = complexity(other) < complexity(answer.effects()[k]);
+        if stands_as_well(behind, z, share, is_simpler) {
             if !set.contains(&other) {
                 set.push(other);
             }
@@ -334,6 +338,19 @@ pub(in crate::gap) fn equivalent_of(evidence: &Evidence, a: &Attribution, k: usi
         }
     }
     (set, margin)
+}
+
+/// Whether what explains the logs worse stands as well: by its score `behind`, or by standard deviations `z` of the difference
+/// where that is a small `share` of what recalibration leaves. What has more in it explains more by nature: that a simpler
+/// one does a little less tells nothing, and its score allows for it. Else what is clearly worse can be told apart.
+fn stands_as_well(behind: f64, z: f64, share: f64, is_simpler: bool) -> bool {
+    let is_as_good = behind < EQUAL_DEVIANCE && (is_simpler || z < TOLD_APART_Z);
+    is_as_good || (z < EQUAL_Z && share < EQUAL_SHARE)
+}
+
+/// What an effect has in it. A late setpoint is simpler than a late reading, which changes the loop as well.
+fn complexity(effect: EffectId) -> (usize, bool) {
+    (effect.searched_count(), effect == EffectId::SensorDelay)
 }
 
 /// Whether a number was moved further than belief allows.
@@ -352,4 +369,23 @@ fn moved_most(trial: &Trial) -> Option<usize> {
     };
     let candidates = (0..BASELINE).filter(|i| moved(i) > if *i == GAIN { GAIN_SD } else { 0.0 });
     candidates.max_by(|a, b| moved(a).total_cmp(&moved(b)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A limit of speed that was 3.5 standard deviations worse than one of torque was said to be none that logs can tell from it.
+    #[test]
+    fn what_is_clearly_worse_is_told_apart_unless_it_is_simpler() {
+        let near = 0.5 * EQUAL_DEVIANCE;
+        assert!(stands_as_well(near, 0.3, 0.5, false) && stands_as_well(near, 1.9, 0.5, false));
+        assert!(!stands_as_well(near, 3.5, 0.5, false));
+        // Its score has what the other one has more in it.
+        assert!(stands_as_well(near, 3.5, 0.5, true));
+        assert!(stands_as_well(40.0, 1.0, 0.01, false) && !stands_as_well(40.0, 1.0, 0.1, false));
+        assert!(!stands_as_well(40.0, 3.5, 0.01, true));
+        assert!(complexity(EffectId::Delay) < complexity(EffectId::SensorDelay));
+        assert!(complexity(EffectId::TorqueLimit) < complexity(EffectId::SpeedLimit));
+    }
 }

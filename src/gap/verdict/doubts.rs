@@ -29,6 +29,24 @@ const OTHER_RESTS_RAD: [f64; 3] = [PI, FRAC_PI_2, -FRAC_PI_2];
 /// It is another where the model leaves less than this share of its error.
 const SHARE: f64 = 1.0 / 3.0;
 
+/// With what the question begins where a link hangs.
+const HANGS: &str = "Does the link hang straight down at 0 rad in these logs?";
+/// What the first sentence of an answer says of it.
+const ELSEWHERE: &str = "or the link hangs elsewhere than at 0 rad";
+
+/// An answer's sentences, of which the first asks whether the link hangs elsewhere, where that is among the doubts: a spring or
+/// another moment that is found may be no more than that. `is_named`: a cause is named, and the question stands behind it.
+pub(in crate::gap) fn asking(sentence: &str, doubts: &[String], is_named: bool) -> String {
+    if !doubts.iter().any(|doubt| doubt.starts_with(HANGS)) {
+        return sentence.to_owned();
+    }
+    let first = sentence.find(". ").unwrap_or(sentence.trim_end_matches('.').len());
+    if let Some(at) = sentence[..first].find("; ").filter(|_| is_named) {
+        return format!("{}, {ELSEWHERE} (see the question below){}", &sentence[..at], &sentence[at..]);
+    }
+    format!("{}; {ELSEWHERE}: see the question below{}", &sentence[..first], &sentence[first..])
+}
+
 /// What simulations made of a study.
 pub(in crate::gap) struct Simulated<'a> {
     /// Causes of the answer; none before any is looked for.
@@ -153,8 +171,7 @@ fn question(rest_rad: f64, model: &str, left_rad: [f64; 2]) -> String {
     let off = |rad: f64| if rad.is_finite() { mrad(rad) } else { "running away".to_owned() };
     let [there, here] = left_rad.map(off);
     format!(
-        "Does the link hang straight down at 0 rad in these logs? At rest = {} rad the model {model} would be off by \
-         {there} in place of {here}: state `rest` in [joint].",
+        "{HANGS} At rest = {} rad the model {model} would be off by {there} in place of {here}: state `rest` in [joint].",
         significant(rest_rad, 3)
     )
 }
@@ -214,6 +231,24 @@ mod tests {
         for case in [case(DRIVEN), driven, case(FREE), turned(0.0)] {
             assert_eq!(check(&case).unwrap().doubts, [""; 0]);
         }
+    }
+
+    /// A swing about a zero on the other side was headlined as a spring, and the question stood at the end of the page alone.
+    #[test]
+    fn the_first_sentence_asks_where_the_link_hangs_where_that_is_questioned() {
+        let doubts = [question(PI, "as given", [0.1, 3.0])];
+        let spring = "arm: the gap is a spring (k = 0.6 N m/rad); the error goes from 3 to 1. Something else is left.";
+        assert_eq!(asking(spring, &[], true), spring);
+        assert_eq!(
+            asking(spring, &doubts, true),
+            "arm: the gap is a spring (k = 0.6 N m/rad), or the link hangs elsewhere than at 0 rad (see the question below); \
+             the error goes from 3 to 1. Something else is left."
+        );
+        assert_eq!(
+            asking("arm: the numbers are off; refitting them goes from 3.2 to 1.", &doubts, false),
+            "arm: the numbers are off; refitting them goes from 3.2 to 1; or the link hangs elsewhere than at 0 rad: see the \
+             question below."
+        );
     }
 
     #[test]

@@ -5,7 +5,7 @@ use super::law_found::law_hinted;
 use crate::gap::diagnosis::{LawFound, ResidualTorque, Verdict, Where};
 use crate::gap::hypothesis::evidence::Evidence;
 use crate::gap::hypothesis::trial::Trial;
-use crate::gap::location::localise::localise;
+use crate::gap::location::localise::{localise, place_by_law};
 use crate::gap::location::log_part::LogPart;
 use crate::gap::location::residual_torque::residual_torque;
 use crate::gap::search::attribute::Attribution;
@@ -39,8 +39,8 @@ pub(in crate::gap) fn place(
     let by_law = |place: &mut Where, law: &Trial, stage: Option<Stage>| {
         if let Some(shape) = law.model.law() {
             place.stage = stage;
-            place.variable = Some(shape.variable.into());
-            place.range = Some(shape.strongest(&law.found.values[law.model.law_place()]));
+            let strongest = shape.strongest(&law.found.values[law.model.law_place()]);
+            place_by_law(place, &parts, (shape.acts, shape.variable.into()), strongest);
         }
     };
     match (decision.verdict, decision.effect()) {

@@ -264,15 +264,16 @@ pub(in crate::gap) fn sentence(
     let may_be_none = |effect: &EffectId| effects.iter().any(|own| own.0 == *effect && includes_none(own));
     let beliefs = decision.answer.beliefs();
     let is_far = beliefs.iter().any(BeliefFound::is_finding);
+    let logs = if gap.is_held_out() { "held-out logs" } else { "logs" };
     match (decision.verdict, decision.effect()) {
         (Verdict::None, _) if has_bodies => format!(
-            "{joint}: nothing is missing beside the bodies that it carries. With them as found the held-out logs are explained \
+            "{joint}: nothing is missing beside the bodies that it carries. With them as found the {logs} are explained \
              {}; as described it was {} off.",
             to_the_noise(gap),
             mrad(gap.before)
         ),
         (Verdict::None, _) => {
-            format!("{joint}: nothing is missing. The model as given explains the held-out logs {}.", to_the_noise(gap))
+            format!("{joint}: nothing is missing. The model as given explains the {logs} {}.", to_the_noise(gap))
         }
         (Verdict::Calibration, _) => format!(
             "{joint}: the structure is right and the numbers are off{}; refitting them{}{} takes the error from {} to {} (noise {}).",

@@ -18,7 +18,7 @@ use super::uncertain::Uncertain;
 
 pub(crate) use raw::{RawBeliefs, RawBelieved, RawDescribed, RawLoop};
 pub(crate) use read::believed;
-pub(super) use read::{clamped_study_of, without_joints};
+pub(super) use read::clamped_study_of;
 pub use read::{read_clamped_study, read_clamped_study_logs};
 
 /// A study of a robot with a clamped base.

@@ -114,13 +114,7 @@ pub(crate) fn believed(document: &Document<'_>, raw: RawBelieved) -> Result<Clam
 /// `[sensor] period`.
 pub fn read_clamped_study_logs(study: &ClampedStudy) -> Result<Vec<RobotLog>, LogError> {
     let paths: Vec<&Path> = study.logs.iter().map(|log| log.path.as_path()).collect();
-    Ok(without_joints(study, read_robot_logs(&paths, &study.columns, study.sensor.period_s)?))
-}
-
-/// Leaves out the joints that a study does not want.
-pub(in crate::log) fn without_joints(study: &ClampedStudy, mut logs: Vec<RobotLog>) -> Vec<RobotLog> {
-    logs.iter_mut().for_each(|log| log.joints.retain(|joint| !study.without.contains(&joint.name)));
-    logs
+    read_robot_logs(&paths, &study.columns, study.sensor.period_s)
 }
 
 fn gravity(document: &Document<'_>, raw: &Spanned<Vec<f64>>) -> Result<[f64; 3], LogError> {

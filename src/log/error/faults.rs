@@ -105,6 +105,8 @@ impl CellFault {
 pub enum UnitFault {
     /// The median step is longer than any joint logger's.
     Time { step_s: f64, unit: &'static str },
+    /// The mean step is shorter than any joint logger's, or than the way that the joint goes meanwhile allows.
+    Haste { step_s: f64 },
     /// Angles beyond two turns.
     Angle { value: f64 },
     /// Angles that are large whole numbers.
@@ -121,6 +123,11 @@ impl fmt::Display for UnitFault {
             Self::Time { step_s, unit } => {
                 write!(f, "the median step is {step_s}: this looks like {unit}, expected seconds; convert the column")
             }
+            Self::Haste { step_s } => write!(
+                f,
+                "the mean step is {step_s:.1e} s, too short for any log, or for a joint that moves so: this looks like \
+                 stamps in a larger unit than was said, expected seconds; is `[columns] t.unit` right?"
+            ),
             Self::Angle { value } => write!(
                 f,
                 "found {value}, beyond 4 pi: this looks like degrees, expected radians; multiply the column by pi/180"

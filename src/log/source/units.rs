@@ -76,6 +76,8 @@ fn looks_like(fault: UnitFault) -> Unit {
             "microseconds" => 1e-6,
             _ => 1e-3,
         }),
+        // Whatever was said; should they be milliseconds, they show when they are tried.
+        UnitFault::Haste { .. } => Unit::Time(1.0),
         UnitFault::Counts { .. } => Unit::Ticks { per_rev: USUAL_PER_REV },
         UnitFault::Angle { .. } | UnitFault::Speed { .. } | UnitFault::Setpoint { .. } => Unit::Angle(TAU / 360.0),
     }

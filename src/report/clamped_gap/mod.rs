@@ -101,7 +101,7 @@ impl ClampedGapReport {
         let report = |((name, diagnosis), torques): ((&String, Diagnosis), Vec<TorqueTraces>)| {
             let (options, provenance) = (options.clone(), provenance.clone());
             let health = health_rows_of_joint(setup, name);
-            GapReport { diagnosis, options, health, armature_kg_m2: None, provenance, torques }
+            GapReport { diagnosis, options, health, armature_kg_m2: None, drive: None, provenance, torques }
         };
         let joints = in_folders(diagnosed.zip(traces).map(report));
         let numbers = found_robot(setup, Some(&found)).unwrap_or_default();

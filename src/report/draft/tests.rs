@@ -91,8 +91,11 @@ fn joints_of_a_folder_become_the_robots() {
     let study = dir.path().join("study.toml");
     fs::write(&study, &draft.text).unwrap();
     assert_eq!(study_kind(&study).unwrap(), StudyKind::Clamped);
-    let logs = read_clamped_study_logs(&read_clamped_study(&study).unwrap()).unwrap();
-    assert_eq!(logs[0].joints.iter().map(|joint| joint.name.as_str()).collect::<Vec<_>>(), ["arm/elbow", "gripper"]);
+    let study = read_clamped_study(&study).unwrap();
+    assert_eq!(study.without, ["Wheel"]);
+    let logs = read_clamped_study_logs(&study).unwrap();
+    let joints = logs[0].joints.iter().map(|joint| joint.name.as_str());
+    assert_eq!(joints.collect::<Vec<_>>(), ["arm/elbow", "gripper", "Wheel"]);
     let gripper = logs[0].joint("gripper").unwrap();
     assert!((gripper.q_rad[1] - (2.0 * 0.5 - 0.2)).abs() < 1e-5, "{}", gripper.q_rad[1]);
     assert!(

@@ -4,9 +4,10 @@ use super::GapReport;
 use super::rows::{joint_rows, number_row, residual_rms_rad};
 use crate::gap::hypothesis::rotor::armature_kg_m2;
 use crate::gap::{Diagnosis, LogTraces, Number};
-use crate::identify::Case;
+use crate::identify::{Case, Signal};
 use crate::joint::EffectId;
-use crate::report::{EffectFit, FitFile, JointFit, LogFit, Quantity, SCHEMA};
+use crate::log::MotorModel;
+use crate::report::{DriveGains, EffectFit, FitFile, JointFit, LogFit, Quantity, SCHEMA};
 use std::collections::BTreeMap;
 
 /// The effects of the answer with their forms and their parameters by the catalogue's names.
@@ -34,6 +35,18 @@ pub(super) fn stated_armature_kg_m2(case: &Case) -> Option<f64> {
     let mut stated_kg_m2 = motors.map(|motor| motor.armature_kg_m2);
     let first_kg_m2 = stated_kg_m2.next().filter(|first_kg_m2| *first_kg_m2 > 0.0)?;
     stated_kg_m2.all(|other_kg_m2| other_kg_m2 == first_kg_m2).then_some(first_kg_m2)
+}
+
+/// The gains that all drives of a joint's logs state; `None`: none, not the same, or those of a motor fed by voltage.
+pub(super) fn stated_gains(case: &Case) -> Option<DriveGains> {
+    let all = case.items.iter().flat_map(|item| &item.experiments);
+    let driven = all.filter(|e| matches!(e.signal, Signal::Position { .. })).filter_map(|e| e.motor.as_ref());
+    let mut stated = driven.map(|motor| {
+        let gains = DriveGains { kp_nm_rad: motor.kp_nm_rad, kd_nm_s_rad: motor.kd_nm_s_rad };
+        (motor.model == MotorModel::Torque).then_some(gains)
+    });
+    let first = stated.next()??;
+    stated.all(|other| other == Some(first)).then_some(first)
 }
 
 /// The joint's numbers as they were fitted.
@@ -73,6 +86,7 @@ impl FitFile {
             effects: effect_fits(diagnosis),
             law: diagnosis.law.as_ref().map(|law| law.table.clone()),
             masses: BTreeMap::new(),
+            drive: report.drive,
             ratios: BTreeMap::new(),
             beliefs: diagnosis.beliefs.iter().map(|belief| (belief.name.clone(), belief.clone())).collect(),
             undetermined: diagnosis.undetermined.clone(),
@@ -93,11 +107,30 @@ impl FitFile {
 /// What the answer leaves of a log; `None` where it predicts nothing that can be compared.
 fn log_fit(diagnosis: &Diagnosis, log: &LogTraces) -> Option<LogFit> {
     let rms = residual_rms_rad(log, &log.after_rad);
-    let held_out = diagnosis.gap.per_log.iter().find(|gap| gap.file == log.file).map(|gap| gap.after);
+    let predicted = if diagnosis.gap.is_held_out() { &diagnosis.gap.per_log[..] } else { &[][..] };
+    let held_out = predicted.iter().find(|gap| gap.file == log.file).map(|gap| gap.after);
     rms.is_finite().then(|| LogFit {
         file: log.file.clone(),
         role: log.role.clone(),
         rms,
         rms_held_out: held_out.filter(|rms| rms.is_finite()),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gains_are_told_where_all_logs_state_the_same() {
+        let mut case = Case::of_study("data/examples/delay/study.toml".as_ref()).unwrap();
+        let stated = DriveGains { kp_nm_rad: 8.0, kd_nm_s_rad: 0.15 };
+        assert_eq!(stated_gains(&case), Some(stated));
+        let mut another = case.items[0].clone();
+        another.experiments.iter_mut().for_each(|e| e.motor.as_mut().unwrap().kp_nm_rad = 9.0);
+        case.items.push(another);
+        assert_eq!(stated_gains(&case), None);
+        case.items.clear();
+        assert_eq!(stated_gains(&case), None);
+    }
 }

@@ -15,7 +15,7 @@ pub(super) mod text;
 pub(super) mod waterfall;
 pub(super) mod words;
 
-use fit::stated_armature_kg_m2;
+use fit::{stated_armature_kg_m2, stated_gains};
 
 pub(super) use fit::quantities;
 pub use html::render_gap_html;
@@ -27,7 +27,7 @@ pub use text::gap_text;
 #[cfg(doc)]
 use super::FitFile;
 use super::data_health::health_rows;
-use super::{LogHealthRow, Provenance};
+use super::{DriveGains, LogHealthRow, Provenance};
 use crate::gap::inverse::TorqueTraces;
 use crate::gap::{Diagnosis, GapOptions};
 use crate::identify::Case;
@@ -46,6 +46,8 @@ pub struct GapReport {
     pub health: Vec<LogHealthRow>,
     /// What the study states of the rotor \[kg m^2\]; `None`: nothing, or not the same of all logs.
     pub armature_kg_m2: Option<f64>,
+    /// What it states of the drive's gains; `None`: nothing, or not the same of all logs.
+    pub drive: Option<DriveGains>,
     /// Where the report comes from.
     pub provenance: Provenance,
     /// Curves of the logs where torques are predicted.
@@ -55,7 +57,7 @@ pub struct GapReport {
 impl GapReport {
     /// The report of a case's diagnosis.
     pub fn new(case: &Case, diagnosis: Diagnosis, options: GapOptions, provenance: Provenance) -> Self {
-        let (health, armature_kg_m2) = (health_rows(case), stated_armature_kg_m2(case));
-        Self { diagnosis, options, health, armature_kg_m2, provenance, torques: Vec::new() }
+        let (health, armature_kg_m2, drive) = (health_rows(case), stated_armature_kg_m2(case), stated_gains(case));
+        Self { diagnosis, options, health, armature_kg_m2, drive, provenance, torques: Vec::new() }
     }
 }

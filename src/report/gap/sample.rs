@@ -244,6 +244,7 @@ fn report(sizes: [f64; 4], sentence: &str) -> GapReport {
     GapReport {
         health: logs.iter().map(health).collect(),
         armature_kg_m2: None,
+        drive: None,
         options: GapOptions { twins: 0, seed: 7, ..GapOptions::default() },
         provenance: Provenance {
             version: "0.1.0".into(),

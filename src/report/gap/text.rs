@@ -205,7 +205,7 @@ fn ranking(diagnosis: &Diagnosis) -> String {
 
 fn how_far(gap: &Gap) -> String {
     let measure = Measure::of(gap.unit);
-    let mut table = rms_table("RMS of the held-out logs", measure);
+    let mut table = rms_table(&format!("RMS of the {}", words::logs_of(gap)), measure);
     for log in &gap.per_log {
         table.add_row(rms_row(file(&log.file), measure, [log.before, log.calibrated, log.after, log.floor]));
     }

@@ -1,6 +1,7 @@
 //! From the model as given to the floor, step by step, and what became of what was believed: the same in text, figure and
 //! JSON.
 
+use super::words;
 use crate::gap::{BeliefFound, CauseShare, Diagnosis, LawFound, Verdict};
 use crate::report::beliefs;
 use crate::report::measure::Measure;
@@ -115,9 +116,10 @@ fn sentence_tells_apart(diagnosis: &Diagnosis) -> bool {
 /// What the columns of the steps mean, and what is to be kept in mind with these causes.
 pub(super) fn explanation(diagnosis: &Diagnosis) -> String {
     let mut text = format!(
-        "RMS of the {} over the held-out logs. Closes: share of the whole gap above the floor; what refitting the \
-         numbers closes is credited to no cause.",
-        Measure::of(diagnosis.gap.unit).what
+        "RMS of the {} over the {}. Closes: share of the whole gap above the floor; what refitting the numbers closes is \
+         credited to no cause.",
+        Measure::of(diagnosis.gap.unit).what,
+        words::logs_of(&diagnosis.gap)
     );
     if !diagnosis.causes.is_empty() {
         text += " Alone: share of what refitted numbers leave that the cause closes by itself; last: with all others \
@@ -133,7 +135,9 @@ pub(super) fn explanation(diagnosis: &Diagnosis) -> String {
             text += &format!(" These logs cannot tell {} from {}.", cause.effect, others.join(" or "));
         }
     }
-    if !diagnosis.gap.outer && !diagnosis.causes.is_empty() {
+    if !diagnosis.gap.is_held_out() {
+        text += " What was fitted is followed better than what is predicted, so the figures flatter.";
+    } else if !diagnosis.gap.outer && !diagnosis.causes.is_empty() {
         text += " These logs also helped to choose the causes, so the figures flatter a little.";
     }
     text
@@ -155,10 +159,10 @@ pub(super) struct Moved<'a> {
 /// The numbers that were moved by more than one standard deviation of what was believed of them.
 pub(super) fn moved(diagnosis: &Diagnosis) -> Vec<Moved<'_>> {
     let far = |belief: &&BeliefFound| belief.moved_sd.abs() > AS_BELIEVED;
-    diagnosis.beliefs.iter().filter(far).map(|belief| words(diagnosis, belief)).collect()
+    diagnosis.beliefs.iter().filter(far).map(|belief| in_words(diagnosis, belief)).collect()
 }
 
-fn words<'a>(diagnosis: &Diagnosis, belief: &'a BeliefFound) -> Moved<'a> {
+fn in_words<'a>(diagnosis: &Diagnosis, belief: &'a BeliefFound) -> Moved<'a> {
     let interval = diagnosis.parameters.iter().find(|p| p.name == belief.name).and_then(|p| p.interval);
     Moved {
         name: &belief.name,
@@ -223,6 +227,17 @@ mod tests {
         assert!(heading(&sample::unexplained().diagnosis).starts_with("What is known so far"));
         let words = explanation(&sample::unexplained().diagnosis);
         assert!(words.ends_with("so the figures flatter a little."), "{words}");
+    }
+
+    /// Logs that were fitted with the others were once told as held out.
+    #[test]
+    fn logs_that_were_fitted_are_not_said_to_be_held_out() {
+        let mut diagnosis = sample::two_effects().diagnosis;
+        assert!(explanation(&diagnosis).contains("over the held-out logs."));
+        diagnosis.gap.held_out = crate::gap::NOT_HELD_OUT.to_owned();
+        let words = explanation(&diagnosis);
+        assert!(words.contains("over the validate logs (fitted).") && !words.contains("held-out"), "{words}");
+        assert!(words.ends_with("so the figures flatter."), "{words}");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::rows::{is_side, number_row};
 use super::{GapReport, NEXT_FILE};
 use crate::gap::{
-    Answer, BodyKind, Candidate, Detectable, Diagnosis, MapCell, Next, Number, Phase, Variable, Verdict, Where,
+    Answer, BodyKind, Candidate, Detectable, Diagnosis, Gap, MapCell, Next, Number, Phase, Variable, Verdict, Where,
 };
 use crate::joint::{EffectId, Stage};
 pub(super) use crate::report::chances::power;
@@ -128,6 +128,16 @@ pub(super) fn mark(answer: &Answer) -> Option<&'static str> {
         (Verdict::Effect, _) => Some("the answer"),
         _ => None,
     }
+}
+
+/// The logs that a gap's figures are of.
+pub(super) fn logs_of(gap: &Gap) -> &'static str {
+    if gap.is_held_out() { "held-out logs" } else { "validate logs (fitted)" }
+}
+
+/// One of them.
+pub(super) fn log_of(gap: &Gap) -> &'static str {
+    if gap.is_held_out() { "held-out log" } else { "validate log (fitted)" }
 }
 
 /// Logs and phases of the map, each in the order in which it is shown.

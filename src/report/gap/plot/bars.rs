@@ -5,7 +5,7 @@ use plotters::style::text_anchor::HPos;
 use plotters::style::{Color, RGBColor};
 
 use super::ruled::{RULER, Ruled, row_height};
-use crate::gap::Diagnosis;
+use crate::gap::{Diagnosis, Variable};
 use crate::number::math;
 use crate::report::ReportError;
 use crate::report::gap::waterfall::closes_alone;
@@ -183,9 +183,9 @@ pub(super) fn ranking(diagnosis: &Diagnosis) -> Result<String, ReportError> {
         bars.iter_mut().for_each(|bar| bar.words.truncate(2));
     }
     draw(&Bars {
-        title: &format!("{}: error on held-out logs with each effect", diagnosis.joint),
+        title: &format!("{}: error on {} with each effect", diagnosis.joint, words::logs_of(gap)),
         legend,
-        label: &format!("RMS of the {}, held-out logs [{}]", measure.what, measure.unit),
+        label: &format!("RMS of the {}, {} [{}]", measure.what, words::logs_of(gap), measure.unit),
         columns: if chances.is_shared_out { &columns } else { &columns[..2] },
         bars,
         mark: Some(measure.scale * gap.floor).filter(|floor| drawable(*floor)),
@@ -193,16 +193,21 @@ pub(super) fn ranking(diagnosis: &Diagnosis) -> Result<String, ReportError> {
     })
 }
 
-/// Draws which variables explain most of the residual torque's variance.
+/// Draws which variables explain most of the residual torque's variance; the one by which the gap is placed stands out.
 pub(super) fn variables(diagnosis: &Diagnosis) -> Result<String, ReportError> {
-    let bars = diagnosis.location.variables.iter().enumerate().map(|(i, (variable, share))| Bar {
-        name: words::variable(*variable).to_owned(),
-        value: 100.0 * share,
-        down_from: None,
-        colour: if i == 0 { AFTER } else { SHADE },
-        bold: i == 0,
-        words: vec![number::share(*share)],
-    });
+    let location = &diagnosis.location;
+    let bar = |(variable, share): &(Variable, f64)| {
+        let is_placed_by = location.by() == Some(*variable);
+        Bar {
+            name: words::variable(*variable).to_owned(),
+            value: 100.0 * share,
+            down_from: None,
+            colour: if is_placed_by { AFTER } else { SHADE },
+            bold: is_placed_by,
+            words: vec![number::share(*share)],
+        }
+    };
+    let bars = location.variables.iter().map(bar);
     draw(&Bars {
         title: &format!("{}: what the missing torque depends on", diagnosis.joint),
         legend: Vec::new(),

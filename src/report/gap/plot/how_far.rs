@@ -28,7 +28,7 @@ pub(super) fn how_far(diagnosis: &Diagnosis) -> Result<String, ReportError> {
     let bare = gap.per_log.iter().zip(words::names_without_folder(&files));
     let bare: Vec<LogGap> = bare.map(|(log, file)| LogGap { file, ..log.clone() }).collect();
     let logs: Vec<&LogGap> = bare.iter().chain([&all]).collect();
-    let title = format!("{}: error of each held-out log", diagnosis.joint);
+    let title = format!("{}: error of each {}", diagnosis.joint, words::log_of(gap));
     errors(&title, &logs, Measure::of(gap.unit), words::answer(diagnosis))
 }
 

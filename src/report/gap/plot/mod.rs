@@ -70,10 +70,16 @@ impl GapFigures {
         }
         let mut which = Vec::new();
         if !diagnosis.ranking.is_empty() {
-            let caption = "Recalibrated: inertia, moment and friction refitted, nothing added. Each effect is added to \
-                           the joint and everything is refitted; the error is that of logs that the fit has not seen. \
-                           Closes alone: share of what recalibration leaves.";
-            which.push(figure("ranking", "Effects that were considered", caption, bars::ranking(diagnosis)?));
+            let of = if diagnosis.gap.is_held_out() {
+                "the error is that of logs that the fit has not seen"
+            } else {
+                "the error is that of logs that were fitted as well"
+            };
+            let caption = format!(
+                "Recalibrated: inertia, moment and friction refitted, nothing added. Each effect is added to the joint and \
+                 everything is refitted; {of}. Closes alone: share of what recalibration leaves."
+            );
+            which.push(figure("ranking", "Effects that were considered", &caption, bars::ranking(diagnosis)?));
         }
         let mut twins = Vec::new();
         if let Some(table) = &diagnosis.confusion {
@@ -151,8 +157,7 @@ fn place(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
         let caption = "Variables hang together, so the shares do not add up to 100 %.";
         figures.push(figure("variables", "What the gap depends on", caption, bars::variables(diagnosis)?));
     }
-    let best = location.variable.or(location.variables.first().map(|(variable, _)| *variable));
-    if let Some(variable) = best.filter(|_| is_torque && !location.profile.is_empty()) {
+    if let Some(variable) = location.by().filter(|_| is_torque && !location.profile.is_empty()) {
         let caption = "The torque that the recalibrated model lacks, averaged in bins. A constant or smooth curve away \
                        from zero is missing physics; a band around zero is none. For variables of friction it counts \
                        against the motion.";
@@ -169,13 +174,19 @@ fn place(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
 
 fn logs(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
     let diagnosis = &report.diagnosis;
-    let caption = "Above: readings and models, fitted to all logs with role fit; their errors on held-out logs stand above. \
-                   Middle: measured minus model; what explains the log stays in the band. Below: the torque that is missing. \
-                   Mind the scales where a model has a panel of its own.";
+    let fitted = if diagnosis.gap.is_held_out() {
+        "all logs with role fit; their errors on held-out logs stand above"
+    } else {
+        "all logs"
+    };
+    let caption = format!(
+        "Above: readings and models, fitted to {fitted}. Middle: measured minus model; what explains the log stays in the band. \
+         Below: the torque that is missing. Mind the scales where a model has a panel of its own."
+    );
     let draw = |(i, log): (usize, &crate::gap::LogTraces)| {
         let name = format!("log-{:02}-{}", i + 1, plain(&log.file));
         let title = format!("Log {} ({})", log.file, log.role);
-        Ok(figure(&name, &title, caption, log::log(diagnosis, log, half_step_rad(report, &log.file))?))
+        Ok(figure(&name, &title, &caption, log::log(diagnosis, log, half_step_rad(report, &log.file))?))
     };
     diagnosis.traces.iter().enumerate().map(draw).collect()
 }

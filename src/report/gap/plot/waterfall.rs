@@ -23,7 +23,7 @@ pub(super) fn waterfall(diagnosis: &Diagnosis) -> Result<String, ReportError> {
             (Sign::Box, AFTER.mix(0.3), "closed by a cause".to_owned()),
             (Sign::Line, BAND.to_rgba(), "the sensor's own noise".to_owned()),
         ],
-        label: &format!("RMS of the {}, held-out logs [{}]", measure.what, measure.unit),
+        label: &format!("RMS of the {}, {} [{}]", measure.what, words::logs_of(&diagnosis.gap), measure.unit),
         columns: &[&*format!("RMS [{}]", measure.unit), "closes", "alone", "last"],
         bars,
         mark: Some(measure.scale * diagnosis.gap.floor).filter(|floor| drawable(*floor)),
