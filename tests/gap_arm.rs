@@ -155,6 +155,21 @@ fn slow_light_links_in_steps_of_the_encoder_are_weighed_and_nothing_is_accused()
     }
 }
 
+/// Where numbers alone explain an arm no cause is looked for: masses were chosen by then, and had got lost.
+#[test]
+#[ignore = "slow"]
+fn slow_masses_with_which_numbers_explain_an_arm_are_among_what_is_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let found = gap(&made(folder.path(), &["upper.mass=0.96", "lower.mass=1.03"]));
+    assert_eq!((&found["verdict"], &found["effects"]), (&"calibration".into(), &json!([])), "{}", found["sentence"]);
+    let masses = found["found"].as_array().unwrap().iter().filter(|number| number["key"] == "mass");
+    let names: Vec<&str> = masses.map(|mass| mass["name"].as_str().unwrap()).collect();
+    assert!(names.contains(&"upper") && names.contains(&"lower"), "{}", found["found"]);
+    // Held-out logs chose them.
+    assert_eq!(found["gap"]["outer"], false, "{}", found["gap"]);
+    assert!(found["notes"].to_string().contains("bodies have other masses"), "{}", found["notes"]);
+}
+
 /// What is found in a study of which so much is asked, and what the terminal shows of it in one line.
 fn found_of(folder: &Path, asked: &[&str]) -> (Value, String) {
     let words = ["gap", "study.toml", "--json", "gap.json", "--out", "out"];

@@ -104,8 +104,13 @@ fn a_fit_of_another_joint_or_robot_is_refused() {
     let parts = ["knee.json: the fit of joint `knee`", "`j`, which study.toml is of", "`name`"];
     refused(dir.path(), &words("knee.json"), 3, &parts);
     // A fit of logs without a study has their name.
-    let log = "\"logs\": [{\"file\": \"knee-1.csv\", \"role\": \"fit\", \"rms\": 0.1}]";
-    put("log.json", &knee.replacen("\"logs\": []", log, 1));
+    let of_log = |file: &str| {
+        let log = format!("\"logs\": [{{\"file\": \"{file}\", \"role\": \"fit\", \"rms\": 0.1}}]");
+        put("log.json", &knee.replacen("\"logs\": []", &log, 1));
+    };
+    of_log("knee-1.csv");
+    refused(dir.path(), &words("log.json"), 3, &["log.json: the fit of joint `knee`"]);
+    of_log("knee.csv");
     expect_code(dir.path(), &words("log.json"), 0);
     fs::remove_dir_all(dir.path().join("o")).unwrap();
     put("gap.json", "{ \"schema\": 1, \"name\": \"j\", \"verdict\": \"none\", \"effects\": [] }");

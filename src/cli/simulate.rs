@@ -8,7 +8,9 @@ use super::progress::Progress;
 use super::provenance::provenance;
 use crate::fit::{Budget, Method};
 use crate::gap::{GapModel, LogSet, reach_of};
-use crate::identify::{Case, Experiment, Item, JointModel, Parameter, Prediction, Scale, WithLaws, conclude, predict};
+use crate::identify::{
+    Case, Experiment, Item, JointModel, Parameter, Prediction, Scale, WithLaws, conclude, name_from_file, predict,
+};
 use crate::joint::{EffectForm, EffectId, Law, UnknownEffect};
 use crate::log::{LogError, Nominal, Outputs, Role, StudyKind, study_kind};
 use crate::report::{EffectFit, FitFile, Quantity, SCHEMA};
@@ -204,10 +206,8 @@ fn in_force(args: &SimulateArgs, case: &Case) -> Result<InForce, CliError> {
 
 /// Whether a fit says that it is of another joint. One of logs without a study has their name, which says nothing.
 fn is_of_other_joint(file: &FitFile, joint: &str) -> bool {
-    let own = file.name.to_lowercase();
-    let mut stems = file.logs.iter().filter_map(|log| Path::new(&log.file).file_stem());
-    let is_of_log = stems.any(|stem| stem.to_string_lossy().to_lowercase().starts_with(&own));
-    !own.is_empty() && file.name != joint && !is_of_log
+    let is_of_log = file.logs.iter().any(|log| name_from_file(Path::new(&log.file)).eq_ignore_ascii_case(&file.name));
+    !file.name.is_empty() && file.name != joint && !is_of_log
 }
 
 /// An effect of a fit file.

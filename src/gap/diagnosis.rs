@@ -508,6 +508,11 @@ pub struct Diagnosis {
 }
 
 impl Diagnosis {
+    /// Whether the answer is that this number is another.
+    pub fn names(&self, belief: &BeliefFound) -> bool {
+        self.answer.verdict == Verdict::Calibration && self.answer.effect.as_ref() == Some(&belief.name)
+    }
+
     /// Every effect that the answer names, in the order of the waterfall; empty where it names none.
     pub fn causes(&self) -> Vec<EffectId> {
         match self.answer.verdict {

@@ -376,7 +376,7 @@ fn plain_entry(path: &Path) -> StudyLog {
 }
 
 /// `q1` for `q1.csv`, `q1-bare-0.csv` and `Q1_402g.csv`; the file's stem where it names no leg joint.
-fn name_from_file(path: &Path) -> String {
+pub(crate) fn name_from_file(path: &Path) -> String {
     let stem = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
     let head = stem.split(['-', '_', '.', ' ']).next().unwrap_or_default().to_lowercase();
     if head.parse::<LegJoint>().is_ok() { head } else { stem }

@@ -27,6 +27,7 @@ mod with_laws;
 
 pub use belief::BeliefFound;
 pub(crate) use belief::Deviations;
+pub(crate) use case::name_from_file;
 pub use case::{Case, CaseError, Item};
 pub(crate) use conclude::estimates;
 pub use conclude::{Estimate, Fitted, Status, conclude};

@@ -18,15 +18,22 @@ pub(crate) fn sidecar_of(log: &Path) -> Option<PathBuf> {
 /// What the sidecar `NAME.toml` beside a log `NAME.csv` says of its columns; nothing where there is none.
 ///
 /// # Errors
-/// As [`study_columns`], and where it has a key that no sidecar has. A study may have the log's name: its other keys are for its
-/// reader to check.
+/// As [`study_columns`], and where it has a key that no sidecar has. A study, a robot or a gait may have the log's name: their
+/// other keys are for their readers to check.
 pub fn sidecar_columns(log: &Path) -> Result<Columns, LogError> {
     let Some(sidecar) = sidecar_of(log) else { return Ok(Columns::default()) };
     let columns = study_columns(&sidecar)?;
-    if study_beside(log).is_none() {
-        let _all_are_known: RawStudy = Document::open(&sidecar)?.parse_any()?;
+    let document = Document::open(&sidecar)?;
+    let is_of_another_kind = toml::from_str(document.text()).is_ok_and(|table| is_of_another_kind(&table));
+    if study_beside(log).is_none() && !is_of_another_kind {
+        let _all_are_known: RawStudy = document.parse_any()?;
     }
     Ok(columns)
+}
+
+/// Whether a file is about a whole robot, its parts or its gait: no sidecar of a log is.
+fn is_of_another_kind(table: &toml::Table) -> bool {
+    ["robot", "part", "wave", "truth"].iter().any(|key| table.contains_key(*key))
 }
 
 /// Tables of a log's sidecar of which who takes its [`sidecar_columns`] alone takes nothing, as they are written; none of a study
@@ -36,6 +43,9 @@ pub fn beside_columns(log: &Path) -> Vec<String> {
     let Some(sidecar) = sidecar_of(log).filter(|_| study_beside(log).is_none()) else { return Vec::new() };
     let Ok(document) = Document::open(&sidecar) else { return Vec::new() };
     let Ok(table) = toml::from_str::<toml::Table>(document.text()) else { return Vec::new() };
+    if is_of_another_kind(&table) {
+        return Vec::new();
+    }
     let written = |(key, value): (&String, &toml::Value)| match value {
         toml::Value::Array(_) => format!("[[{key}]]"),
         _ => format!("[{key}]"),
@@ -77,10 +87,15 @@ mod tests {
             let error = read(&format!("{told}{text}")).0.unwrap_err();
             assert!(error.contains("swing.toml") && error.contains(key) && error.contains("line "), "{error}");
         }
-        // A study has tables of its own.
-        let (columns, beside) =
-            read("[robot]\nscenario = \"fixed\"\n[joints.a]\nkp = 1.0\n[[log]]\nfile = \"swing.csv\"\n");
-        assert_eq!((columns.map(|columns| columns.0.len()), beside), (Ok(0), Vec::new()));
+        // Studies, robots and gaits have tables of their own.
+        for other in [
+            "[robot]\nscenario = \"fixed\"\n[joints.a]\nkp = 1.0\n[[log]]\nfile = \"swing.csv\"\n",
+            "root = \"trunk\"\nbase = \"free\"\n[[part]]\nname = \"trunk\"\n",
+            "stand_s = 1.0\nwalk_s = 2.0\n[[wave]]\njoint = \"a\"\n",
+        ] {
+            let (columns, beside) = read(other);
+            assert_eq!((columns.map(|columns| columns.0.len()), beside), (Ok(0), Vec::new()), "{other}");
+        }
     }
 
     #[test]

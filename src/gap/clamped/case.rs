@@ -12,7 +12,7 @@ use crate::robot::description::{FoundNumber, Mover, MoverId};
 use std::collections::BTreeMap;
 
 /// A robot and its logs.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct ClampedCase {
     /// The robot's name.
     pub robot: String,
@@ -25,7 +25,7 @@ pub struct ClampedCase {
 }
 
 /// One joint of a robot as a case of the bench.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct ClampedJoint {
     /// Its name.
     pub name: String,

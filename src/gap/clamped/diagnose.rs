@@ -124,7 +124,7 @@ pub(in crate::gap) fn concluded_of(case: &ClampedCase, joints: Vec<JointAnswer>)
 }
 
 /// Why a joint's own page has no effects.
-const NEEDS_NO_CAUSE: &str = "The whole robot, simulated at once with the body that was found and with numbers alone, leaves only \
+const NEEDS_NO_CAUSE: &str = "The whole robot, simulated at once with numbers alone beside what was found of its bodies, leaves only \
                               noise of every joint: no cause was looked for on this one.";
 
 /// Every one of some joints' own answer; those of `described` are what they were before a body was changed.

@@ -143,7 +143,12 @@ impl ClampedSetup {
     /// What study and description say of a joint, the study first.
     pub fn beliefs(&self, joint: MoverId) -> JointBeliefs {
         let mover = &self.description.joints[joint.0];
-        self.study.of_joint(&mover.name).over(of_description(mover, self.servo(joint).as_ref()))
+        self.study.of_joint(&mover.name).over(self.described(joint))
+    }
+
+    /// What the description alone says of a joint's motor.
+    pub(in crate::gap) fn described(&self, joint: MoverId) -> JointBeliefs {
+        of_description(&self.description.joints[joint.0], self.servo(joint).as_ref())
     }
 
     /// The position servo that the description gives a joint.

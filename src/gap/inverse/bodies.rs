@@ -84,7 +84,11 @@ pub(super) fn find(
             continue;
         }
         kinds.push(kind);
-        let is_as_good = |other: &&Fitted| (other.priced - best.priced).abs() < 2.0 * PRICE;
+        let is_one =
+            |other: &Fitted| is_one_payload(setup, (kind, link), (other.hypothesis.kind, other.hypothesis.link));
+        let is_as_good = |other: &&Fitted| {
+            std::ptr::eq(*other, best) || (other.priced - best.priced).abs() < 2.0 * PRICE && !is_one(other)
+        };
         let name = |other: &Fitted| BodyName { kind: other.hypothesis.kind, body: bench.name(other.hypothesis.link) };
         let (own, others): (Vec<&Fitted>, Vec<&Fitted>) =
             tried.iter().filter(is_as_good).partition(|other| std::ptr::eq(*other, best));
@@ -92,6 +96,12 @@ pub(super) fn find(
         found.push(bench.cause(best, as_good, bare - best.priced));
     }
     Ok(found)
+}
+
+/// Whether two bodies are one payload, on links that are fixed to one another.
+pub(super) fn is_one_payload(setup: &ClampedSetup, one: (BodyKind, LinkId), other: (BodyKind, LinkId)) -> bool {
+    let carriers = |link| setup.description.carriers(link);
+    [one.0, other.0] == [BodyKind::Payload; 2] && carriers(one.1) == carriers(other.1)
 }
 
 /// What causes of joints come to with their price, and what is told of them there.

@@ -4,7 +4,7 @@
 //! them, and weighed by the whole robot simulated at once; what is found has to let the simulated joints predict held-out logs
 //! no worse.
 
-use super::bodies::{BODIES, MARGIN, find};
+use super::bodies::{BODIES, MARGIN, find, is_one_payload};
 use super::case::TorqueCase;
 use super::diagnose::{TorqueError, searched};
 use super::rounds::{NO_WORSE, followed};
@@ -19,7 +19,7 @@ use crate::gap::whole::{BodyAtBest, body_at_best, numbers_alone_leave_noise, pla
 use crate::gap::{Diagnosis, GapOptions, Verdict};
 use crate::joint::EffectId;
 use crate::progress::{Progress, Step};
-use crate::robot::description::FoundNumber;
+use crate::robot::description::{FoundKey, FoundNumber};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -32,6 +32,9 @@ const PROMISING: f64 = 0.95;
 const AS_GOOD: f64 = 1.01;
 /// Numbers that moved by fewer of their standard deviations ask for nothing.
 const MOVED_SD: f64 = 1.0;
+
+/// What held-out logs had a say in where masses are others.
+const OTHER_MASSES: &str = "Joints predict the held-out logs better where bodies have other masses.";
 
 /// Diagnoses a robot whose motion is predicted: every joint, then the bodies that they share.
 ///
@@ -52,7 +55,7 @@ fn searched_within(
     progress: &dyn Progress,
 ) -> Result<(ClampedCase, ClampedDiagnosis), TorqueError> {
     let (case, masses) = weighed_case(setup, options, progress)?;
-    let (case, found) = at_a_glance(setup, case, options, progress)?;
+    let (case, found) = at_a_glance(setup, (case, &masses), options, progress)?;
     if let Some(found) = found {
         return Ok((case, found));
     }
@@ -60,7 +63,7 @@ fn searched_within(
     let first = diagnose_clamped(&case, options, progress)?.with_weighed(masses);
     let (case, mut first) = followed(setup, options, progress, (case, first))?;
     if are_chosen {
-        first = first.chosen_by_held_out("Joints predict the held-out logs better where bodies have other masses.");
+        first = first.chosen_by_held_out(OTHER_MASSES);
     }
     // Beside what all joints have, as the whole robot tells it, no body is looked for.
     let has_common = first.causes.iter().any(|cause| cause.common);
@@ -87,7 +90,7 @@ fn searched_within(
 /// the torques ask for rather than for such causes, it leaves only noise of every joint, simulated as a whole. No answer elsewhere.
 fn at_a_glance(
     setup: &ClampedSetup,
-    case: ClampedCase,
+    (case, masses): (ClampedCase, &[FoundNumber]),
     options: &GapOptions,
     progress: &dyn Progress,
 ) -> Result<(ClampedCase, Option<ClampedDiagnosis>), TorqueError> {
@@ -96,10 +99,14 @@ fn at_a_glance(
         ClampedCase { joints: joints.collect(), ..case }
     };
     let case = needs_no_cause(case, true);
-    let first = diagnose_clamped(&case, options, progress)?;
+    let first = diagnose_clamped(&case, options, progress)?.with_weighed(masses.to_vec());
     if numbers_alone_leave_noise(setup, &first, &options.deadline) {
-        let (case, found) = followed(setup, options, progress, (case, first))?;
-        return Ok((case, Some(found)));
+        let (along, found) = followed(setup, options, progress, (case.clone(), first.clone()))?;
+        // Who says that nothing explains the rest has to have looked.
+        if !found.found().any(is_unexplained) {
+            let found = if masses.is_empty() { found } else { found.chosen_by_held_out(OTHER_MASSES) };
+            return Ok((along, Some(found)));
+        }
     }
     let case = needs_no_cause(case, false);
     if !options.considers_bodies() || !first.found().any(is_unexplained) || options.deadline.leaves_out(BODIES) {
@@ -180,9 +187,12 @@ fn with_body(
         again = told(&with_it)?;
     }
     let own = |joint: &JointAnswer| again.iter().find(|own| own.joint == joint.joint).unwrap_or(joint).clone();
-    let joints: Vec<JointAnswer> = first.joints.iter().map(own).collect();
-    let mut second = concluded_of(&with_it, joints).with_weighed(masses);
+    let mut joints: Vec<JointAnswer> = first.joints.iter().map(own).collect();
     let needs_no_cause = *explains && leaves_none;
+    if needs_no_cause {
+        joints.iter_mut().filter_map(|joint| joint.diagnosis.as_mut()).for_each(|own| tell_of_whole(own, numbers));
+    }
+    let mut second = concluded_of(&with_it, joints).with_weighed(masses);
     if !needs_no_cause {
         (with_it, second) = followed(&changed, options, progress, (with_it, second))?;
     }
@@ -201,6 +211,21 @@ fn with_body(
             format!("With {} in place joints predict the held-out logs better, or with fewer causes.", body.words());
         (with_it, second.chosen_by_held_out(&what))
     }))
+}
+
+/// Adds what the whole robot has for the number that a joint's answer is: along the measured motion of the others it is told less
+/// well.
+fn tell_of_whole(own: &mut Diagnosis, numbers: &[FoundNumber]) {
+    let key = match own.answer.effect.as_deref().filter(|_| own.answer.verdict == Verdict::Calibration) {
+        Some("coulomb") => FoundKey::Frictionloss,
+        Some("viscous") => FoundKey::Damping,
+        Some("gain") => FoundKey::Kp,
+        _ => return,
+    };
+    if let Some(number) = numbers.iter().find(|number| number.key == key && number.name == own.joint) {
+        let words = number.words();
+        own.answer.sentence += &format!(" All joints simulated at once ask for {words}, which is what is exported.");
+    }
 }
 
 /// The body with which the whole robot leaves only noise of every joint, if there is one; else, of those that the torques
@@ -235,11 +260,16 @@ fn best_of(
         return first.map(|body| Asked { body, numbers: Vec::new(), explains: false });
     };
     let BodyAtBest { body: mut best, numbers, .. } = best;
+    let is_another = |other: &BodyAtBest| {
+        let other = &other.body;
+        !is_one_payload(setup, (best.kind, best.link), (other.kind, other.link))
+    };
+    let as_good: Vec<BodyName> = as_good.filter(is_another).map(|other| other.body.name()).collect();
     // What the whole robot did not try is as good as torques tell.
     let was_tried = |other: &BodyName| bodies.iter().any(|body| body.name() == *other);
     let others = std::mem::take(&mut best.equivalent);
     let others = others.into_iter().filter(|other| other.kind == best.kind && !was_tried(other));
-    best.equivalent = [best.name()].into_iter().chain(others).chain(as_good.map(|other| other.body.name())).collect();
+    best.equivalent = [best.name()].into_iter().chain(others).chain(as_good).collect();
     Some(Asked { body: best, numbers, explains })
 }
 
@@ -314,5 +344,25 @@ mod tests {
         assert!(!asks(&own));
         own.answer.verdict = Verdict::Unexplained;
         assert!(asks(&own));
+    }
+
+    #[test]
+    fn a_number_is_told_as_the_whole_robot_has_it_too() {
+        let mut own = of_another_gain("elbow");
+        (own.answer.verdict, own.answer.effect) = (Verdict::Calibration, Some("viscous".to_owned()));
+        let number = FoundNumber {
+            name: "elbow".to_owned(),
+            key: FoundKey::Damping,
+            was: Some(0.06),
+            value: 0.0598,
+            interval: Some([0.0566, 0.0631]),
+            unit: "N m s/rad".to_owned(),
+            place_m: None,
+        };
+        tell_of_whole(&mut own, &[FoundNumber { name: "wrist".to_owned(), ..number.clone() }]);
+        assert!(!own.answer.sentence.contains("at once"), "{}", own.answer.sentence);
+        tell_of_whole(&mut own, &[number]);
+        let told = "All joints simulated at once ask for damping 0.0598 [0.0566, 0.0631] N m s/rad, was 0.06, which";
+        assert!(own.answer.sentence.contains(told), "{}", own.answer.sentence);
     }
 }

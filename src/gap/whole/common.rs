@@ -93,9 +93,9 @@ pub(super) fn in_common(
 
 /// Whether a robot leaves only noise of every joint.
 pub(super) fn explains(whole: &Settled, diagnosis: &ClampedDiagnosis) -> bool {
-    diagnosis
-        .found()
-        .all(|own| whole.left_rad(&own.joint).is_none_or(|left_rad| !leaves_something(left_rad, own.gap.floor)))
+    let is_noise =
+        |own: &Diagnosis| whole.left_rad(&own.joint).is_none_or(|left_rad| !leaves_something(left_rad, own.gap.floor));
+    diagnosis.found().all(|own| !whole.is_seen_elsewhere(&own.joint) && is_noise(own))
 }
 
 /// What a robot leaves of its joints, in squares of their noise.

@@ -30,9 +30,9 @@ pub fn found_robot(setup: &ClampedSetup, diagnosis: Option<&ClampedDiagnosis>) -
     let bodies = diagnosis.map_or(&[][..], |diagnosis| &diagnosis.bodies);
     let weighed = diagnosis.map_or(&[][..], |diagnosis| &diagnosis.weighed);
     let is_weighed = |body: &FoundNumber| weighed.iter().any(|own| own.key == body.key && own.name == body.name);
-    let bodies = bodies.iter().map(|body| of_body(body, &setup.description));
-    found.numbers.extend(bodies.filter(|body| !is_weighed(body)));
-    let with_bodies = setup.description.with_found(&found.numbers)?;
+    let bodies: Vec<FoundNumber> = bodies.iter().map(|body| of_body(body, &setup.description)).collect();
+    let with_bodies = setup.description.with_found(&bodies)?;
+    found.numbers.extend(bodies.into_iter().filter(|body| !is_weighed(body)));
     let joints: Vec<&Diagnosis> = diagnosis.iter().flat_map(|d| d.found()).collect();
     found.numbers.extend_from_slice(weighed);
     let (masses, missed) = match weighed.is_empty() {
@@ -138,7 +138,7 @@ fn of_joint(setup: &ClampedSetup, at: MoverId, own: Option<&Diagnosis>, links: O
         push(FoundKey::Kd, described.as_ref().map(|servo| -servo.bias[2]), times * share * kd, interval, "N m s/rad");
         let limit = own.and_then(|d| d.causes.iter().find(|cause| is_limit(cause)));
         let limit = limit.and_then(|cause| cause.parameters.first());
-        let was = described.as_ref().and_then(|servo| servo.force_range_nm.map(|[_, high]| high));
+        let was = setup.described(at).torque_limit_nm;
         if let Some(value) = limit.map(|n| n.value).or(said.torque_limit_nm) {
             push(FoundKey::TorqueLimit, was, value, limit.and_then(|n| n.interval), "N m");
         }

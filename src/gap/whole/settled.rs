@@ -16,7 +16,7 @@ use crate::gap::hypothesis::reach::travels;
 use crate::gap::verdict::told::AtBest;
 use crate::identify::best_window;
 use crate::joint::EffectId;
-use crate::log::{JointColumns, RobotLog, Role};
+use crate::log::{DriveMode, JointColumns, RobotLog, Role};
 use crate::robot::description::{FoundKey, FoundNumber};
 
 /// Points about which the robot is made linear at most, and steps from each.
@@ -40,6 +40,8 @@ pub(in crate::gap) struct Settled {
     pub body_sd: Vec<Option<f64>>,
     /// Root of the mean square that it leaves of each joint that moves, on held-out logs where these show that \[rad\].
     pub left_rad: Vec<(String, f64)>,
+    /// Joints that other logs show moving than those that setpoints drive: nobody knows what it leaves of them there.
+    pub seen_elsewhere: Vec<String>,
 }
 
 impl Settled {
@@ -55,6 +57,11 @@ impl Settled {
         self.numbers.iter().filter(is_told).cloned().collect()
     }
 
+    /// Whether a joint moves in logs that were not simulated.
+    pub fn is_seen_elsewhere(&self, joint: &str) -> bool {
+        self.seen_elsewhere.iter().any(|other| other == joint)
+    }
+
     /// Causes of a joint.
     pub fn causes_of(&self, joint: &str) -> Vec<AtBest> {
         let own = self.causes.iter().filter(|cause| cause.joint == joint);
@@ -65,9 +72,10 @@ impl Settled {
         .collect()
     }
 
-    /// What it leaves of a joint \[rad\].
+    /// What it leaves of a joint that setpoints drive in all logs which show it moving \[rad\].
     pub fn left_rad(&self, joint: &str) -> Option<f64> {
-        self.left_rad.iter().find(|(name, _)| name == joint).map(|(_, left)| *left)
+        let is_known = !self.is_seen_elsewhere(joint);
+        self.left_rad.iter().filter(|_| is_known).find(|(name, _)| name == joint).map(|(_, left)| *left)
     }
 }
 
@@ -165,7 +173,10 @@ impl Bench<'_> {
         let left_rad = self.setup.description.joints.iter().filter_map(|joint| of_joint(&joint.name)).collect();
         let of_body = self.unknowns.iter().zip(&sd).filter(|(own, _)| matches!(own.quantity, Quantity::Body { .. }));
         let body_sd = of_body.map(|(own, sd)| (*sd < BODY_OPEN).then_some(sd * own.sd)).collect();
-        Some(Settled { numbers, causes, body_sd, left_rad })
+        let others = self.setup.study.logs.iter().zip(&self.setup.logs);
+        let others = others.filter(|(entry, _)| entry.drive != DriveMode::Position).flat_map(|(_, log)| &log.joints);
+        let seen_elsewhere = others.filter(|joint| moves(joint)).map(|joint| joint.name.clone()).collect();
+        Some(Settled { numbers, causes, body_sd, left_rad, seen_elsewhere })
     }
 }
 

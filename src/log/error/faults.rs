@@ -126,7 +126,8 @@ impl fmt::Display for UnitFault {
             Self::Haste { step_s } => write!(
                 f,
                 "the mean step is {step_s:.1e} s, too short for any log, or for a joint that moves so: this looks like \
-                 stamps in a larger unit than was said, expected seconds; is `[columns] t.unit` right?"
+                 stamps in a larger unit, expected seconds; is `[columns] t.unit` right, where it is stated, or the column in minutes \
+                 or hours?"
             ),
             Self::Angle { value } => write!(
                 f,

@@ -2,7 +2,7 @@
 
 use crate::number::extent;
 use crate::robot::{BodyId, BodyMotion, Dynamics, Model, State, simulate};
-use nalgebra::{Isometry3, Quaternion, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
 /// Time between two pictures of a motion \[s\].
 pub(in crate::report) const PICTURE_S: f64 = 0.04;
@@ -52,6 +52,17 @@ pub struct Recording {
     pub(in crate::report) frames: Vec<Vec<Place>>,
 }
 
+/// How the axes are turned about which a body has its moments of inertia, and these \[kg m^2\].
+pub(super) fn principal_axes(inertia_kg_m2: Matrix3<f64>) -> (UnitQuaternion<f64>, Vector3<f64>) {
+    let mut axes = inertia_kg_m2.symmetric_eigen();
+    if axes.eigenvectors.determinant() < 0.0 {
+        axes.eigenvectors.column_mut(0).neg_mut();
+    }
+    // As near as any rotation: a search for the nearest need not end where axes are turned by half a turn.
+    let turned = Rotation3::from_matrix_unchecked(axes.eigenvectors);
+    (UnitQuaternion::from_rotation_matrix(&turned), axes.eigenvalues)
+}
+
 impl Recording {
     /// An empty recording of a robot.
     pub fn new(model: &Model) -> Self {
@@ -79,13 +90,8 @@ impl Recording {
                 bodies.push((index, place));
             };
             if body.mass_kg > 0.0 {
-                let mut axes = body.inertia_kg_m2.symmetric_eigen();
-                if axes.eigenvectors.determinant() < 0.0 {
-                    axes.eigenvectors.column_mut(0).neg_mut();
-                }
-                let moments = axes.eigenvalues;
+                let (turned, moments) = principal_axes(body.inertia_kg_m2);
                 let squared = |k: usize| (moments.sum() - 2.0 * moments[k]) * 2.5 / body.mass_kg;
-                let turned = UnitQuaternion::from_matrix(&axes.eigenvectors);
                 let radii_m = Vector3::from_fn(|k, _| squared(k).max(0.0).sqrt().clamp(THIN_M, WIDE_M));
                 add(Isometry3::from_parts(body.centre_of_mass_m.into(), turned), radii_m);
             } else if index == 0 {

@@ -1,8 +1,10 @@
 //! A dog that stands on its feet, the right way up, in a page that needs nothing and a picture that is one.
 
 use super::outline::{View, foot, outline};
+use super::recording::principal_axes;
 use super::*;
 use crate::robot::{Dynamics, Floor, FloorParameters, Gait, Model, Setpoints, State, Touching};
+use nalgebra::{Matrix3, Vector3};
 
 /// A gait's setpoints as angles, the trunk level at a height at which the lowest foot touches, going forward.
 fn walk(gait: &str, speed_m_s: f64) -> Recording {
@@ -140,4 +142,18 @@ fn the_moving_picture_shows_the_dog_above_the_floor() {
     // The floor's line is at 5/6 of the height; the feet end there, the head is well above it.
     assert!((215..=232).contains(&bottom) && top < 110, "{top} {bottom}");
     assert!(blue((top + bottom) / 2) > 100);
+}
+
+/// A search for the nearest rotation turned for ever at bodies of revolution.
+#[test]
+fn bodies_of_any_shape_have_axes() {
+    for moments in
+        [[1.6, 1.6, 0.9], [0.9, 1.6, 1.6], [1.6, 0.9, 1.6], [1.0, 1.0, 1.0], [3.0, 2.0, 1.5], [1.5, 2.0, 3.0]]
+    {
+        let inertia_kg_m2 = Matrix3::from_diagonal(&(1e-3 * Vector3::from(moments)));
+        let (turned, found) = principal_axes(inertia_kg_m2);
+        let axes = turned.to_rotation_matrix();
+        let again = axes * Matrix3::from_diagonal(&found) * axes.inverse();
+        assert!((again - inertia_kg_m2).norm() < 1e-15, "{moments:?}: {again}");
+    }
 }

@@ -3,7 +3,7 @@
 use minijinja::{Value, context};
 
 use super::map::map;
-use super::{ClampedGapReport, step_by_step, summary, sure, waterfall};
+use super::{ClampedGapReport, logs_of, step_by_step, summary, sure, waterfall};
 use crate::gap::whole::WholeJoint;
 use crate::report::data_health::together;
 use crate::report::gap::plot::how_far::errors;
@@ -53,9 +53,10 @@ fn at_a_glance(report: &ClampedGapReport) -> Result<Vec<Figure>, ReportError> {
         file_name: "joints.svg".to_owned(),
         title: title.clone(),
         caption: format!(
-            "RMS of the {} over the held-out logs: as given, with numbers refitted within their beliefs, with the causes \
-             that were found, and what the sensor leaves.",
-            measure.what
+            "RMS of the {} over the {}: as given, with numbers refitted within their beliefs, with the causes that were found, \
+             and what the sensor leaves.",
+            measure.what,
+            logs_of(&report.diagnosis)
         ),
         svg: errors(&title, &rows.iter().collect::<Vec<_>>(), measure, Some("with causes".to_owned()))?,
     }];

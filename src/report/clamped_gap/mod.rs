@@ -165,7 +165,7 @@ impl ClampedGapReport {
         let sure = if Measure::of(self.diagnosis.gap.unit) == ANGLE { RATE } else { REDRAWS };
         format!(
             "What: causes, and numbers found beside those that were believed, where they moved by two of their standard \
-             deviations and more. Sure: {sure}."
+             deviations and more, or are the answer. Sure: {sure}."
         )
     }
 
@@ -208,14 +208,20 @@ impl ClampedGapReport {
     }
 }
 
+/// Which logs the figures over all joints are of.
+pub(super) fn logs_of(diagnosis: &ClampedDiagnosis) -> &'static str {
+    let is_held_out = diagnosis.found().all(|own| own.gap.is_held_out());
+    if is_held_out { "held-out logs" } else { "validate logs (of some joints fitted)" }
+}
+
 /// What the whole robot says against the answers; empty where it is better with all of them.
 fn whole_words(whole: &Whole, diagnosis: &ClampedDiagnosis) -> String {
     use crate::report::number::mrad;
     let mut text = String::new();
     if diagnosis.answer.verdict != Verdict::None && whole.before < HARDLY * diagnosis.gap.floor {
         text += &format!(
-            " With all joints simulated at once nothing is missing: as stated the robot explains the held-out logs to their \
-             noise ({}). What is said of single joints comes of following their neighbours along samples that are too far \
+            " With all joints simulated at once nothing is missing: as stated the robot explains the held-out logs that setpoints \
+             drive to their noise ({}). What is said of single joints comes of following their neighbours along samples that are too far \
              apart.",
             mrad(whole.before)
         );
@@ -282,8 +288,8 @@ fn sure(diagnosis: &Diagnosis) -> String {
 fn summary(diagnosis: &Diagnosis) -> String {
     let causes = diagnosis.causes.iter().map(|cause| cause.effect.id().to_owned());
     let law = diagnosis.law.is_some().then(|| "a law".to_owned());
-    let mut moved: Vec<&BeliefFound> =
-        diagnosis.beliefs.iter().filter(|belief| belief.moved_sd.abs() >= TOLD_SD).collect();
+    let is_told = |belief: &&BeliefFound| belief.moved_sd.abs() >= TOLD_SD || diagnosis.names(belief);
+    let mut moved: Vec<&BeliefFound> = diagnosis.beliefs.iter().filter(is_told).collect();
     moved.sort_by(|a, b| b.moved_sd.abs().total_cmp(&a.moved_sd.abs()));
     let numbers = moved.into_iter().take(MOVED).map(|belief| {
         let value = |value: f64| significant(value, 2);

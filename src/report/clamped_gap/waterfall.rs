@@ -1,7 +1,7 @@
 //! From as given down to the sensors' noise over all joints: recalibrated, with what is other about bodies, then with what
 //! was found on each joint.
 
-use super::ClampedGapReport;
+use super::{ClampedGapReport, logs_of};
 use crate::gap::Diagnosis;
 use crate::report::ReportError;
 use crate::report::gap::plot::rungs::{Rung, draw_rungs, rungs};
@@ -16,10 +16,11 @@ const OWN: usize = 6;
 /// What the steps are.
 pub(super) fn explanation(report: &ClampedGapReport) -> String {
     format!(
-        "RMS of the {} over all joints, each as much as the others, on held-out logs. Recalibrated: numbers refitted within \
+        "RMS of the {} over all joints, each as much as the others, on {}. Recalibrated: numbers refitted within \
          their beliefs, nothing added; joints that lack nothing are as given. Then what was found joint by joint, what closes \
          most first. Closes: share of the whole gap above the floor, which is the sensors' own noise.",
-        Measure::of(report.diagnosis.gap.unit).what
+        Measure::of(report.diagnosis.gap.unit).what,
+        logs_of(&report.diagnosis)
     )
 }
 
@@ -80,7 +81,8 @@ fn on_joint(own: &Diagnosis) -> String {
 /// The steps as bars.
 pub(super) fn figure(report: &ClampedGapReport) -> Result<String, ReportError> {
     let measure = Measure::of(report.diagnosis.gap.unit);
-    let label = format!("RMS of the {} over all joints, held-out logs [{}]", measure.what, measure.unit);
+    let logs = logs_of(&report.diagnosis);
+    let label = format!("RMS of the {} over all joints, {logs} [{}]", measure.what, measure.unit);
     let title = format!("{}: {}", report.diagnosis.robot, HEADING.to_lowercase());
     draw_rungs(&title, &label, measure, &steps(report))
 }

@@ -156,10 +156,11 @@ pub(super) struct Moved<'a> {
     pub is_finding: bool,
 }
 
-/// The numbers that were moved by more than one standard deviation of what was believed of them.
+/// The numbers that were moved by more than one standard deviation of what was believed of them, and the one that the answer
+/// names.
 pub(super) fn moved(diagnosis: &Diagnosis) -> Vec<Moved<'_>> {
-    let far = |belief: &&BeliefFound| belief.moved_sd.abs() > AS_BELIEVED;
-    diagnosis.beliefs.iter().filter(far).map(|belief| in_words(diagnosis, belief)).collect()
+    let is_told = |belief: &&BeliefFound| belief.moved_sd.abs() > AS_BELIEVED || diagnosis.names(belief);
+    diagnosis.beliefs.iter().filter(is_told).map(|belief| in_words(diagnosis, belief)).collect()
 }
 
 fn in_words<'a>(diagnosis: &Diagnosis, belief: &'a BeliefFound) -> Moved<'a> {
