@@ -92,4 +92,6 @@ def test_a_table_is_the_friction_of_the_answer(exported):
     assert names["friction_nm"] == pytest.approx(coulomb + 0.3 * viscous, rel=1e-3)
     table = json.loads(Path("exported/friction.json").read_text())["tables"][0]
     assert table["speed_rad_s"] == pytest.approx(names["speed"], abs=1e-6)
-    assert table["cannot_say"] == ["pendulum: delay"]
+    delay, gain = table["cannot_say"]
+    assert delay.startswith("pendulum: delay (T = 0.016")
+    assert gain.startswith("pendulum: gain = 0.99") and gain.endswith("beside which this friction was found")
