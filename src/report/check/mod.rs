@@ -21,10 +21,10 @@ const MUCH: f64 = 2.0;
 /// What is to be kept in mind where the recalibrated joint leaves a rest.
 const LEFT: &str = "The recalibrated joint leaves more than noise: these sizes hold beside what is still to be explained, once it \
      is; `gap` looks for it.";
-/// What is said where no log has a remark.
 /// What a study that predicts torques leaves to `gap`.
 pub const PREDICTS_TORQUES: &str = "This study predicts torques: no motion is simulated here, and `gap` compares the torques \
      that the measured motion asks for with those that were logged.";
+/// What is said where no log has a remark.
 const SOUND: &str = "Nothing to remark on these logs: no sample is lost, and stamps are even.";
 /// What stands for the numbers of a joint that the fitted logs do not move.
 const STILL: &str = "It moved in none of the logs to be fitted: they tell nothing of its numbers.";
