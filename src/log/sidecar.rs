@@ -23,34 +23,33 @@ pub(crate) fn sidecar_of(log: &Path) -> Option<PathBuf> {
 pub fn sidecar_columns(log: &Path) -> Result<Columns, LogError> {
     let Some(sidecar) = sidecar_of(log) else { return Ok(Columns::default()) };
     let columns = study_columns(&sidecar)?;
-    let document = Document::open(&sidecar)?;
-    let is_of_another_kind = toml::from_str(document.text()).is_ok_and(|table| is_of_another_kind(&table));
-    if study_beside(log).is_none() && !is_of_another_kind {
-        let _all_are_known: RawStudy = document.parse_any()?;
+    if tables_of(log).is_some() {
+        let _all_are_known: RawStudy = Document::open(&sidecar)?.parse_any()?;
     }
     Ok(columns)
 }
 
-/// Whether a file is about a whole robot, its parts or its gait: no sidecar of a log is.
-fn is_of_another_kind(table: &toml::Table) -> bool {
-    ["robot", "part", "wave", "truth"].iter().any(|key| table.contains_key(*key))
+/// Tables of a log's sidecar; `None` where there is none, or one that is about something else than the log: a study, or a robot
+/// with its parts or its gait.
+fn tables_of(log: &Path) -> Option<toml::Table> {
+    const OF_ROBOTS: [&str; 4] = ["robot", "part", "wave", "truth"];
+    let sidecar = sidecar_of(log)?;
+    let document = Document::open(&sidecar).ok()?;
+    let tables: toml::Table = toml::from_str(document.text()).ok()?;
+    let is_of_robot = OF_ROBOTS.iter().any(|key| tables.contains_key(*key));
+    (!is_of_robot && study_beside(log).is_none()).then_some(tables)
 }
 
 /// Tables of a log's sidecar of which who takes its [`sidecar_columns`] alone takes nothing, as they are written; none of a study
 /// that has the log's name, and none where there is no sidecar.
 pub fn beside_columns(log: &Path) -> Vec<String> {
     const TAKEN: [&str; 3] = ["schema", "about", "columns"];
-    let Some(sidecar) = sidecar_of(log).filter(|_| study_beside(log).is_none()) else { return Vec::new() };
-    let Ok(document) = Document::open(&sidecar) else { return Vec::new() };
-    let Ok(table) = toml::from_str::<toml::Table>(document.text()) else { return Vec::new() };
-    if is_of_another_kind(&table) {
-        return Vec::new();
-    }
     let written = |(key, value): (&String, &toml::Value)| match value {
         toml::Value::Array(_) => format!("[[{key}]]"),
         _ => format!("[{key}]"),
     };
-    table.iter().filter(|(key, _)| !TAKEN.contains(&key.as_str())).map(written).collect()
+    let tables = tables_of(log).unwrap_or_default();
+    tables.iter().filter(|(key, _)| !TAKEN.contains(&key.as_str())).map(written).collect()
 }
 
 /// The kind of study that stands in the place of a log's sidecar: it is about a joint or a robot, and names logs.
