@@ -1,7 +1,7 @@
 //! A joint model against logs, as a least-squares problem: shared parameters, and a start of its own for each log.
 
 use super::parameter::{free_of, starts_of, values_in};
-use super::{Experiment, Found, JointModel, Parameter};
+use super::{Experiment, Found, JointModel, Parameter, Signal};
 use crate::deadline::Deadline;
 use crate::fit::{Block, Coordinate, Rejected, Residuals, Rounding};
 use crate::joint::{Chain, Dual, Real};
@@ -223,9 +223,9 @@ impl<'a, M: JointModel> Problem<'a, M> {
     }
 }
 
-/// Steps along the measured motion of other joints are so many times as fine as elsewhere: a quarter of a radian of the
-/// fastest oscillation, of which Runge-Kutta's fourth order loses 1e-5 rad.
-const ALONG_READINGS: f64 = 0.4;
+/// Steps are so many times as fine as elsewhere where an oscillation does not last, or what acts is known as smoothed
+/// readings tell: a quarter of a radian of the fastest one, of which Runge-Kutta's fourth order loses 1e-5 rad.
+const COARSE: f64 = 0.4;
 
 /// The motion of an experiment as its encoder reads it: start and states are readings, not true angles.
 pub(crate) fn readings<T: Real>(
@@ -234,8 +234,9 @@ pub(crate) fn readings<T: Real>(
     start: Start<T>,
     visit: impl FnMut(usize, &State<T>),
 ) -> Result<(), Diverged> {
-    // What the other joints of a robot do is known as smoothed readings tell: finer steps would follow nothing.
-    let refinement = if e.carriage.is_some() { ALONG_READINGS } else { 1.0 };
+    // A controller that never lets go brings its joint to rest; beside other joints of a robot finer steps would follow nothing.
+    let is_held = matches!(e.signal, Signal::Position { on: None, .. });
+    let refinement = if is_held || e.carriage.is_some() { COARSE } else { 1.0 };
     crate::pendulum::readings(chain, e.input(), &e.t_s, start, refinement, visit)
 }
 
