@@ -69,12 +69,18 @@ impl BodyCause {
         (!others.is_empty()).then(|| others.join(", nor from "))
     }
 
-    /// `a payload on hand (mass = 0.21 [0.20, 0.22] kg)`
+    /// `a payload on hand (mass = 0.21 [0.20, 0.22] kg; in the link's frame x = 0.010 [0.008, 0.012] m)`
     pub fn words(&self) -> String {
         let told = self.parameters.iter().filter(|number| number.interval.is_some());
-        let numbers: Vec<String> =
-            told.map(|n| format!("{} = {}", n.name, quantity(n.value, n.interval, &n.unit))).collect();
-        let numbers = if numbers.is_empty() { String::new() } else { format!(" ({})", numbers.join(", ")) };
+        let (mass, place): (Vec<&Number>, Vec<&Number>) = told.partition(|number| number.name == "mass");
+        let list = |numbers: Vec<&Number>| {
+            let each = numbers.iter().map(|n| format!("{} = {}", n.name, quantity(n.value, n.interval, &n.unit)));
+            each.collect::<Vec<String>>().join(", ")
+        };
+        let [mass, place] = [mass, place].map(list);
+        let place = if place.is_empty() { place } else { format!("in the link's frame {place}") };
+        let all: Vec<String> = [mass, place].into_iter().filter(|part| !part.is_empty()).collect();
+        let numbers = if all.is_empty() { String::new() } else { format!(" ({})", all.join("; ")) };
         format!("{}{numbers}", self.name().words())
     }
 }

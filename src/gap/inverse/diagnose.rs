@@ -73,7 +73,10 @@ pub fn diagnose_torques(
         diagnosis.withheld = EffectId::ALL.iter().copied().filter(|effect| !options.considers(*effect)).collect();
         let carries = bodies.iter().filter(|body| body.joints.contains(&diagnosis.joint));
         diagnosis.notes.extend(carries.map(|body| {
-            format!("With {} in place, found over all joints that carry it: numbers are told beside it.", body.words())
+            format!(
+                "With {} in place, found over all joints that carry it: numbers are told beside it.",
+                body.name().words()
+            )
         }));
     }
     let found = concluded(&first.robot, &first.groups, joints, bodies, Some(&as_described), first.notes.clone());

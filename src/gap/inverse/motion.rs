@@ -207,8 +207,10 @@ fn with_body(
     // The body is one more.
     let is_worth = with <= CLOSES * without || needs(&second) + 1 < needs(first);
     Ok((with <= NO_WORSE * without && is_worth).then(|| {
-        let what =
-            format!("With {} in place joints predict the held-out logs better, or with fewer causes.", body.words());
+        let what = format!(
+            "With {} in place joints predict the held-out logs better, or with fewer causes.",
+            body.name().words()
+        );
         (with_it, second.chosen_by_held_out(&what))
     }))
 }
@@ -317,7 +319,7 @@ fn in_place(body: &BodyCause, needs_no_cause: bool) -> String {
     format!(
         "With {} in place, which all joints that carry it share: joints' numbers are told beside it, what they were before \
          belongs to the robot as described.{looked}",
-        body.words()
+        body.name().words()
     )
 }
 

@@ -275,15 +275,21 @@ pub(in crate::gap) fn sentence(
         (Verdict::None, _) => {
             format!("{joint}: nothing is missing. The model as given explains the {logs} {}.", to_the_noise(gap))
         }
-        (Verdict::Calibration, _) => format!(
-            "{joint}: the structure is right and the numbers are off{}; refitting them{}{} takes the error from {} to {} (noise {}).",
-            most_of_all(most, &beliefs),
-            if is_far { "" } else { " within what is believed of them" },
-            if has_bodies { ", and the masses," } else { "" },
-            mrad(gap.before),
-            mrad(gap.after),
-            mrad(gap.floor)
-        ),
+        (Verdict::Calibration, _) => {
+            let most = most_of_all(most, &beliefs);
+            let within = if is_far { "" } else { " within what is believed of them" };
+            let [before, after, floor] = [gap.before, gap.after, gap.floor].map(mrad);
+            match has_bodies {
+                true => format!(
+                    "{joint}: what it carries is other than described. With the bodies as found, and numbers refitted{within}{most}, \
+                     the error goes from {before} to {after} (noise {floor})."
+                ),
+                false => format!(
+                    "{joint}: the structure is right and the numbers are off{most}; refitting them{within} takes the error from \
+                     {before} to {after} (noise {floor})."
+                ),
+            }
+        }
         (Verdict::Effect, Some(effect)) => {
             let (how_much, left) = of_the_gap(figures);
             // A gain of the drive that is the answer as a number closed what it closes among these.

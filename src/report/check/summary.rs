@@ -7,7 +7,7 @@ use crate::report::grid::Grid;
 use crate::report::number::significant;
 
 /// What the columns mean.
-pub(super) const COLUMNS: &str = "As given, calibrated: error of the model over the logs to be fitted, with the study's numbers and \
+pub(super) const COLUMNS: &str = "As given, recalibrated: error of the model over the logs to be fitted, with the study's numbers and \
      with numbers refitted within their beliefs. Noise: the sensor's own. Remarks: how many there are on its logs, below. Not \
      told: numbers, or combinations of them, that these logs do not determine, below.";
 
@@ -16,7 +16,7 @@ pub(super) fn summary(joints: &[(&str, Option<&CheckReport>)]) -> Option<Grid> {
     let is_told = joints.iter().any(|(_, report)| report.is_some_and(|report| report.checkup.is_some()));
     (is_told && joints.len() > 1).then(|| Grid {
         name: "joint",
-        numbers: vec!["as given\n[mrad]", "calibrated\n[mrad]", "noise\n[mrad]", "remarks", "not\ntold"],
+        numbers: vec!["as given\n[mrad]", "recalibrated\n[mrad]", "noise\n[mrad]", "remarks", "not\ntold"],
         rows: joints.iter().map(|(name, report)| ((*name).to_owned(), row(*report))).collect(),
     })
 }

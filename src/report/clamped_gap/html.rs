@@ -122,7 +122,7 @@ fn joint_view(report: &ClampedGapReport, folder: &str, joint: &GapReport) -> Val
         joint => diagnosis.joint.as_str(),
         page => format!("{folder}/report.html"),
         verdict => diagnosis.answer.verdict.name(),
-        what => summary(diagnosis),
+        what => summary(report, diagnosis),
         before => measure.number(diagnosis.gap.before),
         calibrated => measure.number(diagnosis.gap.calibrated),
         after => measure.number(diagnosis.gap.after),

@@ -284,11 +284,20 @@ fn sure(diagnosis: &Diagnosis) -> String {
     diagnosis.answer.probability.map_or_else(|| "-".to_owned(), percent_of_answer)
 }
 
-/// A joint's causes in few words, and the numbers that had to move far.
-fn summary(diagnosis: &Diagnosis) -> String {
+/// What a joint carries that is other than described and its causes, in few words, and the numbers that had to move far.
+fn summary(report: &ClampedGapReport, diagnosis: &Diagnosis) -> String {
+    let carried: Vec<String> = report
+        .diagnosis
+        .bodies
+        .iter()
+        .filter(|body| body.joints.contains(&diagnosis.joint))
+        .map(|body| body.name().id())
+        .collect();
     let causes = diagnosis.causes.iter().map(|cause| cause.effect.id().to_owned());
     let law = diagnosis.law.is_some().then(|| "a law".to_owned());
-    let is_told = |belief: &&BeliefFound| belief.moved_sd.abs() >= TOLD_SD || diagnosis.names(belief);
+    // Where it is what the joint carries, the number that moved most is no answer.
+    let is_answer = |belief: &BeliefFound| carried.is_empty() && diagnosis.names(belief);
+    let is_told = |belief: &&BeliefFound| belief.moved_sd.abs() >= TOLD_SD || is_answer(belief);
     let mut moved: Vec<&BeliefFound> = diagnosis.beliefs.iter().filter(is_told).collect();
     moved.sort_by(|a, b| b.moved_sd.abs().total_cmp(&a.moved_sd.abs()));
     let numbers = moved.into_iter().take(MOVED).map(|belief| {
@@ -296,7 +305,7 @@ fn summary(diagnosis: &Diagnosis) -> String {
         let unit = spoken(&belief.unit);
         format!("{} {} {unit} (was {})", belief.name, value(belief.found), value(belief.believed)).replace("  ", " ")
     });
-    let all: Vec<String> = causes.chain(law).chain(numbers).collect();
+    let all: Vec<String> = carried.iter().cloned().chain(causes).chain(law).chain(numbers).collect();
     if all.is_empty() { "–".to_owned() } else { all.join(", ") }
 }
 

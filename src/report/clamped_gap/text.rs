@@ -5,7 +5,7 @@ use comfy_table::Cell;
 use super::{ClampedGapReport, step_by_step, summary, sure};
 use crate::gap::Diagnosis;
 use crate::report::data_health::robot_health_text;
-use crate::report::gap::text::{WIDTH, paragraph, undetermined};
+use crate::report::gap::text::{HOW_FAR, WIDTH, paragraph, undetermined};
 use crate::report::measure::Measure;
 use crate::report::text::{finish, number, one_line, table, wrap};
 
@@ -38,7 +38,7 @@ pub fn clamped_gap_text(report: &ClampedGapReport) -> String {
 
 fn joints(report: &ClampedGapReport) -> String {
     let measure = Measure::of(report.diagnosis.gap.unit);
-    let names = ["as given", "calibrated", "after", "floor"].map(|name| measure.over(name));
+    let names = HOW_FAR.map(|name| measure.over(name));
     let numbers: Vec<&str> = names.iter().map(|name| &**name).chain(["sure"]).collect();
     let mut table = table(WIDTH, &["joint", "verdict", "what"], &numbers);
     let rows = report.rows();
@@ -47,7 +47,8 @@ fn joints(report: &ClampedGapReport) -> String {
         let verdict = diagnosis.map_or_else(String::new, |d| d.answer.verdict.name().to_owned());
         let sure = diagnosis.map_or_else(String::new, sure);
         let name = Cell::new(one_line(&row.file));
-        let mut cells = vec![name, Cell::new(verdict), Cell::new(diagnosis.map_or_else(String::new, summary))];
+        let mut cells =
+            vec![name, Cell::new(verdict), Cell::new(diagnosis.map_or_else(String::new, |own| summary(report, own)))];
         cells.extend([row.before, row.calibrated, row.after, row.floor].map(|error| number(measure.number(error))));
         cells.push(number(sure));
         table.add_row(cells);

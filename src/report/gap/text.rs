@@ -100,9 +100,12 @@ pub(in crate::report) fn undetermined(sentences: &[String]) -> Option<String> {
     (!lines.is_empty()).then(|| format!("{}:\n{}", words::UNDETERMINED, lines.join("\n")))
 }
 
+/// Columns of how far a gap closes, as pages name them.
+pub(in crate::report) const HOW_FAR: [&str; 4] = ["as given", "recalibrated", "with causes", "floor"];
+
 /// The table of how far a gap closes.
 pub(in crate::report) fn rms_table(of: &str, measure: Measure) -> Table {
-    let names = ["before", "calibrated", "after", "floor"].map(|name| measure.over(name));
+    let names = HOW_FAR.map(|name| measure.over(name));
     table(WIDTH, &[of], &names.each_ref().map(|name| &**name))
 }
 
