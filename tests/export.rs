@@ -103,6 +103,19 @@ fn a_walking_robots_diagnosis_is_refused_with_where_its_robot_is() {
     }
 }
 
+/// What `gap --json` writes of a joint has its fit without the gains of which that is a share.
+#[test]
+fn a_joints_diagnosis_is_refused_with_where_its_fit_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let found = serde_json::json!({ "schema": 1, "name": "elbow", "verdict": "calibration", "effects": [],
+        "joint": { "coulomb": { "value": 0.1, "unit": "N m" }, "gain": { "value": 0.7, "unit": "" } } });
+    std::fs::write(folder.path().join("gap.json"), found.to_string()).unwrap();
+    let run = run_in(folder.path(), &["export", "gap.json", "--to", "isaac", "--out", "exported"]);
+    assert_eq!(run.status.code(), Some(3));
+    assert!(stderr(&run).contains("its fit is in `fit.json`"), "{}", stderr(&run));
+    assert!(!folder.path().join("exported").exists());
+}
+
 #[test]
 fn what_urdf_cannot_say_is_listed_and_what_does_not_fit_is_refused() {
     let folder = tempfile::tempdir().unwrap();

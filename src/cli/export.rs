@@ -258,6 +258,12 @@ fn read(file: &Path, document: &Value) -> Result<Found, CliError> {
             is_of_fit: false,
         });
     }
+    if document.get("verdict").is_some() {
+        return Err(wrong(
+            "this is what gap --json writes of a joint; its fit is in `fit.json`, in the folder of the report"
+                .to_owned(),
+        ));
+    }
     let name = document["name"].as_str().ok_or_else(|| {
         wrong("found neither `found` (what gap --json writes of a robot) nor `name` and `joint` (a fit)".to_owned())
     })?;

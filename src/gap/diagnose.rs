@@ -215,7 +215,7 @@ impl<'a> Weighed<'a> {
         if found { answer } else { &self.a.calibrated }
     }
 
-    /// The smallest size of each effect that these logs would have shown.
+    /// The smallest size of each effect beside those that have a name which these logs would have shown.
     fn detectable(&self) -> Vec<Detectable> {
         if self.options.deadline.leaves_aside(DETECTABLE) {
             return Vec::new();
@@ -229,7 +229,8 @@ impl<'a> Weighed<'a> {
         } else {
             &self.a.best
         };
-        detectable(self.evidence, (self.a.noise_rad, self.a.correlation), named, self.effects)
+        let further: Vec<EffectId> = self.effects.iter().copied().filter(|e| !named.effects().contains(e)).collect();
+        detectable(self.evidence, (self.a.noise_rad, self.a.correlation), named, &further)
     }
 
     /// Numbers of the joint, and of the effects of the answer.

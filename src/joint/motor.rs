@@ -146,7 +146,7 @@ pub struct Motor<T> {
     pub integral_share: T,
     /// Torques that do not arrive.
     pub dead_band: Option<DeadBand<T>>,
-    /// A limit beyond those of the control law.
+    /// A limit beside that of the control law, or in its place: [`Motor::limit_to`].
     pub torque_limit: Option<TorqueLimit<T>>,
     /// A torque-speed curve beyond that of the control law; it limits a motor that drives, not one that brakes.
     pub speed_line: Option<SpeedLine<T>>,
@@ -175,6 +175,15 @@ impl<T: Real> Motor<T> {
     /// Period at which the law is evaluated \[s\]; `None`: continuously.
     pub fn sample_period_s(&self) -> Option<f64> {
         self.law.and_then(|law| law.sample_period_s)
+    }
+
+    /// A limit in the place of the one that the control law has, be it lower or higher; one that goes with a torque-speed curve
+    /// stays beside it.
+    pub fn limit_to(&mut self, limit: TorqueLimit<T>) {
+        if let Some(law) = self.law.as_mut().filter(|law| law.speed_limit_rad_s.is_none()) {
+            law.torque_limit_nm = None;
+        }
+        self.torque_limit = Some(limit);
     }
 
     /// True where a joint that stands still feels a torque that changes by itself.
@@ -430,6 +439,18 @@ mod tests {
             let (_, held) = by_duty.stiffness_and_damping(Driven::Held);
             let slope = by_duty.delivered_nm(0.1, 0.2) - by_duty.delivered_nm(0.1, 1.2);
             assert_relative_eq!(slope, held, epsilon = 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_limit_that_is_found_takes_the_place_of_the_stated_one() {
+        let stated = MotorSpec { torque_limit_nm: Some(0.5), ..spec() };
+        let asked = |motor: Motor<f64>| motor.torque_nm(Setpoint { angle_rad: 9.0, rate_rad_s: 0.0 }, 0.0, 0.0, 0.0);
+        assert_eq!(asked(Motor::new(stated)), 0.5);
+        for most_nm in [0.3, 0.8] {
+            let mut motor = Motor::new(stated);
+            motor.limit_to(TorqueLimit { most_nm, knee: Knee::Hard });
+            assert_eq!(asked(motor), most_nm);
         }
     }
 

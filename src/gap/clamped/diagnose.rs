@@ -424,8 +424,8 @@ pub(super) fn sentence(
     };
     let only_numbers = bodies.is_empty() && causes.iter().all(is_number) && found().all(|(_, d)| d.law.is_none());
     let mut text = format!(
-        "{robot}: over {} joints the {what} is {given} as given, {}.",
-        found().count(),
+        "{robot}: {}the {what} is {given} as given, {}.",
+        if found().count() > 1 { format!("over {} joints ", found().count()) } else { String::new() },
         match (has_none, only_numbers) {
             (true, _) => format!("and {calibrated} with {REFITTED}; no cause was found beside them"),
             (_, true) => format!("and {calibrated} with {REFITTED}, the drive's gain among them"),

@@ -109,6 +109,10 @@ impl<'a> HeldResponse<'a> {
         Self { joint, intervals }
     }
 
+    pub fn setpoint_rad(&self) -> &[f64] {
+        self.joint.setpoint_rad
+    }
+
     pub fn end_s(&self) -> f64 {
         self.joint.t_s[self.joint.t_s.len() - 1]
     }

@@ -30,29 +30,32 @@ pub(in crate::gap) fn hold_scan(
     let Some(driven) = evidence.reach.driven.filter(|driven| driven.by_setpoint) else { return Vec::new() };
     let responses: Vec<Scanned<'_>> =
         evidence.fit.iter().enumerate().filter_map(|(k, e)| Scanned::of(k, e, model, values)).collect();
-    if responses.is_empty() {
-        return Vec::new();
-    }
-    let stays = |k: &usize| responses.iter().all(|moved| moved.log != *k);
-    let Some(staying) = projector.seen(absent, (0..absent.len()).filter(stays)) else { return Vec::new() };
-    let scanned = |times: Vec<f64>| -> Vec<(f64, f64)> {
+    // By what they leave, best first, of holds in some of the logs.
+    let scanned = |logs: &[Scanned<'_>], times: Vec<f64>| -> Vec<f64> {
+        let stays = |k: &usize| logs.iter().all(|moved| moved.log != *k);
+        let Some(staying) = projector.seen(absent, (0..absent.len()).filter(stays)) else { return Vec::new() };
         let left = |own: &[f64]| {
             let mut seen = vec![staying.clone(); own.len()];
-            for of in &responses {
+            for of in logs {
                 of.add_to(&mut seen, &absent[of.log], own);
             }
             let left = seen.iter().map(|seen| seen.left()).zip(own.iter().copied());
             left.filter(|(left, _)| left.is_finite()).collect::<Vec<_>>()
         };
-        times.par_chunks(LANES).flat_map_iter(left).collect()
+        let mut all: Vec<(f64, f64)> = times.par_chunks(LANES).flat_map_iter(left).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        all.into_iter().map(|(_, hold_s)| hold_s).collect()
+    };
+    // One log shows the dips of all: the net is cast there, and all look at what is in it.
+    let Some(widest) = responses.iter().max_by(|a, b| a.asked_rad().total_cmp(&b.asked_rad())) else {
+        return Vec::new();
     };
     let end_s = responses.iter().map(|of| of.response.end_s()).fold(0.0, f64::max);
-    let mut tried = scanned(tried_holds_s(end_s, driven.period_s, FROM).collect());
-    tried.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let best = tried.iter().take(WORTH).map(|(_, hold_s)| *hold_s);
-    tried.extend(scanned(finer_holds_s(end_s, best).collect()));
-    tried.sort_by(|a, b| a.0.total_cmp(&b.0));
-    best_apart(tried.into_iter().map(|(_, hold_s)| hold_s)).map(|hold_s| vec![hold_s]).collect()
+    let mut caught = scanned(std::slice::from_ref(widest), tried_holds_s(end_s, driven.period_s, FROM).collect());
+    caught.truncate(WORTH);
+    let finer: Vec<f64> = finer_holds_s(end_s, caught.iter().copied()).collect();
+    caught.extend(finer);
+    best_apart(scanned(&responses, caught).into_iter()).map(|hold_s| vec![hold_s]).collect()
 }
 
 /// A log with the response of its joint.
@@ -70,6 +73,11 @@ impl<'a> Scanned<'a> {
         let response = response(experiment, model, values)?;
         let roots = experiment.weights_s.iter().map(|weight_s| weight_s.sqrt()).collect();
         Some(Self { log, experiment, response, roots })
+    }
+
+    /// How far its setpoints go in all \[rad\].
+    fn asked_rad(&self) -> f64 {
+        self.response.setpoint_rad().windows(2).map(|ends| (ends[1] - ends[0]).abs()).sum()
     }
 
     /// Adds to what is seen of each hold what the log leaves with it, `absent` being what it leaves without.

@@ -187,11 +187,7 @@ impl WholeRobot {
 
 /// A joint's motor with what was found of its gains and its limit.
 fn motor(setup: &ClampedSetup, joint: MoverId, found: &dyn Fn(FoundKey) -> Option<f64>) -> Option<Motor<f64>> {
-    let mut spec = setup.motor(joint)?;
-    let limit = found(FoundKey::TorqueLimit);
-    if limit.is_some() && spec.speed_limit_rad_s.is_none() {
-        spec.torque_limit_nm = None;
-    }
+    let spec = setup.motor(joint)?;
     let mut motor = Motor::new(spec);
     if let Some(kp_nm_rad) = found(FoundKey::Kp).filter(|_| spec.kp_nm_rad > 0.0) {
         motor.gain = kp_nm_rad / spec.kp_nm_rad;
@@ -199,7 +195,9 @@ fn motor(setup: &ClampedSetup, joint: MoverId, found: &dyn Fn(FoundKey) -> Optio
     if let Some(kd_nm_s_rad) = found(FoundKey::Kd).filter(|_| spec.kd_nm_s_rad > 0.0 && motor.gain > 0.0) {
         motor.derivative_share = kd_nm_s_rad / spec.kd_nm_s_rad / motor.gain;
     }
-    motor.torque_limit = limit.map(|most_nm| TorqueLimit { most_nm, knee: Knee::Hard });
+    if let Some(most_nm) = found(FoundKey::TorqueLimit) {
+        motor.limit_to(TorqueLimit { most_nm, knee: Knee::Hard });
+    }
     Some(motor)
 }
 

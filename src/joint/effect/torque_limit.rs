@@ -3,7 +3,8 @@
 //! Forms: cut off there (hard), or `tau_max tanh(tau/tau_max)` (soft).
 //!
 //! A current limit, or a supply that gives no more. Driven logs only; peaks of the motion are clipped. Above the largest
-//! torque that the logs ask for it does nothing, so it is scanned downwards from there.
+//! torque that the logs ask for it does nothing, so it is scanned downwards from there. It takes the place of a limit that
+//! the study states, lower or higher.
 
 use super::{Bounds, Effect, EffectParameter, Named, Reach};
 use crate::joint::{Chain, Knee, Real, TorqueLimit};
@@ -30,7 +31,7 @@ impl Effect for Term {
 
     fn apply<T: Real>(self, values: &[T], _bare_kg_m2: T, chain: &mut Chain<T>) {
         if let Some(motor) = &mut chain.motor {
-            motor.torque_limit = Some(TorqueLimit { most_nm: values[0], knee: self.0 });
+            motor.limit_to(TorqueLimit { most_nm: values[0], knee: self.0 });
         }
     }
 }

@@ -16,10 +16,12 @@ use crate::log::error::LogError;
 use crate::log::format::Format;
 use std::f64::consts::{PI, TAU};
 
-/// Between two episodes \[s\].
+/// Between two episodes, less than a frame more \[s\].
 const BREAK_S: f64 = 1.0;
 /// Beyond this no joint is in radians: two turns.
 const WIDEST_RAD: f64 = 4.0 * PI;
+/// Robots whose angles LeRobot writes in degrees or in percent of their range.
+const IN_DEGREES: [&str; 5] = ["so100", "so101", "koch", "lekiwi", "moss"];
 /// Numbers of a dataset at the most: half a gigabyte.
 const MOST_NUMBERS: usize = 1 << 26;
 const STATE: &str = "observation.state";
@@ -237,7 +239,10 @@ impl Frames {
                     || before.is_some_and(|before| own_s < before));
             if is_next {
                 episodes += 1;
-                start_s = t_s.last().copied().unwrap_or(0.0) + BREAK_S - own_s;
+                // Between two frames: no frame is lost there.
+                let frame_s = if k > 1 { t_s[k - 1] - t_s[k - 2] } else { BREAK_S };
+                let break_s = ((BREAK_S / frame_s).round() + 0.5) * frame_s;
+                start_s = t_s[k - 1] + break_s - own_s;
             }
             let stamp = start_s + own_s;
             if t_s.last().is_some_and(|last| !(stamp > *last)) || !stamp.is_finite() {
@@ -259,8 +264,15 @@ fn scales(names: &[String], state: &[Vec<f64>], robot: Option<&str>, notes: &mut
     };
     let of = robot.map_or_else(String::new, |robot| format!(" ({robot})"));
     let wide: Vec<usize> = (0..names.len()).filter(|k| !is_gripper(*k) && most(&state[*k]) > WIDEST_RAD).collect();
-    if !wide.is_empty() {
-        notes.push(format!("angles{of} are taken to be degrees: they go beyond 4 pi (a range from -100 to 100 would look the same; [columns] can say so)"));
+    // Whatever they do, LeRobot never writes radians of these.
+    let is_hobby = robot.is_some_and(|robot| {
+        let plain: String = robot.to_lowercase().chars().filter(|c| c.is_alphanumeric()).collect();
+        IN_DEGREES.iter().any(|known| plain.contains(known))
+    });
+    let why = if wide.is_empty() { "LeRobot writes those of this robot so" } else { "they go beyond 4 pi" };
+    let are_degrees = is_hobby || !wide.is_empty();
+    if are_degrees {
+        notes.push(format!("angles{of} are taken to be degrees: {why} (a range from -100 to 100 would look the same; [columns] can say so)"));
     }
     let degrees = Some(Unit::Angle(TAU / 360.0));
     (0..names.len())
@@ -268,10 +280,10 @@ fn scales(names: &[String], state: &[Vec<f64>], robot: Option<&str>, notes: &mut
             if is_gripper(k) {
                 notes.push(format!("{}: 0 to 100 of its range, read as if 100 were 100 degrees (a guess; say per_rev and zero in [columns])", names[k]));
                 Some(Unit::Ticks { per_rev: 360.0 })
-            } else if wide.is_empty() {
-                None
-            } else {
+            } else if are_degrees {
                 degrees
+            } else {
+                None
             }
         })
         .collect()
@@ -293,4 +305,21 @@ fn spread(columns: &mut Vec<Vec<f64>>, values: &[f64], rows: usize) -> Result<()
         columns.iter_mut().zip(row).for_each(|(column, value)| column.push(*value));
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_motions_of_an_arm_that_has_no_radians_are_degrees() {
+        let read = |robot: Option<&str>| {
+            let mut notes = Vec::new();
+            let scales = scales(&["elbow".to_owned()], &[vec![-12.0, 12.0]], robot, &mut notes);
+            (scales[0].is_some(), notes.iter().any(|note| note.contains("degrees")))
+        };
+        assert_eq!(read(Some("SO-101 follower")), (true, true));
+        assert_eq!(read(Some("ur10e")), (false, false));
+        assert_eq!(read(None), (false, false));
+    }
 }

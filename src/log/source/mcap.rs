@@ -173,6 +173,9 @@ impl Reader<'_> {
         let about = format!("{name} ({named}, {encoding})");
         let topic = Kind::of(name, named).zip(of);
         let topic = topic.map(|(kind, encoding)| Topic { name: name.to_owned(), kind, encoding });
+        if topic.is_none() {
+            self.topics.leave_out(&about);
+        }
         self.channels.push(Channel { id, topic, about });
         Some(())
     }

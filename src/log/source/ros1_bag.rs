@@ -196,6 +196,9 @@ impl Reader<'_> {
         let (name, kind) = (text(field(&head.fields, b"topic")), text(field(about, b"type")));
         let about = format!("{name} ({kind})");
         let topic = Kind::of(&name, &kind).map(|kind| Topic { name, kind, encoding: Encoding::Ros1 });
+        if topic.is_none() {
+            self.topics.leave_out(&about);
+        }
         self.connections.push(Connection { id, topic, about });
         Ok(())
     }

@@ -53,6 +53,7 @@ fn messages(file: File, topics: &mut Topics) -> Result<(), String> {
         let found = if others.is_empty() { "no topic at all".to_owned() } else { others.join(", ") };
         return Err(format!("no topic of a kind that is read ({KINDS}); found {found}"));
     }
+    others.iter().for_each(|about| topics.leave_out(about));
     let (of, stamp, data) = (stored.column("topic_id")?, stored.column("timestamp")?, stored.column("data")?);
     let mut count = 0_u64;
     database.rows(&stored, &mut |_, values| {

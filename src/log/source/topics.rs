@@ -25,12 +25,34 @@ pub(super) struct Topics {
     uneven: usize,
     /// Trajectories of several points.
     trajectories: usize,
+    /// Topics of kinds that are not read.
+    others: Vec<String>,
 }
+
+/// Of topics that are not read so many are named.
+const MOST_NAMED: usize = 6;
 
 impl Topics {
     /// Messages so far.
     pub fn messages(&self) -> usize {
         self.messages
+    }
+
+    /// Leaves a topic out, of a kind that is not read; it is named where nothing that is read says what is asked of the joints.
+    pub fn leave_out(&mut self, about: &str) {
+        if !self.others.iter().any(|known| known == about) {
+            self.others.push(about.to_owned());
+        }
+    }
+
+    /// What was left out, where what is asked of the joints may be among it.
+    fn left_out(&self) -> Option<String> {
+        let is_missed = !self.others.is_empty() && !self.streams.iter().any(Stream::is_asked);
+        is_missed.then(|| {
+            let (named, more) = self.others.split_at(MOST_NAMED.min(self.others.len()));
+            let more = if more.is_empty() { String::new() } else { format!(" and {} more", more.len()) };
+            format!("what is asked of the joints is in no topic that is read; left out are {}{more}", named.join(", "))
+        })
     }
 
     /// Takes a message.
@@ -120,6 +142,7 @@ impl Topics {
                         read by hold = \"linear\"";
             source.notes.push(note.replacen("{}", &self.trajectories.to_string(), 1));
         }
+        source.notes.extend(self.left_out());
         let offset_ns = self.clock_offset_ns();
         for stream in &mut self.streams {
             source.notes.extend(stream.settle(offset_ns));

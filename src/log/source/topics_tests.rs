@@ -77,3 +77,24 @@ fn publishers_that_share_a_topic_are_told_apart_by_their_names() {
     let none = Topics::default().into_source(Path::new("a.db3"), Format::Rosbag2).unwrap_err().to_string();
     assert!(none.contains("a.db3: a rosbag2 file (SQLite): no message of a kind"), "{none}");
 }
+
+#[test]
+fn what_is_left_out_is_named_where_nothing_says_what_is_asked() {
+    let read = |topic: &str, kind: Kind| {
+        let mut topics = Topics::default();
+        for k in 0..4 {
+            let read = message(Some(k * S), vec![point(0, &[k as f64])]);
+            topics.take("/joint_states", Kind::JointState, &["a"], k * S, read).unwrap();
+            let other = message(Some(k * S), vec![point(0, &[k as f64])]);
+            topics.take(topic, kind, &["a"], k * S, other).unwrap();
+        }
+        topics.leave_out("/goal (my_msgs/msg/Goal)");
+        topics.leave_out("/goal (my_msgs/msg/Goal)");
+        source(topics).notes
+    };
+    let missed = |notes: &[String]| notes.iter().filter(|note| note.contains("/goal (my_msgs/msg/Goal)")).count();
+    let notes = read("/more_states", Kind::JointState);
+    assert_eq!(missed(&notes), 1, "{notes:?}");
+    let notes = read("/asked", Kind::JointTrajectory);
+    assert_eq!(missed(&notes), 0, "{notes:?}");
+}

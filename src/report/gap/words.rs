@@ -184,13 +184,15 @@ pub(super) fn location(location: &Where) -> String {
     }];
     // A setpoint that acts late or otherwise is no torque.
     let is_torque = !matches!(location.stage, Some(Stage::Setpoint | Stage::Delay));
-    if let Some(variable_of) = location.variable.filter(|_| is_torque) {
+    let variable_seen = location.variable.filter(|_| is_torque);
+    if let Some(variable_of) = variable_seen {
         let range = location.range.map(|ends| format!(", {}", range(variable_of, ends))).unwrap_or_default();
         sentences.push(format!("The torque that is missing depends most on the {}{range}.", variable(variable_of)));
     }
     if location.stage.is_some() {
         let when = location.phase.map(|p| format!(", most of it {}", phase(p))).unwrap_or_default();
-        sentences.push(there(location.share, &when));
+        let of = if variable_seen.is_some() { "that torque, by squares," } else { GAP };
+        sentences.push(there(of, location.share, &when));
         if !location.logs.is_empty() {
             let (named, others) = location.logs.split_at(MOST_NAMED.min(location.logs.len()));
             let more = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
@@ -210,10 +212,13 @@ pub(in crate::report) fn range(variable: Variable, [low, high]: [f64; 2]) -> Str
     }
 }
 
-/// How much of the gap is where it was placed; `when` ends the sentence.
-pub(in crate::report) fn there(part: f64, when: &str) -> String {
+/// What is where it was placed.
+pub(in crate::report) const GAP: &str = "the gap";
+
+/// How much of something is where it was placed; `when` ends the sentence.
+pub(in crate::report) fn there(of: &str, part: f64, when: &str) -> String {
     if stands_out(part) {
-        format!("{} of the gap is there{when}.", share(part))
+        format!("{} of {of} is there{when}.", share(part))
     } else {
         "No share of the gap stands out there: it is spread over all that the logs show.".to_owned()
     }
@@ -298,7 +303,7 @@ mod tests {
         assert_eq!(
             location(&place),
             "The gap lies at the link: its friction, gravity, springs or stops (stage `link`). The torque that is missing depends most on the speed, between 0 and 0.42 \
-             rad/s. 71 % of the gap is there, most of it around reversals. Logs with more than their share: \
+             rad/s. 71 % of that torque, by squares, is there, most of it around reversals. Logs with more than their share: \
              swing-03-220g.csv, swing-02-220g.csv."
         );
         place.logs = (0..6).map(|i| format!("{i}.csv")).collect();

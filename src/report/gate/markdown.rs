@@ -8,11 +8,13 @@ use std::fmt::Write as _;
 pub fn gate_markdown(studies: &[GateStudy]) -> String {
     let mut text = format!("### Sim-to-real: {}\n", verdict(studies));
     let rows: Vec<&GateRow> = studies.iter().flat_map(|study| &study.rows).collect();
+    let has_several = studies.len() > 1;
     for row in &rows {
         if let Some(exceeds) = row.exceeds() {
             let _ = write!(
                 text,
-                "\n- **{}**, `{}`: {} — {}",
+                "\n- {}**{}**, `{}`: {} — {}",
+                if has_several { format!("`{}`, ", row.study.replace('`', "'")) } else { String::new() },
                 escaped(&row.joint),
                 row.log.replace('`', "'"),
                 escaped(&exceeds),
@@ -28,12 +30,17 @@ pub fn gate_markdown(studies: &[GateStudy]) -> String {
     }
     if !rows.is_empty() {
         text += "\n\n<details><summary>All logs</summary>\n\n";
-        text += "| joint | log | gap | baseline | growth | cause | |\n|---|---|---:|---:|---:|---|---|\n";
+        let [head, line] = if has_several { ["| study ", "|---"] } else { [""; 2] };
+        let _ = write!(
+            text,
+            "{head}| joint | log | gap | baseline | growth | cause | |\n{line}|---|---|---:|---:|---:|---|---|\n"
+        );
         for row in rows {
             let measure = row.measure();
             let _ = writeln!(
                 text,
-                "| {} | {} | {} | {} | {} | {} | {} |",
+                "{}| {} | {} | {} | {} | {} | {} | {} |",
+                if has_several { format!("| {} ", escaped(&row.study)) } else { String::new() },
                 escaped(&row.joint),
                 escaped(&row.log),
                 measure.quantity(row.gap),

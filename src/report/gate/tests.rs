@@ -70,5 +70,10 @@ fn xml_and_markdown_hold_what_names_hold() {
     );
     let markdown = gate_markdown(&studies);
     assert!(markdown.contains("b\\|c.csv") && markdown.contains("gate failed: 2 of 2 logs"), "{markdown}");
-    assert!(gate_text(&studies).contains("bad & worse.toml: no answer"), "{}", gate_text(&studies));
+    let text = gate_text(&studies);
+    assert!(text.contains("bad & worse.toml: no answer"), "{text}");
+    // Of several studies each row says whose it is, of one it need not.
+    assert!(text.starts_with("study ") && markdown.contains("| study.toml | hip |"), "{text}\n{markdown}");
+    let [text, markdown] = [gate_text(&studies[..1]), gate_markdown(&studies[..1])];
+    assert!(text.starts_with("joint ") && markdown.contains("\n| hip |"), "{text}\n{markdown}");
 }

@@ -10,10 +10,14 @@ pub fn gate_text(studies: &[GateStudy]) -> String {
     let mut blocks = Vec::new();
     let rows: Vec<_> = studies.iter().flat_map(|study| &study.rows).collect();
     if !rows.is_empty() {
-        let mut table = table(WIDTH, &["joint", "log", "cause"], &["gap", "baseline", "growth", ""]);
+        // One study needs no name.
+        let of_study: &[&str] = if studies.len() > 1 { &["study"] } else { &[] };
+        let names = [of_study, &["joint", "log", "cause"]].concat();
+        let mut table = table(WIDTH, &names, &["gap", "baseline", "growth", ""]);
         for row in &rows {
             let measure = row.measure();
-            table.add_row([
+            let mut cells: Vec<Cell> = of_study.iter().map(|_| Cell::new(one_line(&row.study))).collect();
+            cells.extend([
                 Cell::new(one_line(&row.joint)),
                 Cell::new(one_line(&row.log)),
                 Cell::new(&row.cause),
@@ -26,6 +30,7 @@ pub fn gate_text(studies: &[GateStudy]) -> String {
                     (true, false) => "ok",
                 }),
             ]);
+            table.add_row(cells);
         }
         blocks.push(finish(&mut table));
     }

@@ -8,7 +8,7 @@ use crate::gap::robot::{
 };
 use crate::joint::Stage;
 use crate::report::chances::{self, Chances};
-use crate::report::gap::words::{on_demand, range, size, there, variable};
+use crate::report::gap::words::{GAP, on_demand, range, size, there, variable};
 use crate::report::number::mrad;
 
 /// What stands above the sizes that would have been seen.
@@ -130,11 +130,11 @@ pub(super) fn location(location: &RobotWhere) -> String {
         (Some(stage), true) => vec![format!("The gap comes from {} (stage `{}`).", at(stage), stage.name())],
         (Some(stage), false) => vec![
             format!("The gap lies {}, on {} (stage `{}`).", at(stage), places(&location.joints), stage.name()),
-            there(location.share, &when),
+            there(GAP, location.share, &when),
         ],
         (None, true) => vec!["There is no gap to place.".to_owned()],
         (None, false) => {
-            vec![format!("Most of the gap is seen in {}.", places(&location.joints)), there(location.share, &when)]
+            vec![format!("Most of the gap is seen in {}.", places(&location.joints)), there(GAP, location.share, &when)]
         }
     };
     // Neither a setpoint that acts late nor another floor is a torque that is missing in a joint.
