@@ -24,6 +24,7 @@ impl Reader<'_> {
                 );
             }
             let merged = self.classes.apply(element, None)?;
+            self.add_rotor(element, &merged, suffixes)?;
             let kind = match element.tag.as_str() {
                 "motor" => ActuatorKind::Motor,
                 "position" => ActuatorKind::Position,
@@ -46,6 +47,25 @@ impl Reader<'_> {
                 self.into.actuators.push(actuator);
             }
         }
+        Ok(())
+    }
+
+    /// `armature` of an actuator: the joint feels the rotor through the gear, whatever drives it.
+    fn add_rotor(&mut self, element: &Element, merged: &Element, suffixes: &[String]) -> Result<(), DescriptionError> {
+        let Some(armature) = merged.not_negative("armature")?.filter(|armature| *armature > 0.0) else { return Ok(()) };
+        let joint = merged.text("joint").or_else(|| merged.text("jointinparent"));
+        let joints = joint.map_or_else(|| Ok(Vec::new()), |joint| self.targets(element, joint, suffixes))?;
+        if joints.is_empty() {
+            let hint = "write it as the armature of joints";
+            return Err(element.unsupported("the armature of an actuator on anything but a joint", hint));
+        }
+        let gear = merged.numbers("gear")?.and_then(|gear| gear.first().copied()).unwrap_or(1.0);
+        for id in joints {
+            self.into.joints[id.0].armature_kg_m2 += gear * gear * armature;
+        }
+        let what =
+            "its armature counts as the joint's; write it there before an export, which writes the joint's alone";
+        self.into.warnings.push(element.say(what));
         Ok(())
     }
 

@@ -191,10 +191,18 @@ impl Reader<'_> {
             joints.push(MoverId(self.into.joints.len()));
             self.into.joints.push(mover);
         }
-        let inertia = self.inertia(body, content)?;
+        let stands = content.joints.is_empty() && parent.is_none_or(|parent| self.stands(parent));
+        let inertia = self.inertia(body, content, stands)?;
         let pose = scope.pose * pose(body, &self.compiler)?;
         self.into.links.push(Link { name, is_named, parent, pose, joints, inertia });
         Ok(id)
+    }
+
+    /// Whether a link and all that carry it have no joint.
+    fn stands(&self, link: LinkId) -> bool {
+        let own = &self.into.links[link.0];
+        let is_free = self.into.free_joint.as_ref().is_some_and(|free| free.link == link);
+        own.joints.is_empty() && !is_free && own.parent.is_none_or(|parent| self.stands(parent))
     }
 
     fn free(
@@ -216,7 +224,9 @@ impl Reader<'_> {
         }
         let is_aligned =
             joint.word("align", &[("true", true), ("false", false), ("auto", self.compiler.is_aligning)])?;
-        if is_aligned.unwrap_or(self.compiler.is_aligning) && content.bodies.is_empty() {
+        // Fusing may leave it without others.
+        let is_alone = content.bodies.is_empty() || self.compiler.is_fusing;
+        if is_aligned.unwrap_or(self.compiler.is_aligning) && is_alone {
             let hint = "it turns the body's frame; set align=\"false\"";
             return Err(joint.unsupported("alignfree on a body without others in it", hint));
         }

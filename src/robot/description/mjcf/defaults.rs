@@ -15,6 +15,9 @@ const EITHER: &[&[&str]] = &[ORIENTATIONS, &["kv", "dampratio"]];
 pub(super) const ACTUATORS: &[&str] =
     &["general", "motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle", "adhesion", "dcmotor"];
 
+/// Gains of servos: the default of one kind of actuator is none of another kind's.
+const GAINS: &[&str] = &["kp", "kv", "dampratio", "timeconst"];
+
 /// Classes by name.
 #[derive(Clone, Debug)]
 pub(super) struct Classes(HashMap<String, Class>);
@@ -39,9 +42,13 @@ impl Classes {
     fn fill(&mut self, section: &Element, class: &str) -> Result<(), DescriptionError> {
         let own = self.0.entry(class.to_owned()).or_default();
         for element in section.children.iter().filter(|child| child.tag != "default") {
-            let kind = kind(&element.tag).to_owned();
-            let merged = merged(own.get(&kind).map_or(&[], Vec::as_slice), &element.attributes);
-            own.insert(kind, merged);
+            let is_actuator = ACTUATORS.contains(&element.tag.as_str());
+            let (gains, others): (Vec<Attribute>, Vec<Attribute>) =
+                element.attributes.iter().cloned().partition(|one| is_actuator && GAINS.contains(&one.name.as_str()));
+            for (kind, attributes) in [(kind(&element.tag).to_owned(), others), (gains_of(&element.tag), gains)] {
+                let merged = merged(own.get(&kind).map_or(&[], Vec::as_slice), &attributes);
+                own.insert(kind, merged);
+            }
         }
         for inner in section.all("default") {
             let name = inner.needed("class")?;
@@ -66,11 +73,12 @@ impl Classes {
     pub fn apply(&self, element: &Element, childclass: Option<&str>) -> Result<Element, DescriptionError> {
         self.check(element, "class")?;
         let class = element.text("class").or(childclass).unwrap_or(MAIN);
-        let inherited = self.0.get(class).and_then(|class| class.get(kind(&element.tag)));
+        let of = |kind: &str| self.0.get(class).and_then(|class| class.get(kind)).map_or(&[][..], Vec::as_slice);
+        let inherited = [of(kind(&element.tag)), of(&gains_of(&element.tag))].concat();
         Ok(Element {
             tag: element.tag.clone(),
             foreign: None,
-            attributes: merged(inherited.map_or(&[], Vec::as_slice), &element.attributes),
+            attributes: merged(&inherited, &element.attributes),
             children: Vec::new(),
             at: element.at.clone(),
         })
@@ -80,6 +88,11 @@ impl Classes {
 /// The default that an element shares with others.
 fn kind(tag: &str) -> &str {
     if ACTUATORS.contains(&tag) { "general" } else { tag }
+}
+
+/// Where the gains of a kind of actuator stand among the attributes of elements.
+fn gains_of(tag: &str) -> String {
+    format!("gains of {tag}")
 }
 
 /// Inherited attributes with others over them.

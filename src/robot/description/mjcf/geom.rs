@@ -27,10 +27,10 @@ pub(super) fn weight(geom: &Element, compiler: &Compiler) -> Result<Weight, Desc
         return Ok(Weight::Known(RigidInertia::default()));
     }
     let kind = geom.text("type").unwrap_or("sphere").trim();
-    if matches!(kind, "plane" | "hfield") {
+    if kind == "plane" {
         return Ok(Weight::Known(RigidInertia::default()));
     }
-    if kind == "mesh" || kind == "sdf" || geom.text("mesh").is_some() {
+    if matches!(kind, "mesh" | "sdf" | "hfield") || geom.text("mesh").is_some() {
         return Ok(Weight::Unknown(format!("{} of type {kind}", geom.label())));
     }
     let (shape, pose) = shape(geom, kind, compiler)?;

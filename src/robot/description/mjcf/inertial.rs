@@ -47,17 +47,27 @@ const OF_GEOM: &[&str] = &[
     "user",
 ];
 
+/// What weighs less has no inertia for MuJoCo.
+pub(super) const WEIGHTLESS_KG: f64 = 1e-15;
+
 impl Reader<'_> {
-    /// What a body weighs: by its `<inertial>`, else by its geoms.
-    pub(super) fn inertia(&mut self, body: &Element, content: &Content<'_>) -> Result<RigidInertia, DescriptionError> {
+    /// What a body weighs: by its `<inertial>`, else by its geoms. Of one that `stands`, whose weight moves nothing, a mesh may
+    /// keep it to itself.
+    pub(super) fn inertia(
+        &mut self,
+        body: &Element,
+        content: &Content<'_>,
+        stands: bool,
+    ) -> Result<RigidInertia, DescriptionError> {
         let mut stated = None;
+        let mut unsaid_m = Vector3::from(body.exactly::<3>("pos")?.unwrap_or_default());
         for (element, scope) in &content.inertials {
             let read = read(element, &self.compiler, &mut self.into.warnings)?;
+            unsaid_m = (scope.pose * pose(element, &self.compiler)?).translation.vector;
             if stated.replace(read.placed(&scope.pose)).is_some() {
                 return Err(element.wrong(format!("a second <inertial> in {}", body.label())));
             }
         }
-        let unsaid_m = Vector3::from(body.exactly::<3>("pos")?.unwrap_or_default());
         let is_enough = match self.compiler.from_geoms {
             FromGeoms::Never => true,
             FromGeoms::Missing => stated.is_some(),
@@ -78,12 +88,18 @@ impl Reader<'_> {
             match weight(&geom, &self.compiler)? {
                 Weight::Known(inertia) => *sum.get_or_insert_default() += inertia.placed(&scope.pose),
                 Weight::Unknown(geom) => {
-                    let hint = "add an <inertial>: no mesh is read here";
-                    return Err(body.unsupported(format!("an inertia from a mesh ({geom})"), hint));
+                    let what = format!("an inertia from a shape that is not read ({geom})");
+                    if !stands || self.compiler.total_mass_kg.is_some() {
+                        return Err(
+                            body.unsupported(what, "add an <inertial>: no mesh and no height field is read here")
+                        );
+                    }
+                    self.into.left_out.push(body.say(format!("{what} is left out: it stands still")));
                 }
             }
         }
-        Ok(self.bounded(sum.or(stated), unsaid_m))
+        // Geoms that weigh nothing say nothing.
+        Ok(self.bounded(sum.filter(|sum| sum.mass_kg > WEIGHTLESS_KG).or(stated), unsaid_m))
     }
 }
 

@@ -84,7 +84,7 @@ pub(super) fn read(file: &Path, root: Element) -> Result<Description, Descriptio
     let classes = Classes::read(&root)?;
     let mut reader = Reader { compiler, classes, into: &mut description };
     let replicated = reader.bodies(&root)?;
-    reader.totals();
+    reader.totals(&root)?;
     reader.tendons(&root)?;
     reader.equalities(&root)?;
     reader.actuators(&root, &replicated)?;

@@ -66,7 +66,9 @@ pub(super) fn rotation(of: &Element, compiler: &Compiler) -> Result<UnitQuaterni
     match one {
         "quat" => {
             let [w, x, y, z] = of.exactly::<4>(one)?.unwrap_or([1.0, 0.0, 0.0, 0.0]);
-            UnitQuaternion::try_new(Quaternion::new(w, x, y, z), NOTHING)
+            // By its largest number first: the square of a large one is beyond all numbers.
+            let largest = [w, x, y, z].into_iter().fold(1.0, |most: f64, one| most.max(one.abs()));
+            UnitQuaternion::try_new(Quaternion::new(w, x, y, z) / largest, NOTHING)
                 .ok_or_else(|| of.bad(one, "a quaternion that is not zero"))
         }
         "axisangle" => {

@@ -1,8 +1,8 @@
 //! Small files against what MuJoCo 4.0.0 makes of them.
 
 use crate::robot::description::{Description, DescriptionError, Link, Mover, to_mjcf};
-use crate::robot::tree::{Tree, TreeBase};
-use nalgebra::Vector3;
+use crate::robot::tree::{Tree, TreeBase, TreeDynamics, TreeState};
+use nalgebra::{DMatrix, Vector3};
 use std::fs;
 
 fn read(text: &str) -> Result<Description, DescriptionError> {
@@ -232,4 +232,103 @@ fn a_joint_equality_is_left_out_and_said_or_held() {
     near([back.couplings[0].multiplier, back.couplings[0].offset_rad], &[-2.0, 0.5]);
     let curve = read(&text("0 1 0.5 0 0")).unwrap().with_equalities();
     assert!(curve.couplings.is_empty() && curve.left_out.len() == 1);
+}
+
+/// The inertia about the only joint, at its zero [kg m^2].
+fn about_joint(before: &str, world: &str, after: &str) -> f64 {
+    let text = format!("<mujoco>{before}<worldbody>{world}</worldbody>{after}</mujoco>");
+    let made = read(&text).unwrap();
+    let tree = Tree::new(&made, TreeBase::Fixed).unwrap();
+    assert_eq!(tree.joints().len(), 1, "{text}");
+    let mut matrix = DMatrix::zeros(1, 1);
+    TreeDynamics::new(&tree).mass_matrix(&TreeState::drawn(&tree), &mut matrix);
+    matrix[(0, 0)]
+}
+
+const J: &str = r#"<joint name="j" axis="0 1 0"/>"#;
+const G: &str = r#"<geom size=".1" pos=".1 0 0" mass="1"/>"#;
+
+#[test]
+fn the_rotor_of_an_actuator_is_felt_through_its_gear() {
+    let body = format!(r#"<body name="a">{J}{G}</body>"#);
+    for kind in ["motor", "cylinder"] {
+        let after = format!(r#"<actuator><{kind} joint="j" gear="3" armature=".5"/></actuator>"#);
+        near([about_joint("", &body, &after)], &[4.514]);
+    }
+    let tendon = format!(
+        r#"<mujoco><worldbody>{body}</worldbody><tendon><fixed name="t"><joint joint="j" coef="1"/></fixed></tendon>
+        <actuator><motor tendon="t" armature=".5"/></actuator></mujoco>"#
+    );
+    assert!(read(&tendon).is_err_and(|error| error.to_string().contains("armature of an actuator")));
+}
+
+#[test]
+fn what_weighs_nothing_says_nothing() {
+    let stated = format!(
+        r#"<body name="a">{J}<inertial pos="1 0 0" mass="3" diaginertia=".1 .1 .1"/><geom size=".1" mass="0"/></body>"#
+    );
+    near([about_joint(r#"<compiler inertiafromgeom="true"/>"#, &stated, "")], &[3.1]);
+    let bound = r#"<compiler boundmass=".5" boundinertia=".01"/>"#;
+    let empty = format!(r#"<body name="a" pos=".5 0 1">{J}<geom size=".1" mass="0"/></body>"#);
+    near([about_joint(bound, &empty, "")], &[0.635]);
+    let massless = format!(r#"<body name="a">{J}<inertial pos="1 0 0" mass="0" diaginertia=".1 .1 .1"/></body>"#);
+    near([about_joint(bound, &massless, "")], &[0.6]);
+    let fused =
+        format!(r#"<body name="a">{J}{G}<body><inertial pos="0 0 0" mass="0" diaginertia=".1 .1 .1"/></body></body>"#);
+    near([about_joint(r#"<compiler fusestatic="true"/>"#, &fused, "")], &[0.014]);
+}
+
+#[test]
+fn a_thin_disc_is_a_body_and_a_height_field_is_not_weighed() {
+    let disc = format!(r#"<body name="a">{J}<inertial pos=".3 0 0" mass="1" diaginertia=".1 .2 .1"/></body>"#);
+    near([about_joint(r#"<compiler balanceinertia="true"/>"#, &disc, "")], &[0.29]);
+    let field = |joint: &str| {
+        read(&format!(
+            r#"<mujoco><asset><hfield name="h" nrow="3" ncol="3" size="1 2 3 4"/></asset><worldbody>
+            <body name="a">{joint}<geom type="hfield" hfield="h" mass="3"/></body><body>{J}{G}</body></worldbody></mujoco>"#
+        ))
+    };
+    assert!(field(r#"<joint name="i"/>"#).is_err());
+    // What stands moves nothing with its weight.
+    assert!(field("").unwrap().left_out.iter().any(|what| what.contains("stands still")));
+}
+
+#[test]
+fn what_fusing_does_to_others_is_refused() {
+    let aligned = r#"<compiler fusestatic="true" alignfree="true"/>"#;
+    let world = format!(r#"<body name="a"><freejoint/><geom size=".1"/><body pos=".1 0 0">{G}</body></body>"#);
+    assert!(read(&format!("<mujoco>{aligned}<worldbody>{world}</worldbody></mujoco>")).is_err());
+    let total = |other: &str| {
+        let world = format!(r#"<body name="a">{J}{G}</body><body {other}><geom size=".1" mass="1"/></body>"#);
+        read(&format!(
+            r#"<mujoco><compiler fusestatic="true" settotalmass="5"/><worldbody>{world}</worldbody></mujoco>"#
+        ))
+    };
+    assert!(total(r#"mocap="true""#).is_err());
+    near([link(&total("").unwrap(), "a").inertia.mass_kg], &[5.0]);
+}
+
+#[test]
+fn a_long_quaternion_turns_as_a_short_one() {
+    let turned = |quat: &str| {
+        let inner = format!(r#"<body quat="{quat}"><geom size=".1" pos="0 0 1" mass="1"/></body>"#);
+        about_joint("", &format!(r#"<body name="a">{J}{G}{inner}</body>"#), "")
+    };
+    near([turned("1e160 1e160 0 0")], &[turned("1 1 0 0")]);
+}
+
+#[test]
+fn gains_of_one_kind_of_servo_are_no_defaults_of_another() {
+    let made = |defaults: &str, actuator: &str| {
+        let text = format!(
+            r#"<mujoco><default>{defaults}</default><worldbody><body name="a">{J}{G}</body></worldbody>
+            <actuator>{actuator}</actuator></mujoco>"#
+        );
+        let made = read(&text).unwrap();
+        (made.actuators[0].gain, made.actuators[0].bias)
+    };
+    let [velocity, position] = [r#"<velocity kv="3"/>"#, r#"<position kp="20" kv="2"/>"#];
+    assert_eq!(made(velocity, r#"<position joint="j" kp="7"/>"#), (7.0, [0.0, -7.0, 0.0]));
+    assert_eq!(made(position, r#"<velocity joint="j"/>"#), (1.0, [0.0, 0.0, -1.0]));
+    assert_eq!(made(position, r#"<position joint="j"/>"#), (20.0, [0.0, -20.0, -2.0]));
 }

@@ -1,22 +1,43 @@
 //! What the compiler does to masses and tensors.
 
 use super::Reader;
+use super::inertial::WEIGHTLESS_KG;
+use crate::robot::description::error::DescriptionError;
 use crate::robot::description::inertia::RigidInertia;
+use crate::robot::description::xml::Element;
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
+
+/// Relative error of moments that were moved and found again.
+const ROUNDING: f64 = 1e-12;
+/// What keeps MuJoCo from fusing a body that stands on the world: elements and attributes that name bodies.
+const NAMING: &[&str] = &["connect", "weld", "exclude", "adhesion", "force", "torque"];
+
+/// Whether anything in a file may keep a body from being fused.
+fn names_bodies(element: &Element) -> bool {
+    let attribute = |name: &str, value: &str| element.text(name).is_some_and(|own| own.trim() == value);
+    NAMING.contains(&element.tag.as_str())
+        || attribute("mocap", "true")
+        || attribute("fuse", "false")
+        || element.text("target").is_some()
+        || element.text("objtype").is_some_and(|kind| kind.contains("body"))
+        || element.children.iter().any(names_bodies)
+}
 
 impl Reader<'_> {
     /// `boundmass`, `boundinertia`: nothing lighter; `balanceinertia`: a tensor that no body has becomes its mean.
     ///
-    /// A body that nothing says anything of is lifted too; MuJoCo takes its `pos` for its centre of mass then, and so it is
-    /// here (`unsaid_m`).
+    /// A body that nothing says anything of is lifted too; MuJoCo takes its `pos` for its centre of mass then, of a weightless
+    /// one what its `<inertial>` says, and so it is here (`unsaid_m`).
     pub(super) fn bounded(&self, inertia: Option<RigidInertia>, unsaid_m: Vector3<f64>) -> RigidInertia {
         let settings = &self.compiler;
-        let centre_m = inertia.map_or(unsaid_m, |inertia| inertia.centre_m());
         let inertia = inertia.unwrap_or_default();
+        let centre_m = if inertia.mass_kg > 0.0 { inertia.centre_m() } else { unsaid_m };
         let mass_kg = inertia.mass_kg.max(settings.least_mass_kg);
         let Some((given, axes)) = inertia.principal() else { return inertia };
         let mut moments = given.map(|moment| moment.max(settings.least_moment_kg_m2));
-        if settings.is_balancing && 2.0 * moments.max() > moments.sum() {
+        // A thin disc is a body: what moving its tensor rounds does not make it none.
+        let rounding = ROUNDING * (moments.sum() + mass_kg * centre_m.norm_squared());
+        if settings.is_balancing && 2.0 * moments.max() > moments.sum() + rounding {
             moments.fill(moments.mean());
         }
         if mass_kg == inertia.mass_kg && moments == given {
@@ -27,15 +48,21 @@ impl Reader<'_> {
         RigidInertia::about_centre(mass_kg, &tensor, &centre)
     }
 
-    /// `fusestatic`: what stands on the world becomes world and weighs nothing; `settotalmass`: all scaled to a sum.
-    pub(super) fn totals(&mut self) {
+    /// `fusestatic`: what stands on the world becomes world and weighs nothing, and what is weightless on another body adds
+    /// nothing to it; `settotalmass`: all scaled to a sum.
+    pub(super) fn totals(&mut self, root: &Element) -> Result<(), DescriptionError> {
+        if self.compiler.is_fusing && self.compiler.total_mass_kg.is_some() && names_bodies(root) {
+            let hint = "which bodies are fused is not followed here; set fusestatic=\"false\"";
+            return Err(root.unsupported("settotalmass beside fusestatic where bodies are named", hint));
+        }
         let free = self.into.free_joint.as_ref().map(|free| free.link.0);
         if self.compiler.is_fusing {
             let mut is_still: Vec<bool> = Vec::with_capacity(self.into.links.len());
             for (index, link) in self.into.links.iter_mut().enumerate() {
                 let stands = link.parent.is_none_or(|parent| is_still[parent.0]);
                 is_still.push(stands && link.joints.is_empty() && free != Some(index));
-                if is_still[index] {
+                let is_part = link.joints.is_empty() && free != Some(index);
+                if is_still[index] || is_part && link.inertia.mass_kg < WEIGHTLESS_KG {
                     link.inertia = RigidInertia::default();
                 }
             }
@@ -46,5 +73,6 @@ impl Reader<'_> {
                 link.inertia = link.inertia.scaled(total / sum);
             }
         }
+        Ok(())
     }
 }

@@ -25,6 +25,7 @@ pub(super) const UNLIMITED: f64 = 1e9;
 pub(super) fn read(file: &Path, root: &Element) -> Result<Description, DescriptionError> {
     let mut warnings = Vec::new();
     refuse_xacro(root)?;
+    expect_elements(root, ELEMENTS, &mut warnings);
     let links = root.all("link").map(|link| link::read(link, &mut warnings)).collect::<Result<Vec<_>, _>>()?;
     let joints = root.all("joint").map(|joint| joint::read(joint, &mut warnings)).collect::<Result<Vec<_>, _>>()?;
     let name = root.text("name").map_or_else(|| super::of_tables::stem(file), str::to_owned);
@@ -45,6 +46,9 @@ pub(super) fn read(file: &Path, root: &Element) -> Result<Description, Descripti
     order::assemble(&mut description, root, links, joints)?;
     Ok(description)
 }
+
+/// What stands in a robot: what moves, and what simulators and controllers keep there.
+const ELEMENTS: &[&str] = &["link", "joint", "material", "transmission", "gazebo", "sensor", "ros2_control"];
 
 /// Elements of xacro's namespace are macros that were not expanded; that the namespace is declared says nothing.
 fn refuse_xacro(root: &Element) -> Result<(), DescriptionError> {
@@ -89,11 +93,15 @@ fn one<'a>(element: &'a Element, tag: &'a str, warnings: &mut Vec<String>) -> Op
     element.first(tag)
 }
 
-/// Warns of elements that URDF does not have here.
+/// Warns of elements that URDF does not have here, of each kind once.
 fn expect_elements(element: &Element, known: &[&str], warnings: &mut Vec<String>) {
-    let is_ours = |child: &&Element| child.foreign.is_none() && !known.contains(&child.tag.as_str());
-    let say = |child: &Element| child.say(format!("unknown element in {}, ignored", element.label()));
-    warnings.extend(element.children.iter().filter(is_ours).map(say));
+    let mut seen: Vec<&str> = known.to_vec();
+    for child in element.children.iter().filter(|child| child.foreign.is_none()) {
+        if !seen.contains(&child.tag.as_str()) {
+            seen.push(&child.tag);
+            warnings.push(child.say(format!("unknown element in {}, ignored", element.label())));
+        }
+    }
 }
 
 /// The pose of an `<origin>`: Rz(yaw) Ry(pitch) Rx(roll), radians always; the identity where there is none.

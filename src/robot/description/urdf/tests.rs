@@ -91,3 +91,13 @@ fn what_is_not_the_robots_may_hold_anything() {
     assert_eq!(made.warnings.len(), 1);
     assert!(made.warnings[0].contains("<link name=\"c\">: it has a shape and no <inertial>"));
 }
+
+#[test]
+fn what_closes_a_loop_beside_the_tree_is_said_once() {
+    let made = read(&format!(
+        "{LINKS}<joint name=\"j\" type=\"continuous\"><parent link=\"b\"/><child link=\"a\"/></joint>\
+         <loop_joint name=\"l\"/><loop_joint name=\"m\"/><gazebo/>"
+    ));
+    let unknown = made.warnings.iter().filter(|warning| warning.contains("unknown element in")).count();
+    assert_eq!(unknown, 1, "{:?}", made.warnings);
+}
