@@ -47,17 +47,27 @@ const OF_GEOM: &[&str] = &[
     "user",
 ];
 
+/// What a body is to what carries it.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Hold {
+    /// It has joints, or is free.
+    Moves,
+    /// It has none, and what carries it moves.
+    Part,
+    /// It has none, nor has anything that carries it: its weight moves nothing.
+    Stands,
+}
+
 /// What weighs less has no inertia for MuJoCo.
 pub(super) const WEIGHTLESS_KG: f64 = 1e-15;
 
 impl Reader<'_> {
-    /// What a body weighs: by its `<inertial>`, else by its geoms. Of one that `stands`, whose weight moves nothing, a mesh may
-    /// keep it to itself.
+    /// What a body weighs: by its `<inertial>`, else by its geoms. Of one that stands a mesh may keep it to itself.
     pub(super) fn inertia(
         &mut self,
         body: &Element,
         content: &Content<'_>,
-        stands: bool,
+        hold: Hold,
     ) -> Result<RigidInertia, DescriptionError> {
         let mut stated = None;
         let mut unsaid_m = Vector3::from(body.exactly::<3>("pos")?.unwrap_or_default());
@@ -89,7 +99,7 @@ impl Reader<'_> {
                 Weight::Known(inertia) => *sum.get_or_insert_default() += inertia.placed(&scope.pose),
                 Weight::Unknown(geom) => {
                     let what = format!("an inertia from a shape that is not read ({geom})");
-                    if !stands || self.compiler.total_mass_kg.is_some() {
+                    if hold != Hold::Stands || self.compiler.total_mass_kg.is_some() {
                         return Err(
                             body.unsupported(what, "add an <inertial>: no mesh and no height field is read here")
                         );
@@ -99,7 +109,12 @@ impl Reader<'_> {
             }
         }
         // Geoms that weigh nothing say nothing.
-        Ok(self.bounded(sum.filter(|sum| sum.mass_kg > WEIGHTLESS_KG).or(stated), unsaid_m))
+        let weighed = sum.filter(|sum| sum.mass_kg > WEIGHTLESS_KG);
+        if self.compiler.is_fusing && hold == Hold::Part && weighed.is_none() && stated.is_some() {
+            let what = "inertiafromgeom=\"true\" with fusestatic, which loses an <inertial> of a body without joints";
+            return Err(body.unsupported(what, "set inertiafromgeom=\"auto\""));
+        }
+        Ok(self.bounded(weighed.or(stated), unsaid_m))
     }
 }
 

@@ -306,6 +306,14 @@ fn what_fusing_does_to_others_is_refused() {
     };
     assert!(total(r#"mocap="true""#).is_err());
     near([link(&total("").unwrap(), "a").inertia.mass_kg], &[5.0]);
+    let part = r#"<body><inertial pos="0 0 0" mass="2" diaginertia=".1 .1 .1"/></body>"#;
+    let weighed = |from: &str| {
+        let world = format!(r#"<body name="a">{J}{G}{part}</body>"#);
+        read(&format!(
+            r#"<mujoco><compiler fusestatic="true" inertiafromgeom="{from}"/><worldbody>{world}</worldbody></mujoco>"#
+        ))
+    };
+    assert!(weighed("true").is_err() && weighed("auto").is_ok());
 }
 
 #[test]
