@@ -39,7 +39,7 @@ pub(super) fn steps(report: &ClampedGapReport) -> Vec<Rung> {
     let (mut found, sound): (Vec<&Diagnosis>, Vec<&Diagnosis>) = has_changed.partition(|own| is_accused(own));
     if !sound.is_empty() {
         squares -= sound.iter().map(closes).sum::<f64>();
-        steps.push(("joints that lack nothing, as given".to_owned(), root(squares)));
+        steps.push(("joints that lack nothing".to_owned(), root(squares)));
     }
     found.sort_by(|a, b| closes(b).total_cmp(&closes(a)));
     let (own, others) = found.split_at(found.len().min(if found.len() > OWN + 1 { OWN } else { OWN + 1 }));
