@@ -100,8 +100,8 @@ pub(in crate::report) fn undetermined(sentences: &[String]) -> Option<String> {
     (!lines.is_empty()).then(|| format!("{}:\n{}", words::UNDETERMINED, lines.join("\n")))
 }
 
-/// Columns of how far a gap closes, as pages name them.
-pub(in crate::report) const HOW_FAR: [&str; 4] = ["as given", "recalibrated", "with causes", "floor"];
+/// Columns of how far a gap closes, as pages name them; the longest name in two lines.
+pub(in crate::report) const HOW_FAR: [&str; 4] = ["as given", "recalibrated", "with\ncauses", "floor"];
 
 /// The table of how far a gap closes.
 pub(in crate::report) fn rms_table(of: &str, measure: Measure) -> Table {
@@ -133,7 +133,7 @@ pub(in crate::report) fn mrad(rad: f64) -> Cell {
 fn location(diagnosis: &Diagnosis) -> String {
     let location = &diagnosis.location;
     let words = paragraph(&words::location(location));
-    if location.cells.is_empty() {
+    if !words::is_mapped(&location.cells) {
         return words;
     }
     let (files, phases) = words::files_and_phases(&location.cells);

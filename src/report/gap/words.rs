@@ -157,6 +157,14 @@ pub(super) fn shares_of_cells(cells: &[MapCell]) -> Vec<String> {
     shares(&cells.iter().map(|cell| cell.share).collect::<Vec<f64>>())
 }
 
+/// Whether a map has anything to show: nothing is placed where nothing is left.
+pub(super) fn is_mapped(cells: &[MapCell]) -> bool {
+    cells.iter().any(|cell| cell.share >= LEAST_SHOWN)
+}
+
+/// A smaller share is shown as none.
+const LEAST_SHOWN: f64 = 0.005;
+
 /// Names of files without their folders, where these are not needed to tell them apart.
 pub(super) fn names_without_folder(files: &[&str]) -> Vec<String> {
     let bare = |file: &&str| file.rsplit(['/', '\\']).next().unwrap_or_default().to_owned();

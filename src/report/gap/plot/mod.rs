@@ -22,6 +22,7 @@ use super::{GapReport, NEXT_FILE};
 use crate::gap::Verdict;
 use crate::gap::inverse::TorqueTraces;
 use crate::joint::Stage;
+use crate::report::gap::words;
 use crate::report::plot::intervals::{Group, interval_bars};
 use crate::report::plot::plain;
 use crate::report::{Figure, ReportError};
@@ -145,7 +146,7 @@ fn place(report: &GapReport) -> Result<Vec<Figure>, ReportError> {
     let diagnosis = &report.diagnosis;
     let location = &diagnosis.location;
     let mut figures = Vec::new();
-    if !location.cells.is_empty() {
+    if words::is_mapped(&location.cells) {
         let caption = "Share of the whole gap by log and by what the joint is doing. Framed: more than noise alone \
                        would give; grey: no more than that.";
         figures.push(figure("map", "Where the gap lies", caption, cells::map(diagnosis)?));
