@@ -26,7 +26,6 @@ use super::verdict::told::{AtBest, tell};
 use super::verdict::twins::{Measured, measure};
 use super::verdict::waterfall::causes;
 use crate::deadline::NO_PROBABILITY;
-use crate::fit::Budget;
 use crate::identify::{BeliefFound, Case, DirectiveError, Estimate, Experiment, JointModel, Signal};
 use crate::joint::EffectId;
 use crate::log::Role;
@@ -57,8 +56,6 @@ pub enum GapError {
     Demand(#[from] DirectiveError),
 }
 
-/// Evaluations of what is not to be fitted again.
-const AS_IT_IS: Budget = Budget { evaluations: 1 };
 /// What is left out where the smallest sizes that would have shown are.
 const DETECTABLE: &str = "what these logs could have shown";
 
@@ -218,7 +215,7 @@ impl<'a> Weighed<'a> {
         if found { answer } else { &self.a.calibrated }
     }
 
-    /// The smallest size of each effect that these logs would have shown; of one that has a name, if it had not been there.
+    /// The smallest size of each effect that these logs would have shown.
     fn detectable(&self) -> Vec<Detectable> {
         if self.options.deadline.leaves_aside(DETECTABLE) {
             return Vec::new();
@@ -232,17 +229,7 @@ impl<'a> Weighed<'a> {
         } else {
             &self.a.best
         };
-        let noise = (self.a.noise_rad, self.a.correlation);
-        let (found, further): (Vec<EffectId>, Vec<EffectId>) =
-            self.effects.iter().partition(|effect| named.effects().contains(effect));
-        let mut all = detectable(self.evidence, noise, named, &further);
-        for effect in found {
-            let of_it = |own: &EffectId| *own == effect;
-            let Some(k) = named.effects().iter().position(of_it) else { continue };
-            all.extend(detectable(self.evidence, noise, &named.without(self.evidence, k, AS_IT_IS), &[effect]));
-        }
-        all.sort_by_key(|own| self.effects.iter().position(|effect| *effect == own.effect));
-        all
+        detectable(self.evidence, (self.a.noise_rad, self.a.correlation), named, self.effects)
     }
 
     /// Numbers of the joint, and of the effects of the answer.

@@ -329,7 +329,15 @@ pub struct Gap {
 pub(crate) const NOT_HELD_OUT: &str =
     "not at all; these logs were fitted with the others, which do not show by themselves what all logs do";
 
+/// How parts of a log were held out that stands alone.
+pub(crate) const PARTS_IN_TURN: &str = "each part of the only log predicted by a fit to its other parts";
+
 impl Gap {
+    /// Whether its figures are of parts of the only log, each predicted by the others.
+    pub(crate) fn is_of_parts(&self) -> bool {
+        self.held_out == PARTS_IN_TURN
+    }
+
     /// Whether the logs of its figures were held out: else they were fitted with the others.
     pub fn is_held_out(&self) -> bool {
         self.held_out != NOT_HELD_OUT

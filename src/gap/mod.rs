@@ -30,11 +30,11 @@ pub use crate::identify::BeliefFound;
 pub use body_kind::BodyKind;
 pub use check::{Checkup, check};
 pub use diagnose::{GapError, diagnose};
-pub(crate) use diagnosis::NOT_HELD_OUT;
 pub use diagnosis::{
     Answer, Candidate, CauseShare, Confusion, Detectable, Diagnosis, Gap, GapOptions, LawFound, LogGap, LogTraces,
     MapCell, Next, Number, Phase, ProfileBin, ResidualTorque, Variable, Verdict, Where,
 };
+pub(crate) use diagnosis::{NOT_HELD_OUT, PARTS_IN_TURN};
 pub use hypothesis::logs::{By, LogSet};
 pub(crate) use hypothesis::model::GapModel;
 pub(crate) use hypothesis::reach::reach_of;

@@ -6,12 +6,16 @@
 
 use super::{Experiment, JointModel, Problem, Signal};
 use crate::fit::{Normal, Residuals};
+use crate::number::as_given;
 use nalgebra::{DMatrix, DVector};
 
 /// Information below which beliefs decide.
 const LITTLE: f64 = 1.0;
 /// A number has a part in a combination from this share of it on.
 const PART: f64 = 0.25;
+
+/// The drive's gain among a joint's numbers.
+const GAIN: &str = "gain";
 
 /// What is said of numbers that the logs leave to one another, before what would help; the same for all of a study.
 const TOGETHER: &str = " apart: they can be changed together";
@@ -51,16 +55,36 @@ pub(crate) fn undetermined<M: JointModel>(
     let eigen = information.symmetric_eigen();
     let name = |row: usize| parameters[free[believed[row].0]].name.as_str();
     let mut sentences: Vec<String> = Vec::new();
+    let mut has_scale = (0..believed.len()).any(|row| name(row) == GAIN);
     for v in (0..believed.len()).filter(|&v| eigen.eigenvalues[v] < LITTLE) {
         let direction: DVector<f64> = eigen.eigenvectors.column(v).into_owned();
         let parts: Vec<&str> = (0..believed.len()).filter(|&r| direction[r].abs() > PART).map(name).collect();
+        has_scale &= !parts.contains(&GAIN);
         let said = sentence(experiments, &parts);
         // Two directions may have their parts in the same numbers.
         if !sentences.contains(&said) {
             sentences.push(said);
         }
     }
-    told_once(sentences)
+    let mut sentences = told_once(sentences);
+    sentences.extend(limit_reached_nm(problem, x).filter(|_| has_scale).map(|limit_nm| {
+        format!(
+            "How large gain, inertia, moment and friction are together rests on the stated torque limit of {} N m, which these logs \
+             reach and which is taken as exact: a weighed link would check it.",
+            as_given(limit_nm)
+        )
+    }));
+    sentences
+}
+
+/// A stated limit of the drive that is in force and that the experiments ask for more than: it tells how large all torques are
+/// \[N m\].
+fn limit_reached_nm<M: JointModel>(problem: &Problem<'_, M>, x: &[f64]) -> Option<f64> {
+    let values = problem.values(x);
+    problem.experiments.iter().find_map(|e| {
+        let motor = problem.model.chain(&values, e).motor?;
+        motor.stated_limit_nm().filter(|limit_nm| e.largest_command_nm() > *limit_nm)
+    })
 }
 
 /// What would help is told by the first of the sentences that it is true of.

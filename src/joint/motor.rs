@@ -186,6 +186,11 @@ impl<T: Real> Motor<T> {
         self.torque_limit = Some(limit);
     }
 
+    /// The limit that the control law has, where none is in its place \[N m\].
+    pub(crate) fn stated_limit_nm(&self) -> Option<f64> {
+        self.law?.torque_limit_nm
+    }
+
     /// True where a joint that stands still feels a torque that changes by itself.
     pub(crate) fn winds_up(&self) -> bool {
         self.law.is_some_and(|law| law.ki_nm_rad_s != 0.0)

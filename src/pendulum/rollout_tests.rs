@@ -173,6 +173,20 @@ fn a_joint_that_barely_moves_is_there_when_it_is_turned_back() {
     }
 }
 
+/// With the steps that logs of a joint are fitted in which its controller never lets go of.
+#[test]
+fn coarse_steps_of_a_held_joint_lose_far_less_than_an_encoder_shows() {
+    let t = times(400, 0.02);
+    // It swings at 28 rad/s and loses a third of that in each swing.
+    let mut c = chain(0.01, 0.3, 0.0, 0.035);
+    c.motor = Some(Motor::new(MotorSpec::pd(8.0, 0.0)));
+    let setpoint: Vec<f64> = (0..t.len()).map(|k| if k / 50 % 2 == 0 { 0.0 } else { 0.5 }).collect();
+    let input = Input::Position { setpoint_rad: &setpoint, hold: Hold::Step, on: None };
+    let [coarse, fine] = [0.4, 8.0].map(|refinement| angles(&c, input, &t, free(0.0), refinement));
+    let apart = largest_difference(&coarse, &fine);
+    assert!(apart > 0.0 && apart < 2e-4, "{apart} rad");
+}
+
 #[test]
 fn an_integral_term_alone_breaks_a_joint_away() {
     let mut c = chain(0.01, 0.0, 0.5, 0.01);

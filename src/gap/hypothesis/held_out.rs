@@ -5,7 +5,7 @@ use super::evidence::Evidence;
 use super::folds::Folds;
 use super::trial::{Trial, loss, predicted};
 use crate::fit::Budget;
-use crate::gap::NOT_HELD_OUT;
+use crate::gap::{NOT_HELD_OUT, PARTS_IN_TURN};
 use crate::identify::Experiment;
 use crate::number::math;
 use rand::{Rng, SeedableRng};
@@ -47,11 +47,7 @@ impl HeldOut {
         if let Some(from) = evidence.pooled_from {
             return Self { experiments: all[from..].to_vec(), how: NOT_HELD_OUT, from: From::Pooled(from) };
         }
-        let how = if all.len() == 1 {
-            "each part of the only log predicted by a fit to its other parts"
-        } else {
-            "each log predicted by a fit to all others"
-        };
+        let how = if all.len() == 1 { PARTS_IN_TURN } else { "each log predicted by a fit to all others" };
         Self { experiments: all.clone(), how, from: From::InTurn }
     }
 

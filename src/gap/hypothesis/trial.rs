@@ -1,11 +1,10 @@
 //! One hypothesis about the joint, fitted: its values, what it leaves of the fitted logs and of the held-out ones.
 
 use super::evidence::{Evidence, counts};
-use super::model::{BASELINE, GAIN, GapModel};
+use super::model::{BASELINE, GapModel};
 use crate::fit::{Budget, Solution, approach};
 use crate::identify::{self, BeliefFound, Experiment, Found, JointModel, Parameter, Problem};
 use crate::joint::{EffectForm, EffectId};
-use crate::number::as_given;
 use rayon::prelude::*;
 
 /// Distance from its optimum, in variances of the residuals, at which a fit is close enough to be judged.
@@ -176,26 +175,7 @@ impl Trial {
     pub fn undetermined(&self, evidence: &Evidence) -> Vec<String> {
         let problem = Problem::new(&self.model, &evidence.fit);
         let x = problem.coordinates_from(&self.found);
-        let mut sentences = identify::undetermined(&problem, &x, |i| i < BASELINE, self.unit_rad2_s(evidence));
-        // Where the gain is open nothing tells the scale.
-        let is_told = !sentences.iter().any(|sentence| sentence.contains("gain"));
-        sentences.extend(self.scale_by_limit(evidence).filter(|_| is_told));
-        sentences
-    }
-
-    /// That a stated limit of the drive, which the logs reach, is what tells them how large all torques are.
-    fn scale_by_limit(&self, evidence: &Evidence) -> Option<String> {
-        if self.model.parameters()[GAIN].fixed || self.effects().contains(&EffectId::TorqueLimit) {
-            return None;
-        }
-        let stated = evidence.fit.iter().filter_map(|e| Some((e.motor?.torque_limit_nm?, e.largest_command_nm())));
-        let limit_nm =
-            stated.filter(|(limit_nm, asked_nm)| asked_nm > limit_nm).map(|(limit_nm, _)| limit_nm).next()?;
-        Some(format!(
-            "How large gain, inertia, moment and friction are together rests on the stated torque limit of {} N m, which these logs \
-             reach and which is taken as exact: a weighed link would check it.",
-            as_given(limit_nm)
-        ))
+        identify::undetermined(&problem, &x, |i| i < BASELINE, self.unit_rad2_s(evidence))
     }
 
     /// Deviance of its values under the beliefs.

@@ -1,7 +1,7 @@
 //! The smallest size of each effect that these logs would have shown.
 
 use super::numbers::none_of;
-use crate::fit::Residuals;
+use crate::fit::{Budget, Residuals};
 use crate::gap::diagnosis::Detectable;
 use crate::gap::hypothesis::evidence::Evidence;
 use crate::gap::hypothesis::model::COULOMB;
@@ -19,9 +19,30 @@ const SHOWN: f64 = 25.0;
 /// An effect's size may be extrapolated from its mildest starting point by this factor, either way.
 const REACH: f64 = 30.0;
 
-/// One entry for each effect; the joint is taken as `around` describes it, and the readings' noise has this standard
-/// deviation \[rad\], so many successive values of which count as one.
+/// Evaluations of what is not fitted again.
+const AS_IT_IS: Budget = Budget { evaluations: 1 };
+
+/// One entry for each effect, in their order; the joint is taken as `around` describes it, for an effect that this has as
+/// if it were not there. The readings' noise has this standard deviation \[rad\], so many successive values of which
+/// count as one.
 pub(in crate::gap) fn detectable(
+    evidence: &Evidence,
+    noise: (f64, f64),
+    around: &Trial,
+    effects: &[EffectId],
+) -> Vec<Detectable> {
+    let found = |effect: &EffectId| around.effects().iter().position(|own| own == effect);
+    let further: Vec<EffectId> = effects.iter().copied().filter(|effect| found(effect).is_none()).collect();
+    let mut all = beside(evidence, noise, around, &further);
+    for (effect, k) in effects.iter().filter_map(|effect| Some((*effect, found(effect)?))) {
+        all.extend(beside(evidence, noise, &around.without(evidence, k, AS_IT_IS), &[effect]));
+    }
+    all.sort_by_key(|own| effects.iter().position(|effect| *effect == own.effect));
+    all
+}
+
+/// The same of effects beside what `around` has.
+fn beside(
     evidence: &Evidence,
     (noise_rad, correlation): (f64, f64),
     around: &Trial,

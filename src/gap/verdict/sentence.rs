@@ -177,13 +177,13 @@ pub(in crate::gap) const MUCH_LEFT: f64 = 3.0;
 /// What closes less than this share of the whole gap above the noise is not most of it: refitted numbers may have closed more.
 const MOST: f64 = 0.5;
 
-/// How much of the gap causes are, and what they leave where that is much; errors as [`closing`] has them. `fitted` is how many
-/// times the noise they leave of the logs that they were fitted to.
-fn of_the_gap([before, calibrated, after, floor]: [f64; 4], fitted: f64) -> (&'static str, String) {
+/// How much of the gap causes are, and what they leave where that is much; errors as [`closing`] has them. `of_parts`: of
+/// the only log, parts were predicted from others; how many times the noise is left of it where all was fitted.
+fn of_the_gap([before, calibrated, after, floor]: [f64; 4], of_parts: Option<f64>) -> (&'static str, String) {
     if !(after > MUCH_LEFT * floor) {
         return ("the gap is", String::new());
     }
-    if !leaves_something(fitted, 1.0) {
+    if of_parts.is_some_and(|fitted| !leaves_something(fitted, 1.0)) {
         let rest =
             " Where all was fitted only noise is left: the rest is left where parts were predicted from the others.";
         return ("the gap is", rest.to_owned());
@@ -298,7 +298,8 @@ pub(in crate::gap) fn sentence(
             }
         }
         (Verdict::Effect, Some(effect)) => {
-            let (how_much, left) = of_the_gap(figures, (1.0 + decision.excess).max(0.0).sqrt());
+            let fitted = (1.0 + decision.excess).max(0.0).sqrt();
+            let (how_much, left) = of_the_gap(figures, Some(fitted).filter(|_| gap.is_of_parts()));
             // A gain of the drive that is the answer as a number closed what it closes among these.
             let goes = match decision.answer.effects() {
                 [] => {
@@ -392,12 +393,13 @@ mod tests {
 
     #[test]
     fn causes_that_leave_much_are_not_the_whole_gap() {
-        let of = |mrad: [f64; 4]| of_the_gap(mrad.map(|mrad| 1e-3 * mrad), mrad[2] / mrad[3]).0;
+        let of = |mrad: [f64; 4]| of_the_gap(mrad.map(|mrad| 1e-3 * mrad), None).0;
         assert_eq!(of([75.3, 13.5, 2.91, 2.46]), "the gap is");
         // A servo's single log, of which parts are predicted from the others.
-        let (how_much, left) = of_the_gap([0.0303, 0.0234, 0.00233, 0.000433], 0.98);
-        assert_eq!(how_much, "the gap is");
-        assert!(left.contains("only noise is left"), "{left}");
+        let left = |of_parts| of_the_gap([0.0303, 0.0234, 0.00233, 0.000433], of_parts).1;
+        assert!(left(Some(0.98)).contains("only noise is left"), "{}", left(Some(0.98)));
+        // Where logs of their own were held out, or the fit leaves more as well, something else is there.
+        assert!([None, Some(3.0)].into_iter().all(|of_parts| left(of_parts).contains("Something else")));
         // The lift of an SO-101, an XL330 that swings freely, an AK80-6 whose numbers are most of its gap.
         assert_eq!(of([29.6, 26.4, 3.56, 0.519]), "most of the gap is");
         assert_eq!(of([29.9, 24.6, 12.7, 0.682]), "a part of the gap is");

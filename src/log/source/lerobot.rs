@@ -265,12 +265,12 @@ fn scales(names: &[String], state: &[Vec<f64>], robot: Option<&str>, notes: &mut
     let of = robot.map_or_else(String::new, |robot| format!(" ({robot})"));
     let wide: Vec<usize> = (0..names.len()).filter(|k| !is_gripper(*k) && most(&state[*k]) > WIDEST_RAD).collect();
     // Whatever they do, LeRobot never writes radians of these.
-    let is_hobby = robot.is_some_and(|robot| {
+    let never_in_radians = robot.is_some_and(|robot| {
         let plain: String = robot.to_lowercase().chars().filter(|c| c.is_alphanumeric()).collect();
         IN_DEGREES.iter().any(|known| plain.contains(known))
     });
     let why = if wide.is_empty() { "LeRobot writes those of this robot so" } else { "they go beyond 4 pi" };
-    let are_degrees = is_hobby || !wide.is_empty();
+    let are_degrees = never_in_radians || !wide.is_empty();
     if are_degrees {
         notes.push(format!("angles{of} are taken to be degrees: {why} (a range from -100 to 100 would look the same; [columns] can say so)"));
     }

@@ -73,6 +73,8 @@ pub struct Description {
     pub warnings: Vec<String>,
     /// What is in the file and neither in the mass matrix nor in the bias, with file and line: closed loops, tendons.
     pub left_out: Vec<String>,
+    /// The first link that stands on the world and of which no one knows what it weighs; its base cannot be set free.
+    pub unweighed: Option<String>,
 }
 
 impl Description {

@@ -46,6 +46,7 @@ impl Description {
             actuators: Vec::new(),
             warnings: Vec::new(),
             left_out: Vec::new(),
+            unweighed: None,
         }
     }
 }

@@ -78,6 +78,9 @@ fn free_link(description: &Description) -> Result<LinkId, TreeError> {
         return Ok(free.link);
     }
     let no = |what: String| TreeError::NoFreeBase { robot: description.name.clone(), what };
+    if let Some(unweighed) = &description.unweighed {
+        return Err(no(unweighed.clone()));
+    }
     let mut roots = (0..description.links.len()).filter(|link| description.links[*link].parent.is_none());
     let root = roots.next().ok_or_else(|| no("it has no link".to_owned()))?;
     if let Some(second) = roots.next() {

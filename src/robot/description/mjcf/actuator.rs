@@ -63,9 +63,7 @@ impl Reader<'_> {
         for id in joints {
             self.into.joints[id.0].armature_kg_m2 += gear * gear * armature;
         }
-        let what =
-            "its armature counts as the joint's; write it there before an export, which writes the joint's alone";
-        self.into.warnings.push(element.say(what));
+        self.into.warnings.push(element.say("its armature, behind its gear, counts as the joint's"));
         Ok(())
     }
 

@@ -1,6 +1,6 @@
 //! `<worldbody>`: bodies within bodies, with the frames and replicas between them.
 
-use super::inertial::Hold;
+use super::inertial::Support;
 use super::naming::Names;
 use super::orientation::pose;
 use super::{Reader, joint};
@@ -192,12 +192,12 @@ impl Reader<'_> {
             joints.push(MoverId(self.into.joints.len()));
             self.into.joints.push(mover);
         }
-        let hold = match parent {
-            _ if !content.joints.is_empty() => Hold::Moves,
-            Some(parent) if !self.stands(parent) => Hold::Part,
-            _ => Hold::Stands,
+        let support = match parent {
+            _ if !content.joints.is_empty() => Support::Moves,
+            Some(parent) if !self.stands(parent) => Support::Part,
+            _ => Support::Stands,
         };
-        let inertia = self.inertia(body, content, hold)?;
+        let inertia = self.inertia(body, content, support)?;
         let pose = scope.pose * pose(body, &self.compiler)?;
         self.into.links.push(Link { name, is_named, parent, pose, joints, inertia });
         Ok(id)

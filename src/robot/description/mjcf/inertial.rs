@@ -49,7 +49,7 @@ const OF_GEOM: &[&str] = &[
 
 /// What a body is to what carries it.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Hold {
+pub(super) enum Support {
     /// It has joints, or is free.
     Moves,
     /// It has none, and what carries it moves.
@@ -67,7 +67,7 @@ impl Reader<'_> {
         &mut self,
         body: &Element,
         content: &Content<'_>,
-        hold: Hold,
+        support: Support,
     ) -> Result<RigidInertia, DescriptionError> {
         let mut stated = None;
         let mut unsaid_m = Vector3::from(body.exactly::<3>("pos")?.unwrap_or_default());
@@ -99,18 +99,20 @@ impl Reader<'_> {
                 Weight::Known(inertia) => *sum.get_or_insert_default() += inertia.placed(&scope.pose),
                 Weight::Unknown(geom) => {
                     let what = format!("an inertia from a shape that is not read ({geom})");
-                    if hold != Hold::Stands || self.compiler.total_mass_kg.is_some() {
+                    if support != Support::Stands || self.compiler.total_mass_kg.is_some() {
                         return Err(
                             body.unsupported(what, "add an <inertial>: no mesh and no height field is read here")
                         );
                     }
-                    self.into.left_out.push(body.say(format!("{what} is left out: it stands still")));
+                    let said = body.say(format!("{what} is left out: it stands still"));
+                    self.into.unweighed.get_or_insert_with(|| said.clone());
+                    self.into.left_out.push(said);
                 }
             }
         }
         // Geoms that weigh nothing say nothing.
         let weighed = sum.filter(|sum| sum.mass_kg > WEIGHTLESS_KG);
-        if self.compiler.is_fusing && hold == Hold::Part && weighed.is_none() && stated.is_some() {
+        if self.compiler.is_fusing && support == Support::Part && weighed.is_none() && stated.is_some() {
             let what = "inertiafromgeom=\"true\" with fusestatic, which loses an <inertial> of a body without joints";
             return Err(body.unsupported(what, "set inertiafromgeom=\"auto\""));
         }

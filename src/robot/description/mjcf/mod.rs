@@ -76,6 +76,7 @@ pub(super) fn read(file: &Path, root: Element) -> Result<Description, Descriptio
         actuators: Vec::new(),
         warnings: Vec::new(),
         left_out: Vec::new(),
+        unweighed: None,
     };
     for section in root.children.iter().filter(|section| !SILENT.contains(&section.tag.as_str())) {
         unread::section(section, &mut description)?;

@@ -290,7 +290,9 @@ fn a_thin_disc_is_a_body_and_a_height_field_is_not_weighed() {
     };
     assert!(field(r#"<joint name="i"/>"#).is_err());
     // What stands moves nothing with its weight.
-    assert!(field("").unwrap().left_out.iter().any(|what| what.contains("stands still")));
+    let standing = field("").unwrap();
+    assert!(standing.left_out.iter().any(|what| what.contains("stands still")));
+    assert!(Tree::new(&standing, TreeBase::Free).is_err_and(|error| error.to_string().contains("stands still")));
 }
 
 #[test]

@@ -42,6 +42,7 @@ pub(super) fn read(file: &Path, root: &Element) -> Result<Description, Descripti
         actuators: Vec::new(),
         warnings,
         left_out: Vec::new(),
+        unweighed: None,
     };
     order::assemble(&mut description, root, links, joints)?;
     Ok(description)
