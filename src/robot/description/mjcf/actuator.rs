@@ -3,7 +3,7 @@
 use super::Reader;
 use super::compiler::Compiler;
 use super::defaults::ACTUATORS;
-use super::joint::range;
+use super::joint::{polynomial, range};
 use crate::robot::description::error::DescriptionError;
 use crate::robot::description::parts::{Actuator, ActuatorKind, MoverId};
 use crate::robot::description::xml::Element;
@@ -25,6 +25,9 @@ impl Reader<'_> {
             }
             let merged = self.classes.apply(element, None)?;
             self.add_rotor(element, &merged, suffixes)?;
+            if merged.number("delay")?.is_some_and(|delay_s| delay_s != 0.0) {
+                self.into.warnings.push(element.say("its delay is not read: `gap` finds one from logs"));
+            }
             let kind = match element.tag.as_str() {
                 "motor" => ActuatorKind::Motor,
                 "position" => ActuatorKind::Position,
@@ -50,20 +53,27 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// `armature` of an actuator: the joint feels the rotor through the gear, whatever drives it.
+    /// `armature` and `damping` of an actuator: the joint feels its rotor through the gear, whatever drives it.
     fn add_rotor(&mut self, element: &Element, merged: &Element, suffixes: &[String]) -> Result<(), DescriptionError> {
-        let Some(armature) = merged.not_negative("armature")?.filter(|armature| *armature > 0.0) else { return Ok(()) };
+        let armature = merged.not_negative("armature")?.unwrap_or(0.0);
+        let damping = polynomial(merged, "damping")?;
+        let named = [("armature", armature > 0.0), ("damping", damping != [0.0; 3])];
+        let named: Vec<&str> = named.into_iter().filter(|(_, acts)| *acts).map(|(name, _)| name).collect();
+        let Some(what) = named.first() else { return Ok(()) };
         let joint = merged.text("joint").or_else(|| merged.text("jointinparent"));
         let joints = joint.map_or_else(|| Ok(Vec::new()), |joint| self.targets(element, joint, suffixes))?;
         if joints.is_empty() {
-            let hint = "write it as the armature of joints";
-            return Err(element.unsupported("the armature of an actuator on anything but a joint", hint));
+            let hint = format!("write it as the {what} of joints");
+            return Err(element.unsupported(format!("the {what} of an actuator on anything but a joint"), hint));
         }
         let gear = merged.numbers("gear")?.and_then(|gear| gear.first().copied()).unwrap_or(1.0);
         for id in joints {
-            self.into.joints[id.0].armature_kg_m2 += gear * gear * armature;
+            let joint = &mut self.into.joints[id.0];
+            joint.armature_kg_m2 += gear * gear * armature;
+            joint.damping.iter_mut().zip(damping).for_each(|(of_joint, own)| *of_joint += gear * gear * own);
         }
-        self.into.warnings.push(element.say("its armature, behind its gear, counts as the joint's"));
+        let what = named.join(" and ");
+        self.into.warnings.push(element.say(format!("its {what}, behind its gear, counts as the joint's")));
         Ok(())
     }
 

@@ -13,22 +13,6 @@ use nalgebra::{Isometry3, Translation3};
 /// Elements that replicas may multiply to.
 const MOST_ELEMENTS: usize = 200_000;
 
-/// Attributes of bodies; those of poses are read.
-const OF_BODY: &[&str] = &[
-    "name",
-    "class",
-    "childclass",
-    "pos",
-    "quat",
-    "axisangle",
-    "xyaxes",
-    "zaxis",
-    "euler",
-    "mocap",
-    "gravcomp",
-    "sleep",
-    "user",
-];
 /// What stands around an element.
 #[derive(Clone, Debug)]
 pub(super) struct Scope<'e> {
@@ -173,7 +157,6 @@ impl Reader<'_> {
             return Err(body.wrong(format!("more than {MOST_LINKS} bodies")));
         }
         let (name, is_named) = names.of_body(body, &scope.suffix)?;
-        body.expect_attributes(OF_BODY, &mut self.into.warnings);
         if let Some(share) = body.number("gravcomp")?.filter(|share| *share != 0.0) {
             self.into.left_out.push(body.say(format!("gravcomp=\"{share}\" is left out: its weight counts in full")));
         }

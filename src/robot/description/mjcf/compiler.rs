@@ -31,34 +31,9 @@ pub(super) struct Compiler {
     pub is_aligning: bool,
 }
 
-const KNOWN: &[&str] = &[
-    "angle",
-    "autolimits",
-    "eulerseq",
-    "inertiafromgeom",
-    "inertiagrouprange",
-    "boundmass",
-    "boundinertia",
-    "balanceinertia",
-    "settotalmass",
-    "fusestatic",
-    "alignfree",
-    "coordinate",
-    "meshdir",
-    "texturedir",
-    "assetdir",
-    "strippath",
-    "discardvisual",
-    "usethread",
-    "fitaabb",
-    "exactmeshinertia",
-    "convexhull",
-    "saveinertial",
-];
-
 impl Compiler {
     /// Reads the settings.
-    pub fn read(root: &Element, warnings: &mut Vec<String>) -> Result<Self, DescriptionError> {
+    pub fn read(root: &Element) -> Result<Self, DescriptionError> {
         let mut settings = Self {
             is_degrees: true,
             is_autolimits: true,
@@ -72,11 +47,11 @@ impl Compiler {
             is_fusing: false,
             is_aligning: false,
         };
-        root.all("compiler").try_for_each(|compiler| settings.apply(compiler, warnings))?;
+        root.all("compiler").try_for_each(|compiler| settings.apply(compiler))?;
         Ok(settings)
     }
 
-    fn apply(&mut self, of: &Element, warnings: &mut Vec<String>) -> Result<(), DescriptionError> {
+    fn apply(&mut self, of: &Element) -> Result<(), DescriptionError> {
         let yes = [("true", true), ("false", false)];
         if of.text("coordinate").is_some_and(|text| text != "local") {
             let hint = "MuJoCo gave it up too; convert the file with an old release";
@@ -98,7 +73,6 @@ impl Compiler {
         }
         self.is_fusing = of.word("fusestatic", &yes)?.unwrap_or(self.is_fusing);
         self.is_aligning = of.word("alignfree", &yes)?.unwrap_or(self.is_aligning);
-        of.expect_attributes(KNOWN, warnings);
         Ok(())
     }
 

@@ -12,8 +12,20 @@ const LISTS: &[&str] = &["size", "gear", "gainprm", "biasprm", "dynprm"];
 /// Attributes that exclude each other: one that is written drops the inherited others.
 const EITHER: &[&[&str]] = &[ORIENTATIONS, &["kv", "dampratio"]];
 /// The elements that share one default: all kinds of actuators.
-pub(super) const ACTUATORS: &[&str] =
-    &["general", "motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle", "adhesion", "dcmotor"];
+pub(super) const ACTUATORS: &[&str] = &[
+    "general",
+    "motor",
+    "position",
+    "velocity",
+    "intvelocity",
+    "damper",
+    "cylinder",
+    "muscle",
+    "adhesion",
+    "dcmotor",
+    "orientation",
+    "pid",
+];
 
 /// Gains of servos: the default of one kind of actuator is none of another kind's.
 const GAINS: &[&str] = &["kp", "kv", "dampratio", "timeconst"];

@@ -10,43 +10,6 @@ use crate::robot::description::inertia::RigidInertia;
 use crate::robot::description::xml::Element;
 use nalgebra::{Matrix3, Vector3};
 
-/// Attributes of geoms; those of shape, pose and mass are read.
-const OF_GEOM: &[&str] = &[
-    "name",
-    "class",
-    "type",
-    "contype",
-    "conaffinity",
-    "condim",
-    "group",
-    "priority",
-    "size",
-    "material",
-    "friction",
-    "mass",
-    "density",
-    "shellinertia",
-    "solmix",
-    "solref",
-    "solimp",
-    "margin",
-    "gap",
-    "fromto",
-    "pos",
-    "quat",
-    "axisangle",
-    "xyaxes",
-    "zaxis",
-    "euler",
-    "hfield",
-    "mesh",
-    "fitscale",
-    "rgba",
-    "fluidshape",
-    "fluidcoef",
-    "user",
-];
-
 /// What a body is to what carries it.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Support {
@@ -88,7 +51,6 @@ impl Reader<'_> {
         }
         let mut sum: Option<RigidInertia> = None;
         for (element, scope) in &content.geoms {
-            element.expect_attributes(OF_GEOM, &mut self.into.warnings);
             let geom = self.classes.apply(element, scope.childclass)?;
             let group = geom.number("group")?.unwrap_or(0.0);
             let [least, greatest] = self.compiler.geom_groups;

@@ -9,33 +9,6 @@ use nalgebra::{Isometry3, Point3, Unit, Vector3};
 /// An axis shorter than this has no direction.
 const NOTHING: f64 = 1e-14;
 
-const KNOWN: &[&str] = &[
-    "name",
-    "class",
-    "group",
-    "type",
-    "pos",
-    "axis",
-    "springdamper",
-    "limited",
-    "actuatorfrclimited",
-    "solreflimit",
-    "solimplimit",
-    "solreffriction",
-    "solimpfriction",
-    "stiffness",
-    "range",
-    "actuatorfrcrange",
-    "actuatorgravcomp",
-    "margin",
-    "ref",
-    "springref",
-    "armature",
-    "damping",
-    "frictionloss",
-    "user",
-];
-
 /// Whether a joint frees its body.
 pub(super) fn is_free(joint: &Element) -> bool {
     joint.tag == "freejoint" || joint.text("type").is_some_and(|kind| kind.trim() == "free")
@@ -54,7 +27,6 @@ pub(super) fn read(
         return Err(joint.unsupported("a ball joint", "three hinges in one body move alike but for their singularity"));
     }
     let is_hinge = joint.word("type", &[("hinge", true), ("slide", false)])?.unwrap_or(true);
-    joint.expect_attributes(KNOWN, warnings);
     if joint.text("springdamper").is_some() {
         warnings.push(joint.say("springdamper is not read; write stiffness and damping"));
     }
@@ -103,7 +75,7 @@ pub(super) fn range(
 }
 
 /// One to three coefficients.
-fn polynomial(joint: &Element, name: &str) -> Result<[f64; 3], DescriptionError> {
+pub(super) fn polynomial(joint: &Element, name: &str) -> Result<[f64; 3], DescriptionError> {
     let given = joint.numbers(name)?.unwrap_or_default();
     if given.len() > 3 || (given.is_empty() && joint.text(name).is_some()) {
         return Err(joint.bad(name, "one to three numbers"));

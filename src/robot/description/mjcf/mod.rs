@@ -17,7 +17,9 @@ mod geom;
 mod include;
 mod inertial;
 mod joint;
+mod known;
 mod naming;
+mod option;
 mod orientation;
 mod shape;
 #[cfg(test)]
@@ -28,10 +30,8 @@ mod unread;
 use super::error::DescriptionError;
 use super::xml::Element;
 use super::{Description, Format};
-use crate::number::STANDARD_GRAVITY_M_S2;
 use compiler::Compiler;
 use defaults::Classes;
-use nalgebra::Vector3;
 use std::path::Path;
 
 /// What MuJoCo reads beside this and what changes no motion of the tree.
@@ -67,7 +67,7 @@ pub(super) fn read(file: &Path, root: Element) -> Result<Description, Descriptio
         name: root.text("model").map_or_else(|| super::of_tables::stem(file), str::to_owned),
         format: Format::Mjcf,
         files,
-        gravity_m_s2: gravity(&root)?,
+        gravity_m_s2: option::gravity(&root)?,
         links: Vec::new(),
         joints: Vec::new(),
         free_joint: None,
@@ -81,7 +81,9 @@ pub(super) fn read(file: &Path, root: Element) -> Result<Description, Descriptio
     for section in root.children.iter().filter(|section| !SILENT.contains(&section.tag.as_str())) {
         unread::section(section, &mut description)?;
     }
-    let compiler = Compiler::read(&root, &mut description.warnings)?;
+    known::expect_known(&root, &mut description.warnings);
+    option::unread(&root, &mut description.warnings)?;
+    let compiler = Compiler::read(&root)?;
     let classes = Classes::read(&root)?;
     let mut reader = Reader { compiler, classes, into: &mut description };
     let replicated = reader.bodies(&root)?;
@@ -90,18 +92,4 @@ pub(super) fn read(file: &Path, root: Element) -> Result<Description, Descriptio
     reader.equalities(&root)?;
     reader.actuators(&root, &replicated)?;
     Ok(description)
-}
-
-/// `<option gravity>`, which `<flag gravity="disable"/>` switches off.
-fn gravity(root: &Element) -> Result<Vector3<f64>, DescriptionError> {
-    let (mut gravity, mut is_on) = (Vector3::new(0.0, 0.0, -STANDARD_GRAVITY_M_S2), true);
-    for option in root.all("option") {
-        if let Some(written) = option.exactly::<3>("gravity")? {
-            gravity = Vector3::from(written);
-        }
-        for flag in option.all("flag") {
-            is_on = flag.word("gravity", &[("enable", true), ("disable", false)])?.unwrap_or(is_on);
-        }
-    }
-    Ok(if is_on { gravity } else { Vector3::zeros() })
 }
