@@ -159,9 +159,9 @@ impl<'a> Check<'a> {
         };
         let report = CheckReport::new(case, checkup, self.provenance.clone());
         let predicts_torques = self.predict == Some(Predict::Torque);
-        // Only the page draws the samples, and where nothing is stated nothing of it can be questioned.
+        // Only the page draws the samples, and where nothing is stated only the columns can be questioned.
         let series = if self.args.common.out.is_some() { report.series } else { Vec::new() };
-        let doubts = if self.predict.is_some() { report.doubts } else { Vec::new() };
+        let doubts = if self.predict.is_some() { report.doubts } else { case.doubts_of_columns() };
         Ok(CheckReport { predicts_torques, series, doubts, ..report })
     }
 }

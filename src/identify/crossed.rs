@@ -27,18 +27,33 @@ const TORQUE: f64 = 10.0;
 impl Case {
     /// Logs whose setpoints and readings do not belong together as the study says, in sentences.
     pub(super) fn crossed(&self) -> Vec<String> {
-        let kinds: [fn(&Self, &Columns<'_>) -> Option<String>; 4] = [called_free, turned, swapped, beside];
-        let columns: Vec<Columns<'_>> = self.items.iter().filter_map(Columns::of).collect();
-        let first = |kind: &fn(&Self, &Columns<'_>) -> Option<String>| {
+        let is_driven = |item: &Item| item.entry.drive == DriveMode::Position;
+        self.first_of(&[called_free, turned, swapped, beside], is_driven)
+    }
+
+    /// The same of logs of which nothing is stated: the joint is driven where there is a setpoint.
+    pub fn doubts_of_columns(&self) -> Vec<String> {
+        self.first_of(&[turned, swapped], |_| true)
+    }
+
+    fn first_of(&self, kinds: &[Kind], is_driven: impl Fn(&Item) -> bool) -> Vec<String> {
+        let columns: Vec<Columns<'_>> =
+            self.items.iter().filter_map(|item| Columns::of(item, is_driven(item))).collect();
+        let first = |kind: &Kind| {
             columns.iter().find_map(|own| kind(self, own).map(|words| format!("{words} ({})", own.item.entry.file)))
         };
         kinds.iter().filter_map(first).collect()
     }
 }
 
+/// A way in which columns do not belong together, in a sentence.
+type Kind = fn(&Case, &Columns<'_>) -> Option<String>;
+
 /// What was asked and what was read, at the readings.
 struct Columns<'a> {
     item: &'a Item,
+    /// Whether the setpoint moves the joint.
+    is_driven: bool,
     asked_rad: &'a [f64],
     read_rad: &'a [f64],
     /// Correlation of both.
@@ -46,14 +61,10 @@ struct Columns<'a> {
 }
 
 impl<'a> Columns<'a> {
-    fn of(item: &'a Item) -> Option<Self> {
+    fn of(item: &'a Item, is_driven: bool) -> Option<Self> {
         let (asked_rad, read_rad) = (item.log.q_ref_rad.as_deref()?, item.log.q_rad.as_slice());
         let together = correlation(asked_rad, read_rad).filter(|_| item.health.moved)?;
-        Some(Self { item, asked_rad, read_rad, together })
-    }
-
-    fn is_driven(&self) -> bool {
-        self.item.entry.drive == DriveMode::Position
+        Some(Self { item, is_driven, asked_rad, read_rad, together })
     }
 
     /// The best correlation with one column `by` samples behind the other, and how many these are.
@@ -85,7 +96,7 @@ fn called_free(_: &Case, own: &Columns<'_>) -> Option<String> {
 }
 
 fn turned(_: &Case, own: &Columns<'_>) -> Option<String> {
-    (own.is_driven() && own.together < AGAINST).then(|| {
+    (own.is_driven && own.together < AGAINST).then(|| {
         "The joint turns against its setpoint: has q or q_ref the other sign? sign = -1 under [columns] turns it"
             .to_owned()
     })
@@ -94,7 +105,7 @@ fn turned(_: &Case, own: &Columns<'_>) -> Option<String> {
 fn swapped(_: &Case, own: &Columns<'_>) -> Option<String> {
     let period_s = own.item.health.period_s;
     let farthest = (FARTHEST_S / period_s).min(own.read_rad.len() as f64 / 4.0) as usize;
-    if !own.is_driven() || farthest <= STAMPS {
+    if !own.is_driven || farthest <= STAMPS {
         return None;
     }
     let (late, _) = own.best([own.asked_rad, own.read_rad], 0..=farthest);
@@ -108,7 +119,7 @@ fn swapped(_: &Case, own: &Columns<'_>) -> Option<String> {
 }
 
 fn beside(case: &Case, own: &Columns<'_>) -> Option<String> {
-    let motor = own.item.entry.motor.as_ref().filter(|_| own.is_driven())?;
+    let motor = own.item.entry.motor.as_ref().filter(|_| own.is_driven)?;
     let nominal = case.joint.nominal.filter(|_| own.item.experiments.iter().all(|e| e.carriage.is_none()))?;
     if motor.ki_nm_rad_s != 0.0 || motor.model != MotorModel::Torque || own.together < FOLLOWS {
         return None;
@@ -131,6 +142,7 @@ fn beside(case: &Case, own: &Columns<'_>) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::log::{ArrayLog, JointSpec, Log, SensorSpec, Uncertain};
     use std::path::Path;
 
     /// The demonstration's doubts with another log.
@@ -146,6 +158,26 @@ mod tests {
             let case = Case::of_study(Path::new(&format!("data/examples/{study}/study.toml"))).unwrap();
             assert_eq!(case.crossed(), [""; 0], "{study}");
         }
+    }
+
+    #[test]
+    fn a_log_of_which_nothing_is_stated_is_questioned_too() {
+        let log = |change: fn(&mut ArrayLog)| {
+            let case = Case::of_study(Path::new("data/examples/delay/study.toml")).unwrap();
+            let Log { t_s, q_rad, q_ref_rad, .. } = case.items[0].log.clone();
+            let mut array = ArrayLog { q_ref_rad, ..ArrayLog::new("log", t_s, q_rad) };
+            change(&mut array);
+            let joint = JointSpec { nominal: None, ..case.joint };
+            let case = Case::of_arrays(joint, SensorSpec::default(), None, Uncertain::default(), vec![array]).unwrap();
+            case.doubts_of_columns().join("\n")
+        };
+        assert_eq!(log(|_| {}), "");
+        let turned = log(|array| array.q_rad.iter_mut().for_each(|q| *q = -*q));
+        assert!(turned.contains("turns against its setpoint"), "{turned}");
+        let swapped = log(|array| std::mem::swap(array.q_ref_rad.as_mut().unwrap(), &mut array.q_rad));
+        assert!(swapped.contains("are q and q_ref swapped"), "{swapped}");
+        let free = log(|array| array.q_ref_rad = None);
+        assert_eq!(free, "");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use minijinja::{Value, context};
 
 use super::summary::{COLUMNS, doubts, summary};
-use super::{CheckReport, LEFT, NO_STUDY, SOUND, STILL, are_sound, left, plot, sizes};
+use super::{CheckReport, LEFT, SOUND, STILL, are_sound, left, plot, sizes, without_study};
 use crate::gap::Checkup;
 use crate::report::beliefs::{believed, moved};
 use crate::report::gap::words;
@@ -35,7 +35,7 @@ pub fn check_html(name: &str, reports: &[CheckReport], notes: &[String]) -> Resu
         columns => COLUMNS,
         joints => reports.iter().map(view).collect::<Result<Vec<_>, _>>()?,
         still => may_be_still.then_some(STILL),
-        no_study => (!is_study).then(|| with_code(NO_STUDY)),
+        no_study => (!is_study).then(|| with_code(&without_study(reports.iter()))),
         notes => notes.iter().map(|note| with_code(note)).collect::<Vec<_>>(),
         version => provenance.version,
         command => provenance.command,

@@ -32,6 +32,10 @@ const STILL: &str = "It moved in none of the logs to be fitted: they tell nothin
 const NO_STUDY: &str = "What these logs can determine depends on what is believed of the joint: give a study \
      (`aibo-fit init` writes one from the log, to be filled in), and `check` says it.";
 
+/// What is said besides where all that was read are angles.
+const UNDRIVEN: &str = "Neither setpoints nor torques were read, only angles: such a log tells of a joint that moves freely. Where a motor \
+     moved it, name the column of its setpoint or torque under [columns].";
+
 /// The health of logs, and what they can tell where a study says what is believed.
 #[derive(Clone, Debug)]
 pub struct CheckReport {
@@ -45,6 +49,8 @@ pub struct CheckReport {
     pub predicts_torques: bool,
     /// Numbers of the study that are far from any joint that moves like its logs, in sentences.
     pub doubts: Vec<String>,
+    /// Whether a log has setpoints or torques.
+    pub is_driven: bool,
     /// What was read and asked, to be drawn; one for each log.
     pub series: Vec<LogSeries>,
     /// Where the report comes from.
@@ -88,6 +94,7 @@ impl CheckReport {
             checkup,
             predicts_torques: false,
             doubts,
+            is_driven: case.items.iter().any(|item| item.log.q_ref_rad.is_some() || item.log.tau_nm.is_some()),
             series,
             provenance,
         }
@@ -104,6 +111,11 @@ fn are_sound(joints: &[(&str, Option<&CheckReport>)]) -> bool {
     joints.iter().filter_map(|(_, report)| *report).all(|report| {
         report.doubts.is_empty() && report.health.iter().all(|log| log.remarks.is_empty() && log.lost == 0)
     })
+}
+
+/// What logs without a study leave open.
+fn without_study<'a>(mut reports: impl Iterator<Item = &'a CheckReport>) -> String {
+    if reports.any(|report| report.is_driven) { NO_STUDY.to_owned() } else { format!("{UNDRIVEN} {NO_STUDY}") }
 }
 
 /// How far the model is off.

@@ -1,7 +1,7 @@
 //! `check` as text for a terminal.
 
 use super::summary::{COLUMNS, doubts, summary};
-use super::{CheckReport, LEFT, NO_STUDY, SOUND, STILL, are_sound, left, sizes};
+use super::{CheckReport, LEFT, SOUND, STILL, are_sound, left, sizes, without_study};
 use crate::gap::Checkup;
 use crate::identify::BeliefFound;
 use crate::report::beliefs::belief_table;
@@ -24,7 +24,7 @@ fn told(report: &CheckReport) -> String {
         report.checkup.iter().map(|checkup| paragraph(&sizes(&report.joint, checkup))).collect();
     blocks.extend([health_text(&report.health), motion_text(&report.health)]);
     match &report.checkup {
-        None => blocks.push(paragraph(NO_STUDY)),
+        None => blocks.push(paragraph(&without_study([report].into_iter()))),
         Some(checkup) => {
             blocks.push(numbers(checkup));
             blocks.push(undetermined(&checkup.undetermined).unwrap_or_else(|| {
@@ -63,7 +63,7 @@ pub fn checks_text(joints: &[(&str, Option<&CheckReport>)], notes: &[String]) ->
         text += "\n";
     }
     if !is_study && joints.iter().any(|(_, report)| report.is_some()) {
-        text += &paragraph(NO_STUDY);
+        text += &paragraph(&without_study(joints.iter().filter_map(|(_, report)| *report)));
         text += "\n";
     }
     notes.iter().for_each(|note| text += &(wrap(WIDTH, note, "- ", "  ") + "\n"));
