@@ -244,7 +244,8 @@ impl Case {
                 return Err(CaseError::NoMotor { log: file });
             }
             check_period(&log, &sensor)?;
-            let entry = StudyLog { file, path: PathBuf::new(), role, drive, motor, extra, session, tau_is };
+            let entry =
+                StudyLog { file, path: PathBuf::new(), role, drive, motor, extra, session, tau_is, window: None };
             check_torque_sign(&log, &entry)?;
             Ok((Ready::of(log, &sensor, drive, count), entry, sensor))
         };
@@ -372,6 +373,7 @@ fn plain_entry(path: &Path) -> StudyLog {
         extra: None,
         session: None,
         tau_is: None,
+        window: None,
     }
 }
 

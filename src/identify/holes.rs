@@ -110,6 +110,7 @@ mod tests {
             extra: None,
             session: None,
             tau_is: None,
+            window: None,
         }
     }
 

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use super::clamped_study::{ClampedStudy, clamped_study_of};
+use super::clamped_study::{ClampedStudy, clamped_study_of, within};
 use super::column::column_of;
 use super::columns::Columns;
 use super::document::Document;
@@ -47,19 +47,20 @@ pub fn read_at_hand(name: &Path, text: &str, logs: &[Source]) -> Result<StudyAtH
             };
             let mut read = Vec::with_capacity(study.logs.len());
             for (i, entry) in study.logs.iter().enumerate() {
-                let log = match at_hand(logs, &entry.file, &study.columns)? {
+                let log = match at_hand(logs, entry.named(), &study.columns)? {
                     Some(source) => of_joint(source)?,
                     None => read_joint_of_study(&entry.path, &study.columns, &study.joint.name)?,
                 };
                 check_period(&log, &study.sensor)?;
+                let log = log.within(entry.window.as_ref(), (&study.file, i))?;
                 read.push(check_inputs(&study.file, i, entry, log)?);
             }
             StudyAtHand::Joint(Box::new(study), read)
         }
         StudyKind::Clamped => {
             let study = clamped_study_of(&document)?;
-            let entries = study.logs.iter().map(|entry| (entry.file.as_str(), entry.path.as_path()));
-            let read = robot_logs(logs, entries, &study.columns, study.sensor.period_s)?;
+            let entries = study.logs.iter().map(|entry| (entry.named(), entry.path.as_path()));
+            let read = within(&study, robot_logs(logs, entries, &study.columns, study.sensor.period_s)?)?;
             StudyAtHand::Clamped(Box::new(study), read)
         }
         StudyKind::Robot => {

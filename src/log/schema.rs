@@ -112,6 +112,8 @@ pub(super) struct RawLog {
     pub role: Text,
     pub drive: Text,
     pub session: Text,
+    pub from: Number,
+    pub to: Number,
     pub tau_is: Text,
     pub kt: Number,
     pub gear: Number,

@@ -9,13 +9,14 @@ use toml::Spanned;
 
 use super::about::about;
 use super::beliefs::{JOINT_NAMES, uncertain};
-use super::document::{ANGLE, Document, FINITE, PERIOD, Range64, Text, range};
+use super::document::{ANGLE, Document, FINITE, Number, PERIOD, Range64, Text, range};
 use super::error::LogError;
 use super::motor::{motor, tau_is};
 use super::raw_columns::columns;
 use super::schema::{RawExtra, RawJoint, RawLog, RawMotor, RawRelease, RawSensor, RawStudy};
 use super::source::is_log_folder;
 use super::types::{DriveMode, ExtraMass, JointSpec, Nominal, Release, Role, SensorSpec, Study, StudyLog};
+use super::window::{Window, overlap};
 use crate::number::STANDARD_GRAVITY_M_S2;
 
 const INERTIA: Range64 = range(|x| x > 0.0 && x < 1e4, "a number above 0 and below 1e4 (kg m^2)");
@@ -66,13 +67,13 @@ pub(super) fn study_of(document: &Document<'_>) -> Result<Study, LogError> {
         return Err(document.missing("[[log]]", "at least one log"));
     }
     let mut logs = Vec::with_capacity(raw.log.len());
-    let mut seen: BTreeMap<PathBuf, usize> = BTreeMap::new();
+    let mut seen = Seen::new();
     for (i, log) in raw.log.into_iter().enumerate() {
         let table = format!("[[log]] {}", i + 1);
-        let (file, resolved) = named_log(document, i, &log.file, &mut seen)?;
+        let named = named_log(document, i, &log.file, [&log.from, &log.to], &mut seen)?;
         let role = document.needed_word(&format!("{table} role"), &log.role, &ROLES)?;
         let drive = document.needed_word(&format!("{table} drive"), &log.drive, &DRIVES)?;
-        logs.push(study_log(document, &table, log, &raw.motor, (file, resolved, role, drive))?);
+        logs.push(study_log(document, &table, log, &raw.motor, (named, role, drive))?);
     }
     if !logs.iter().any(|log| log.role == Role::Fit) {
         return Err(document
@@ -132,36 +133,60 @@ pub(crate) fn read_sidecar(log_path: &Path) -> Result<Option<(Study, bool)>, Log
     let is_stated = entry.drive.is_some() || raw.release.is_some();
     let role = document.word(&format!("{table} role"), &entry.role, &ROLES)?.unwrap_or(Role::Fit);
     let drive = document.word(&format!("{table} drive"), &entry.drive, &DRIVES)?.unwrap_or(DriveMode::Off);
-    let log = study_log(&document, table, entry, &raw.motor, (own_name, log_path.to_path_buf(), role, drive))?;
+    let window = [("from", &entry.from), ("to", &entry.to)];
+    if let Some((key, said)) = window.into_iter().find_map(|(key, said)| Some((key, said.as_ref()?))) {
+        let expected = "it only in a study; a log alone is read whole";
+        return Err(document.wrong(&format!("{table} {key}"), said.span(), "a part of a log", expected));
+    }
+    let named = Named { file: own_name, path: log_path.to_path_buf(), window: None };
+    let log = study_log(&document, table, entry, &raw.motor, (named, role, drive))?;
     let release = raw.release.as_ref().map(|release| self::release(&document, release.get_ref())).transpose()?;
     let study = Study { file: path.clone(), joint, sensor, motor, uncertain, columns, logs: vec![log], release };
     Ok(Some((study, is_stated)))
 }
 
-/// The log that `[[log]]` number `i`, from 0, names: it stands there once, and is there.
+/// What was named before: the numbers, from 1, of those that took it, and which part.
+pub(super) type Seen = BTreeMap<PathBuf, Vec<(usize, Option<Window>)>>;
+
+/// A log as a study names it.
+pub(super) struct Named {
+    /// What reports call it.
+    pub file: String,
+    pub path: PathBuf,
+    pub window: Option<Window>,
+}
+
+/// The log that `[[log]]` number `i`, from 0, names, or the part between two times: it stands there once, and is there.
 pub(super) fn named_log(
     document: &Document<'_>,
     i: usize,
     file: &Text,
-    seen: &mut BTreeMap<PathBuf, usize>,
-) -> Result<(String, PathBuf), LogError> {
-    let key = format!("[[log]] {} file", i + 1);
+    ends: [&Number; 2],
+    seen: &mut Seen,
+) -> Result<Named, LogError> {
+    let table = format!("[[log]] {}", i + 1);
+    let key = format!("{table} file");
     let file = file.as_ref().ok_or_else(|| document.missing(&*key, "the name of a log"))?;
     let resolved = document.file.parent().unwrap_or(Path::new("")).join(file.get_ref());
     // One file by two spellings is one log; what is at hand is no file.
     let real = if document.has_at_hand(file.get_ref()) { None } else { fs::canonicalize(&resolved).ok() };
-    if let Some(first) = seen.insert(real.unwrap_or_else(|| resolved.components().collect()), i + 1) {
+    let window = Window::read(document, &table, file.get_ref(), ends)?;
+    let before = seen.entry(real.unwrap_or_else(|| resolved.components().collect())).or_default();
+    if let Some((first, _)) = before.iter().find(|(_, other)| overlap(window.as_ref(), other.as_ref())) {
         let found = format!("\"{}\", which is also [[log]] {first}", file.get_ref());
-        return Err(document.wrong(&key, file.span(), found, "every log once"));
+        let expected = "every log once, or by `from` and `to` parts of it that have no sample in common";
+        return Err(document.wrong(&key, file.span(), found, expected));
     }
+    before.push((i + 1, window.clone()));
+    let label = window.as_ref().map_or_else(|| file.get_ref().clone(), Window::label);
     if document.has_at_hand(file.get_ref()) {
-        return Ok((file.get_ref().clone(), PathBuf::new()));
+        return Ok(Named { file: label, path: PathBuf::new(), window });
     }
     is_file(&resolved).map_err(|source| {
         let at = document.place(&key, file.span());
         LogError::NamedLog { at, path: resolved.clone(), source }
     })?;
-    Ok((file.get_ref().clone(), resolved))
+    Ok(Named { file: label, path: resolved, window })
 }
 
 fn is_file(path: &Path) -> io::Result<()> {
@@ -234,7 +259,7 @@ fn study_log(
     table: &str,
     mut raw: RawLog,
     base: &Option<RawMotor>,
-    (file, path, role, drive): (String, PathBuf, Role, DriveMode),
+    (Named { file, path, window }, role, drive): (Named, Role, DriveMode),
 ) -> Result<StudyLog, LogError> {
     let (prefix, merged) = match (raw.motor.take(), base) {
         (Some(own), base) => (format!("{table} motor."), Some(own.over(base.clone().unwrap_or_default()))),
@@ -248,7 +273,7 @@ fn study_log(
     let session = session(document, table, &raw.session)?;
     let tau_is = tau_is(document, table, &raw, merged.as_ref().map(|merged| (&*prefix, merged)), drive)?;
     let extra = raw.extra.as_ref().map(|extra| self::extra(document, table, extra)).transpose()?;
-    Ok(StudyLog { file, path, role, drive, motor, extra, session, tau_is })
+    Ok(StudyLog { file, path, role, drive, motor, extra, session, tau_is, window })
 }
 
 fn session(document: &Document<'_>, table: &str, raw: &Text) -> Result<Option<String>, LogError> {

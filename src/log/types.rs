@@ -3,6 +3,7 @@
 use super::columns::Columns;
 use super::motor_types::{MotorSpec, TauIs};
 use super::uncertain::Uncertain;
+use super::window::Window;
 use std::path::PathBuf;
 
 /// One logged joint: samples in columns, all of the same length.
@@ -145,7 +146,7 @@ pub struct ExtraMass {
 /// One `[[log]]` entry, with the motor that is in force for it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StudyLog {
-    /// As written in the study.
+    /// As written in the study; where a part of it is taken, with that.
     pub file: String,
     /// The file resolved against the study's folder.
     pub path: PathBuf,
@@ -161,6 +162,8 @@ pub struct StudyLog {
     pub session: Option<String>,
     /// What the column `tau` of a position-driven log is; `None`: information only.
     pub tau_is: Option<TauIs>,
+    /// The part of the file that is taken; `None`: all of it.
+    pub window: Option<Window>,
 }
 
 /// Table `[release]` of a sidecar: what the person at the bench noted.

@@ -147,9 +147,13 @@ fn release(release: &Release) -> Table {
 
 fn log(entry: &StudyLog, base: Option<&MotorSpec>) -> Table {
     let mut table = Table::new();
-    put(&mut table, "file", entry.file.clone());
+    put(&mut table, "file", entry.named());
     put(&mut table, "role", word(&ROLES, &entry.role));
     put(&mut table, "drive", word(&DRIVES, &entry.drive));
+    if let Some(window) = &entry.window {
+        put_some(&mut table, "from", window.from_s);
+        put_some(&mut table, "to", window.to_s);
+    }
     if let Some(session) = &entry.session {
         put(&mut table, "session", session.clone());
     }

@@ -201,6 +201,7 @@ fn draw(seed: u64, attempt: u64, lack: Lack) -> Option<Set> {
             extra,
             session: None,
             tau_is: None,
+            window: None,
         };
         let found = health(&log, &SensorSpec { resolution_rad: Some(step), period_s: None }, drive);
         // A held phase that the angle does not show cannot be fitted as what it is: such a log is read as free.

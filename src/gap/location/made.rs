@@ -155,6 +155,7 @@ pub(in crate::gap) fn made(joint: &Joint, swing: &Swing) -> Made {
         extra: body,
         session: None,
         tau_is: None,
+        window: None,
     };
     let sensor = SensorSpec { resolution_rad: Some(swing.step), period_s: Some(swing.period) };
     let found = health(&log, &sensor, entry.drive);

@@ -15,10 +15,11 @@ use super::columns::Columns;
 use super::motor_types::{Derivative, EncoderSide, Hold, MotorModel, TauIs};
 use super::types::{DriveMode, Role, SensorSpec};
 use super::uncertain::Uncertain;
+use super::window::Window;
 
 pub(crate) use raw::{RawBeliefs, RawBelieved, RawDescribed, RawLoop};
 pub(crate) use read::believed;
-pub(super) use read::clamped_study_of;
+pub(super) use read::{clamped_study_of, within};
 pub use read::{read_clamped_study, read_clamped_study_logs};
 
 /// A study of a robot with a clamped base.
@@ -120,7 +121,7 @@ impl JointBeliefs {
 /// One `[[log]]` of the study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClampedStudyLog {
-    /// As written in the study.
+    /// As written in the study; where a part of it is taken, with that.
     pub file: String,
     /// The file resolved against the study's folder.
     pub path: PathBuf,
@@ -130,6 +131,8 @@ pub struct ClampedStudyLog {
     pub drive: DriveMode,
     /// Logs of one session were taken in one go.
     pub session: Option<String>,
+    /// The part of the file that is taken; `None`: all of it.
+    pub window: Option<Window>,
 }
 
 impl ClampedStudy {

@@ -114,4 +114,6 @@ pub(super) struct RawClampedLog {
     pub drive: Text,
     pub session: Text,
     pub predict: Text,
+    pub from: Number,
+    pub to: Number,
 }

@@ -18,7 +18,7 @@ use crate::log::raw_columns::columns;
 use crate::log::read_log::read_robot_logs;
 use crate::log::robot_log::RobotLog;
 use crate::log::schema::{RawLog, RawMotor};
-use crate::log::study::{DRIVES, ROLES, check_schema, named_log, sensor};
+use crate::log::study::{DRIVES, Named, ROLES, Seen, check_schema, named_log, sensor};
 use crate::log::types::{DriveMode, Role};
 
 /// The table of beliefs that holds for all joints.
@@ -42,7 +42,7 @@ pub(in crate::log) fn clamped_study_of(document: &Document<'_>) -> Result<Clampe
     if raw.log.is_empty() {
         return Err(document.missing("[[log]]", "at least one log"));
     }
-    let mut seen = BTreeMap::new();
+    let mut seen = Seen::new();
     let logs = raw.log.iter().enumerate().map(|(i, entry)| log(document, i, entry, &mut seen));
     let logs: Vec<ClampedStudyLog> = logs.collect::<Result<_, _>>()?;
     if !logs.iter().any(|log| log.role == Role::Fit) {
@@ -111,10 +111,16 @@ pub(crate) fn believed(document: &Document<'_>, raw: RawBelieved) -> Result<Clam
 ///
 /// # Errors
 /// The error of the first log, in the study's order, that cannot be read, or whose period is about 1000 times off
-/// `[sensor] period`.
+/// `[sensor] period`, or of which a part is asked for that has no two samples.
 pub fn read_clamped_study_logs(study: &ClampedStudy) -> Result<Vec<RobotLog>, LogError> {
     let paths: Vec<&Path> = study.logs.iter().map(|log| log.path.as_path()).collect();
-    read_robot_logs(&paths, &study.columns, study.sensor.period_s)
+    within(study, read_robot_logs(&paths, &study.columns, study.sensor.period_s)?)
+}
+
+/// The parts of its logs that a study takes.
+pub(in crate::log) fn within(study: &ClampedStudy, logs: Vec<RobotLog>) -> Result<Vec<RobotLog>, LogError> {
+    let entries = study.logs.iter().enumerate();
+    logs.into_iter().zip(entries).map(|(log, (i, entry))| log.within(entry.window.as_ref(), (&study.file, i))).collect()
 }
 
 fn gravity(document: &Document<'_>, raw: &Spanned<Vec<f64>>) -> Result<[f64; 3], LogError> {
@@ -208,20 +214,16 @@ fn tau_is_of_setpoints(
     Err(document.wrong(&format!("{}tau_is", table(joint)), said.span(), found, expected))
 }
 
-fn log(
-    document: &Document<'_>,
-    i: usize,
-    raw: &RawClampedLog,
-    seen: &mut BTreeMap<std::path::PathBuf, usize>,
-) -> Result<ClampedStudyLog, LogError> {
+fn log(document: &Document<'_>, i: usize, raw: &RawClampedLog, seen: &mut Seen) -> Result<ClampedStudyLog, LogError> {
     let key = |name: &str| format!("[[log]] {} {name}", i + 1);
-    let (file, path) = named_log(document, i, &raw.file, seen)?;
+    let Named { file, path, window } = named_log(document, i, &raw.file, [&raw.from, &raw.to], seen)?;
     Ok(ClampedStudyLog {
         file,
         path,
         role: document.needed_word(&key("role"), &raw.role, &ROLES)?,
         drive: document.word(&key("drive"), &raw.drive, &DRIVES)?.unwrap_or(DriveMode::Position),
         session: raw.session.as_ref().map(|session| session.get_ref().clone()),
+        window,
     })
 }
 

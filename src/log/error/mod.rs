@@ -99,6 +99,9 @@ pub enum LogError {
         found: Vec<String>,
         hint: Option<String>,
     },
+    /// The part of a log that `[[log]]` number `entry`, from 1, takes has no motion.
+    #[error("{}: [[log]] {entry} from, to: {samples} sample{} in {log}, expected at least 2; its stamps go from {begins_s} to {ends_s} s", study.display(), if *samples == 1 { "" } else { "s" })]
+    EmptyWindow { study: Box<Path>, entry: usize, log: String, samples: usize, begins_s: f64, ends_s: f64 },
     /// An array that is no column of a log; `index` counts from 0.
     #[error("{log}: array `{array}`{}: {what}", index.map_or_else(String::new, |index| format!("[{index}]")))]
     Array { log: String, array: &'static str, index: Option<usize>, what: String },

@@ -21,7 +21,7 @@ use crate::log::motor_types::{Derivative, Hold};
 use crate::log::raw_columns::columns;
 use crate::log::read_log::read_robot_logs;
 use crate::log::robot_log::RobotLog;
-use crate::log::study::{RESOLUTION, ROLES, check_schema, extra, named_log};
+use crate::log::study::{Named, RESOLUTION, ROLES, Seen, check_schema, extra, named_log};
 use crate::log::types::Role;
 
 /// The robot that is compiled in.
@@ -303,11 +303,11 @@ fn log(
     i: usize,
     raw: &RawRobotLog,
     scenario: RobotScenario,
-    seen: &mut BTreeMap<PathBuf, usize>,
+    seen: &mut Seen,
 ) -> Result<RobotStudyLog, LogError> {
     let table = format!("[[log]] {}", i + 1);
     let key = |name: &str| format!("{table} {name}");
-    let (file, path) = named_log(document, i, &raw.file, seen)?;
+    let Named { file, path, .. } = named_log(document, i, &raw.file, [&None, &None], seen)?;
     let role = document.needed_word(&key("role"), &raw.role, &ROLES)?;
     if scenario != RobotScenario::Drop {
         let released = raw.released.as_ref().map(|released| ("released", released.span()));

@@ -18,6 +18,8 @@ use std::f64::consts::{PI, TAU};
 
 /// Between two episodes, less than a frame more \[s\].
 const BREAK_S: f64 = 1.0;
+/// So many episodes are told by their times.
+const TOLD_EPISODES: usize = 40;
 /// Beyond this no joint is in radians: two turns.
 const WIDEST_RAD: f64 = 4.0 * PI;
 /// Robots whose angles LeRobot writes in degrees or in percent of their range.
@@ -183,11 +185,7 @@ impl Frames {
         let mut source = Source::new(path.to_path_buf(), Format::LeRobot);
         let (t_s, episodes) = self.stamps(samples, info)?;
         source.clocks.push(t_s);
-        if episodes > 1 {
-            source
-                .notes
-                .push(format!("{episodes} episodes, one after the other with a hole of {BREAK_S} s between them"));
-        }
+        source.notes.extend(of_episodes(&episodes));
         let width = self.state.len();
         let names: Vec<String> = match info.state.len() == width {
             true => info.state.clone(),
@@ -222,15 +220,15 @@ impl Frames {
         Ok(source)
     }
 
-    /// Stamps along all episodes, and how many these are.
-    fn stamps(&self, samples: usize, info: &Info) -> Result<(Vec<f64>, usize), String> {
+    /// Stamps along all episodes, and when each begins.
+    fn stamps(&self, samples: usize, info: &Info) -> Result<(Vec<f64>, Vec<f64>), String> {
         let has = |count: usize| count == samples;
         let own = |k: usize| match info.fps {
             // A stamp in single precision is not as good as the count of frames.
             Some(fps) if has(self.frame.len()) => Some(self.frame[k] as f64 / fps),
             _ => self.stamp.get(k).copied().filter(|_| has(self.stamp.len())),
         };
-        let (mut t_s, mut episodes, mut start_s) = (Vec::with_capacity(samples), 1, 0.0);
+        let (mut t_s, mut episodes, mut start_s) = (Vec::with_capacity(samples), Vec::new(), 0.0);
         for k in 0..samples {
             let own_s = own(k).ok_or("no column `timestamp`, and no `frame_index` with `fps` in meta/info.json")?;
             let before = k.checked_sub(1).and_then(own);
@@ -238,7 +236,6 @@ impl Frames {
                 && (has(self.episode.len()) && self.episode[k] != self.episode[k - 1]
                     || before.is_some_and(|before| own_s < before));
             if is_next {
-                episodes += 1;
                 // Between two frames: no frame is lost there.
                 let frame_s = if k > 1 { t_s[k - 1] - t_s[k - 2] } else { BREAK_S };
                 let break_s = ((BREAK_S / frame_s).round() + 0.5) * frame_s;
@@ -248,10 +245,28 @@ impl Frames {
             if t_s.last().is_some_and(|last| !(stamp > *last)) || !stamp.is_finite() {
                 return Err(format!("frame {k}: its stamp {own_s} s does not come after the one before"));
             }
+            if k == 0 || is_next {
+                episodes.push(stamp);
+            }
             t_s.push(stamp);
         }
         Ok((t_s, episodes))
     }
+}
+
+/// What is said of several episodes: when they begin, as `from` and `to` of a study take one. In the hole before each a tenth
+/// of a second is nothing.
+fn of_episodes(begin_s: &[f64]) -> Option<String> {
+    let times: Vec<String> =
+        begin_s.iter().take(TOLD_EPISODES).map(|s| format!("{}", (10.0 * s).floor() / 10.0)).collect();
+    let more = if begin_s.len() > TOLD_EPISODES { ", ..." } else { "" };
+    (begin_s.len() > 1).then(|| {
+        format!(
+            "{} episodes, one after the other with a hole of {BREAK_S} s between them; they begin at {}{more} s",
+            begin_s.len(),
+            times.join(", ")
+        )
+    })
 }
 
 /// The unit of each joint, where it is not radians, and a note on how that was told.
@@ -310,6 +325,15 @@ fn spread(columns: &mut Vec<Vec<f64>>, values: &[f64], rows: usize) -> Result<()
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn episodes_are_told_by_when_they_begin() {
+        assert_eq!(of_episodes(&[0.0]), None);
+        let told = of_episodes(&[0.0, 21.0667, 40.0]).unwrap();
+        assert!(told.starts_with("3 episodes") && told.ends_with("begin at 0, 21, 40 s"), "{told}");
+        let many: Vec<f64> = (0..100).map(f64::from).collect();
+        assert!(of_episodes(&many).unwrap().ends_with("39, ... s"));
+    }
 
     #[test]
     fn small_motions_of_an_arm_that_has_no_radians_are_degrees() {

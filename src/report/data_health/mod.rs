@@ -44,6 +44,7 @@ pub(super) fn health_rows_of_joint(setup: &ClampedSetup, joint: &str) -> Vec<Log
             extra: None,
             session: entry.session.clone(),
             tau_is: None,
+            window: None,
         };
         let (sensor, health) = (study.sensor, health(&log, &study.sensor, entry.drive));
         Some(health_row(&Item { log, entry, sensor, health, experiments: Vec::new(), remarks: Vec::new() }))

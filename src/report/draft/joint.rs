@@ -9,6 +9,9 @@ use std::path::Path;
 
 /// Readings that never come as near to 0 count from somewhere else than where the link hangs \[rad\].
 const FAR_RAD: f64 = 0.5;
+/// A single log that lasts longer is worth parting \[s\], and the share of it that is fitted then.
+const WORTH_PARTING_S: f64 = 8.0;
+const FITTED: f64 = 0.75;
 /// Who says what a log calls its columns, where nobody guesses.
 pub(super) const TOLD: &str = "as the log's sidecar says";
 
@@ -68,7 +71,7 @@ pub(super) fn study(
     untold.extend(of_currents(seen).map(|currents| format!("the unit of {currents}")));
     for (k, (log, joint)) in of_joint.iter().enumerate() {
         let file = toml_string(&relative(&log.path, folder));
-        let _ = write!(text, "\n[[log]]\nfile = {file}\n{}\n", role(k, of_joint.len()));
+        let _ = write!(text, "\n[[log]]\nfile = {file}\n{}\n", role(log, k, of_joint.len()));
         let _ = writeln!(text, "drive = \"{}\"{}", drive_word(joint.drive), why(joint));
         text += &notes(log);
         untold.extend(of_drive(log, joint));
@@ -150,12 +153,21 @@ fn told_columns(seen: &[Seen], columns: &Columns) -> String {
     format!("\n# {how}\n{currents}{}", columns.toml())
 }
 
-/// The role of a log, by its place among so many: of several the last may be the one to hold out.
-pub(super) fn role(k: usize, logs: usize) -> &'static str {
-    if logs > 1 && k + 1 == logs {
-        "role = \"fit\"   # or \"validate\": predicted only; hold a motion out that differs from the others"
-    } else {
-        "role = \"fit\""
+/// The role of a log, by its place among so many: of several the last may be the one to hold out, of one its last part.
+pub(super) fn role(log: &Seen, k: usize, logs: usize) -> String {
+    let fit = "role = \"fit\"";
+    match log.source.clocks.first().and_then(|t_s| Some([*t_s.first()?, *t_s.last()?])) {
+        Some([begins_s, ends_s]) if logs == 1 && ends_s - begins_s > WORTH_PARTING_S => {
+            let at_s = (begins_s + FITTED * (ends_s - begins_s)).round();
+            format!(
+                "{fit}\n# to = {at_s:?}   # s: holds what follows out, as a second [[log]] of this file with from = {at_s:?} and\n\
+                 #               # role = \"validate\": predicted only"
+            )
+        }
+        _ if logs > 1 && k + 1 == logs => {
+            format!("{fit}   # or \"validate\": predicted only; hold a motion out that differs from the others")
+        }
+        _ => fit.to_owned(),
     }
 }
 

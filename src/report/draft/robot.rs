@@ -118,7 +118,7 @@ fn log_tables(seen: &[Seen], folder: &Path, untold: &mut Vec<String>) -> String 
     let mut text = String::new();
     for (k, (log, joint)) in logs.iter().enumerate() {
         let file = toml_string(&relative(&log.path, folder));
-        let _ = write!(text, "\n[[log]]\nfile = {file}\n{}\n", role(k, logs.len()));
+        let _ = write!(text, "\n[[log]]\nfile = {file}\n{}\n", role(log, k, logs.len()));
         let _ = writeln!(text, "drive = \"{}\"{}", drive_word(joint.drive), why(joint));
         if are_of_torques {
             text += "# predict = \"torque\"   # compares torques along the measured motion instead of simulating\n";

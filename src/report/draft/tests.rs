@@ -126,6 +126,16 @@ fn other_names_are_paired_from_the_base_on_however_the_file_is_ordered() {
     assert_eq!(draft.text.matches("or \"validate\"").count(), 1, "{}", draft.text);
 }
 
+#[test]
+fn of_a_single_long_log_the_last_part_may_be_held_out() {
+    let row = |wave: &dyn Fn(i32) -> f64| format!("{},{}", wave(0), wave(3));
+    let (short, _) = drafted(&table("t,q_ref,q", row), None);
+    assert!(!short.text.contains("# to ="), "2 s are not worth parting: {}", short.text);
+    let rows = (0..1000).map(|k| (0.01 * f64::from(k), (0.1 * f64::from(k)).sin()));
+    let (long, _) = drafted(&rows.fold("t,q\n".to_owned(), |text, (t, q)| text + &format!("{t:.2},{q}\n")), None);
+    assert!(long.text.contains("role = \"fit\"\n# to = 7.0 "), "{}", long.text);
+}
+
 /// 200 rows of a user's own logger, of waves that come late by so many samples.
 fn table(header: &str, row: impl Fn(&dyn Fn(i32) -> f64) -> String) -> String {
     let rows = (0..200_i32)
