@@ -37,5 +37,5 @@ fn of_one_recording_a_part_is_held_out() {
     assert_eq!(found["effect"], "delay", "{}", found["sentence"]);
     let logs: Vec<&str> =
         found["gap"]["per_log"].as_array().unwrap().iter().map(|l| l["file"].as_str().unwrap()).collect();
-    assert!(logs.len() == 1 && logs[0].ends_with("chirp-0.csv from 6 s"), "{logs:?}");
+    assert!(logs.len() == 1 && logs[0].ends_with("chirp-0.csv (from 6 s)"), "{logs:?}");
 }

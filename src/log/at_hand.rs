@@ -17,6 +17,7 @@ use super::robot_study::{RobotStudy, StudyKind, kind_of, robot_study_of};
 use super::source::{Channel, Source, checked, joint_log, robot_log, tried};
 use super::study::study_of;
 use super::types::{Log, Study};
+use super::window::Window;
 
 /// A study with its logs, in its order.
 #[derive(Clone, Debug)]
@@ -47,19 +48,20 @@ pub fn read_at_hand(name: &Path, text: &str, logs: &[Source]) -> Result<StudyAtH
             };
             let mut read = Vec::with_capacity(study.logs.len());
             for (i, entry) in study.logs.iter().enumerate() {
-                let log = match at_hand(logs, entry.named(), &study.columns)? {
+                let log = match at_hand(logs, Window::file(entry.window.as_ref(), &entry.file), &study.columns)? {
                     Some(source) => of_joint(source)?,
                     None => read_joint_of_study(&entry.path, &study.columns, &study.joint.name)?,
                 };
                 check_period(&log, &study.sensor)?;
-                let log = log.within(entry.window.as_ref(), (&study.file, i))?;
-                read.push(check_inputs(&study.file, i, entry, log)?);
+                let log = check_inputs(&study.file, i, entry, log)?;
+                read.push(log.within(entry.window.as_ref(), (&study.file, i))?);
             }
             StudyAtHand::Joint(Box::new(study), read)
         }
         StudyKind::Clamped => {
             let study = clamped_study_of(&document)?;
-            let entries = study.logs.iter().map(|entry| (entry.named(), entry.path.as_path()));
+            let entries =
+                study.logs.iter().map(|entry| (Window::file(entry.window.as_ref(), &entry.file), entry.path.as_path()));
             let read = within(&study, robot_logs(logs, entries, &study.columns, study.sensor.period_s)?)?;
             StudyAtHand::Clamped(Box::new(study), read)
         }

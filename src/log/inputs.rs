@@ -39,7 +39,8 @@ pub(crate) fn read_each_log<T: Send>(
 fn read_one(study: &Study, i: usize, entry: &StudyLog) -> Result<Log, LogError> {
     let log = read_joint_of_study(&entry.path, &study.columns, &study.joint.name)?;
     check_period(&log, &study.sensor)?;
-    check_inputs(&study.file, i, entry, log.within(entry.window.as_ref(), (&study.file, i))?)
+    // What is wrong with the file is said of it, and not of a part.
+    check_inputs(&study.file, i, entry, log)?.within(entry.window.as_ref(), (&study.file, i))
 }
 
 /// A log has the columns that its `drive` needs, and a torque has its sign; `i` counts the study's logs from 0.

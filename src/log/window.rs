@@ -3,11 +3,10 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use super::clamped_study::ClampedStudyLog;
 use super::document::{Document, FINITE, Number};
 use super::error::LogError;
 use super::robot_log::{JointColumns, RobotLog};
-use super::types::{Log, StudyLog};
+use super::types::Log;
 
 /// Keys `from` and `to` of a `[[log]]`: the samples of a log from one time until before another, so that parts may adjoin.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,12 +39,17 @@ impl Window {
         Ok((!is_whole).then(|| Self { of: file.to_owned(), from_s, to_s }))
     }
 
+    /// The file as a study names it, which reports call so.
+    pub(super) fn file<'a>(window: Option<&'a Self>, log: &'a str) -> &'a str {
+        window.map_or(log, |window| &window.of)
+    }
+
     /// What reports call it.
     pub(super) fn label(&self) -> String {
         match (self.from_s, self.to_s) {
-            (Some(from), Some(to)) => format!("{} {from} to {to} s", self.of),
-            (Some(from), None) => format!("{} from {from} s", self.of),
-            (None, to) => format!("{} to {} s", self.of, to.unwrap_or(f64::INFINITY)),
+            (Some(from), Some(to)) => format!("{} ({from} to {to} s)", self.of),
+            (Some(from), None) => format!("{} (from {from} s)", self.of),
+            (None, to) => format!("{} (to {} s)", self.of, to.unwrap_or(f64::INFINITY)),
         }
     }
 
@@ -69,20 +73,6 @@ impl Window {
             begins_s: t_s.first().copied().unwrap_or_default(),
             ends_s: t_s.last().copied().unwrap_or_default(),
         })
-    }
-}
-
-impl StudyLog {
-    /// The file as the study names it.
-    pub(super) fn named(&self) -> &str {
-        self.window.as_ref().map_or(&self.file, |window| &window.of)
-    }
-}
-
-impl ClampedStudyLog {
-    /// The file as the study names it.
-    pub(super) fn named(&self) -> &str {
-        self.window.as_ref().map_or(&self.file, |window| &window.of)
     }
 }
 
@@ -117,8 +107,9 @@ impl RobotLog {
     pub(super) fn within(self, window: Option<&Window>, whose: (&Path, usize)) -> Result<Self, LogError> {
         let Some(window) = window else { return Ok(self) };
         let range = window.samples(&self.t_s, whose)?;
-        let notes = self.notes.clone();
-        Ok(Self { file: PathBuf::from(window.label()), notes, ..self.part(range) })
+        let part = self.part(range);
+        let (ignored_columns, notes) = (self.ignored_columns, self.notes);
+        Ok(Self { file: PathBuf::from(window.label()), ignored_columns, notes, ..part })
     }
 
     /// Some of the samples of a log whose base is clamped; setpoints at stamps of their own stay, the last one before the
@@ -175,14 +166,14 @@ mod tests {
         assert_eq!(logs.iter().map(Log::len).collect::<Vec<_>>(), [40, 50, 10]);
         assert_eq!((logs[1].t_s[0], logs[1].q_rad[0]), (4.0, 0.4));
         let files: Vec<&str> = read.logs.iter().map(|log| log.file.as_str()).collect();
-        assert_eq!(files, ["log.csv to 4 s", "log.csv 4 to 9 s", "log.csv from 9 s"]);
+        assert_eq!(files, ["log.csv (to 4 s)", "log.csv (4 to 9 s)", "log.csv (from 9 s)"]);
         std::fs::write(dir.path().join("again.toml"), study_text(&read)).unwrap();
         assert_eq!(read_study(&dir.path().join("again.toml")).unwrap().logs, read.logs);
         let dir = study(ARM, &["to = 4", "from = 4"]);
         let read = read_clamped_study(&dir.path().join("study.toml")).unwrap();
         let logs = read_clamped_study_logs(&read).unwrap();
         assert_eq!(logs.iter().map(RobotLog::len).collect::<Vec<_>>(), [40, 60]);
-        assert_eq!(logs[1].file, PathBuf::from("log.csv from 4 s"));
+        assert_eq!(logs[1].file, PathBuf::from("log.csv (from 4 s)"));
     }
 
     #[test]
@@ -192,7 +183,7 @@ mod tests {
             (&["", "from = 3"], ["[[log]] 2 file", "which is also [[log]] 1"]),
             (&["from = 4\nto = 4"], ["[[log]] 1 to", "a time after `from`, 4 s"]),
             (&["to = inf"], ["[[log]] 1 to", "finite"]),
-            (&["to = 5", "from = 20"], ["[[log]] 2 from, to: 0 samples in log.csv from 20 s", "from 0 to 9.9 s"]),
+            (&["to = 5", "from = 20"], ["[[log]] 2 from, to: 0 samples in log.csv (from 20 s)", "from 0 to 9.9 s"]),
         ] {
             for beliefs in [JOINT, ARM] {
                 let dir = study(beliefs, logs);

@@ -7,6 +7,7 @@ use super::motor_types::{MotorModel, MotorSpec, TauIs};
 use super::study::{DRIVES, ROLES};
 use super::types::{ExtraMass, JointSpec, Release, SensorSpec, Study, StudyLog};
 use super::uncertain::{Spread, Uncertain};
+use super::window::Window;
 
 /// A joint study, or the sidecar of a log, as text that [`read_study`](super::read_study) reads to the same study.
 ///
@@ -147,7 +148,7 @@ fn release(release: &Release) -> Table {
 
 fn log(entry: &StudyLog, base: Option<&MotorSpec>) -> Table {
     let mut table = Table::new();
-    put(&mut table, "file", entry.named());
+    put(&mut table, "file", Window::file(entry.window.as_ref(), &entry.file));
     put(&mut table, "role", word(&ROLES, &entry.role));
     put(&mut table, "drive", word(&DRIVES, &entry.drive));
     if let Some(window) = &entry.window {

@@ -2,8 +2,8 @@
 
 use crate::gap::LogTraces;
 use crate::log::McapTopic;
+use crate::report::plot::bare;
 use std::collections::BTreeMap;
-use std::path::Path;
 
 /// Topics of each log: `/<log>/measured`, `/setpoint`, `/nominal` (the study's numbers as given), `/predicted` (with what
 /// was found) and `/residual` (measured less predicted), joints that were compared at the same times in one message.
@@ -67,17 +67,9 @@ fn names<'a>(files: impl Iterator<Item = &'a str>) -> BTreeMap<&'a str, String> 
     names
 }
 
-/// A log's name as part of a topic: without ending, and of letters, digits and `_`.
-fn name_of(file: &str) -> String {
-    let path = Path::new(file);
-    let stem = path.file_stem().map_or_else(|| file.to_owned(), |stem| stem.to_string_lossy().into_owned());
-    let part = if file.contains(" (part ") {
-        file.rsplit(" (part ").next().map(|n| format!("_part{}", n.trim_end_matches(')')))
-    } else {
-        None
-    };
-    let stem = stem + &part.unwrap_or_default();
-    stem.chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect()
+/// A log's name as part of a topic: of letters, digits and `_`.
+fn name_of(log: &str) -> String {
+    bare(log).chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect()
 }
 
 #[cfg(test)]
@@ -101,13 +93,19 @@ mod tests {
 
     #[test]
     fn logs_of_one_name_have_topics_of_their_own() {
-        let files = ["1/log.csv", "2/log.csv", "1/log_2.csv", "1/log.csv (part 2)"];
+        let files = ["1/log.csv", "2/log.csv", "1/log_2.csv", "1/log.csv (part 2)", "1/log.csv (6.5 to 9 s)"];
         let logs = files.map(|file| traces_of(file, vec![0.0, 0.1]));
         let measured = |joints: &[(&str, &[LogTraces])]| -> Vec<(String, usize)> {
             let topics = trace_topics(joints).into_iter().filter(|topic| topic.name.ends_with("/measured"));
             topics.map(|topic| (topic.name, topic.joints.len())).collect()
         };
-        let names = ["/log/measured", "/log_2/measured", "/log_2_2/measured", "/log_part2/measured"];
+        let names = [
+            "/log/measured",
+            "/log_2/measured",
+            "/log_2_2/measured",
+            "/log_part_2/measured",
+            "/log_6_5_to_9_s/measured",
+        ];
         assert_eq!(measured(&[("a", &logs), ("b", &logs)]), names.map(|name| (name.to_owned(), 2)));
         // Joints that are each in one of two logs do not meet in one message.
         assert_eq!(measured(&[("a", &logs[..1]), ("b", &logs[1..2])]).len(), 2);

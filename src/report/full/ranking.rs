@@ -1,5 +1,6 @@
 //! Which explanations the drops need: table, words and figure.
 
+use super::super::plot::bare;
 use super::super::plot::canvas::{EXTENSIVE, POSITIVE};
 use super::super::plot::heat::{Heat, HeatCell, heat, tint};
 use crate::gap::neighbours::{Cause, Compared, EQUAL_DEVIANCE, Hypothesis, leaves_something};
@@ -10,7 +11,6 @@ use crate::report::grid::Grid;
 use crate::report::number::{format_with_uncertainty, mrad, percent, significant};
 use crate::robot::bench::Held;
 use serde::{Deserialize, Serialize};
-use std::path::Path;
 
 /// The whole robot refitted to the drops of a joint.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
@@ -248,9 +248,7 @@ pub(in crate::report) fn causes_figure(joint: &str, refit: &RefitSummary) -> Res
     let fits: Vec<&RefitFit> =
         ["nominal", "only", "without", "all, rigid", "all, by PID"].into_iter().flat_map(group).collect();
     let rows: Vec<String> = fits.iter().map(|fit| name(fit)).collect();
-    let short =
-        |file: &String| Path::new(file).file_stem().map_or_else(|| file.clone(), |s| s.to_string_lossy().into_owned());
-    let columns: Vec<String> = refit.files.iter().map(short).collect();
+    let columns: Vec<String> = refit.files.iter().map(|file| bare(file)).collect();
     let most = fits.iter().flat_map(|fit| &fit.rest).fold(1e-3f64, |most, rest| most.max(rest.abs()));
     let ends = [format!("+{} mrad", significant(1e3 * most, 2)), format!("-{} mrad", significant(1e3 * most, 2))];
     let colour = |share: f64| if share < 0.0 { tint(EXTENSIVE, -share) } else { tint(POSITIVE, share) };

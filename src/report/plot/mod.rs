@@ -122,9 +122,16 @@ fn widest_swing(logs: &[LogCurves]) -> Option<&LogCurves> {
     logs.iter().rev().max_by(|a, b| span(a).total_cmp(&span(b)))
 }
 
-/// A file name without folder and ending, reduced to letters, digits and dashes.
-pub(super) fn plain(file: &str) -> String {
+/// A log's name without folder and ending, and with the part of it that is meant: `2/log.csv (part 2)` is `log part 2`.
+pub(super) fn bare(log: &str) -> String {
+    let (file, part) = log.strip_suffix(')').and_then(|log| log.rsplit_once(" (")).unwrap_or((log, ""));
     let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
-    let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
-    stem.chars().take(40).map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' }).collect()
+    let stem = name.rsplit_once('.').map(|(stem, _)| stem).filter(|stem| !stem.is_empty()).unwrap_or(name);
+    if part.is_empty() { stem.to_owned() } else { format!("{stem} {part}") }
+}
+
+/// The same, reduced to letters, digits and dashes.
+pub(super) fn plain(log: &str) -> String {
+    let bare = bare(log);
+    bare.chars().take(40).map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' }).collect()
 }
