@@ -60,7 +60,7 @@ fn forward_lanes(bencher: Bencher<'_, '_>, robots: usize) {
 fn forward_on_four_feet(bencher: Bencher<'_, '_>) {
     let model = Model::ers7();
     let (state, mut dynamics) = (moving(model), Dynamics::new(model));
-    let feet = model.body_ids().filter(|body| model.bodies()[body.index()].touches_floor);
+    let feet = model.body_ids().filter(|body| model.bodies()[body.index()].touches_floor());
     let forces: Vec<Force> = feet.map(|foot| Force::at(foot, Vector3::zeros(), Vector3::y() * 4.0)).collect();
     let (torque, diagonal, mut out) = ([0.01; 22], [5e-5; 22], [0.0; 28]);
     bencher.bench_local(move || {
@@ -75,7 +75,7 @@ fn forward_on_four_feet(bencher: Bencher<'_, '_>) {
 fn forward_implicit_on_four_feet(bencher: Bencher<'_, '_>) {
     let model = Model::ers7();
     let (state, mut dynamics) = (moving(model), Dynamics::new(model));
-    let feet: Vec<BodyId> = model.body_ids().filter(|body| model.bodies()[body.index()].touches_floor).collect();
+    let feet: Vec<BodyId> = model.body_ids().filter(|body| model.bodies()[body.index()].touches_floor()).collect();
     let forces: Vec<Force> = feet.iter().map(|&foot| Force::at(foot, Vector3::zeros(), Vector3::y() * 4.0)).collect();
     let contact = |&body: &BodyId| ContactDamping {
         body,

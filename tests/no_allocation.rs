@@ -36,7 +36,7 @@ fn no_evaluation_allocates() {
     let state = State::at_rest(model);
     let mut dynamics = Dynamics::new(model);
     let (torque, diagonal) = ([0.1; 22], [1e-4; 22]);
-    let feet = model.body_ids().filter(|body| model.bodies()[body.index()].touches_floor);
+    let feet = model.body_ids().filter(|body| model.bodies()[body.index()].touches_floor());
     let forces: Vec<Force> = feet.map(|foot| Force::at(foot, Vector3::zeros(), Vector3::y())).collect();
     assert_eq!(forces.len(), 4);
     let (mut out, mut matrix) = (vec![0.0; 28], DMatrix::zeros(28, 28));

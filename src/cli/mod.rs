@@ -19,6 +19,7 @@ mod provenance;
 mod restart;
 mod robot_gap;
 mod sensor_test;
+mod servo;
 mod shell;
 mod simulate;
 mod still;

@@ -1,7 +1,7 @@
 //! `aibo-fit gap` on the study of a whole robot.
 
 use super::CliError;
-use super::common::{CommonArgs, print, study_name, write_outputs};
+use super::common::{CommonArgs, print, study_name, warn, write_outputs};
 use super::error::NO;
 use super::gap::{GapArgs, causes};
 use super::progress::Progress;
@@ -15,7 +15,7 @@ use crate::report::{
 };
 use serde_json::json;
 
-/// What stands beside the report.
+/// What stands beside the report, the second where the robot's file is of our own format.
 const BESIDE: [(&str, &str); 2] = [
     (ANIMATION_FILE, "the robot as given, repaired and logged, moving together"),
     (REPAIRED_FILE, "the repaired robot, for walk --robot and for a study's model"),
@@ -37,22 +37,29 @@ pub(super) fn run(args: &GapArgs, deadline: Deadline) -> Result<u8, CliError> {
     let progress = Progress::within(args.common.quiet, args.budget);
     progress.say("reading");
     let case = RobotCase::of_study(&args.study).map_err(|error| CliError::RobotCase(Box::new(error)))?;
+    progress.pause(|| case.nominal.warnings.iter().for_each(|warning| warn(warning)));
     let diagnosis = args.common.on_threads(|| diagnose_robot(&case, &options, &|what| progress.say(what)))?;
     let diagnosis = match diagnosis {
         Err(error @ RobotGapError::NeverMoved) => return never_moved(&args.common, &case, &error),
         diagnosis => diagnosis?,
     };
     progress.say("drawing");
-    let repaired = repaired_robot(&case, &diagnosis.changes, &diagnosis.answer.sentence)?;
-    let animation = robot_gap_animation(&case, &diagnosis, &repaired)?;
+    let repaired = match case.study.described {
+        None => Some(repaired_robot(&case, &diagnosis.changes, &diagnosis.answer.sentence)?),
+        Some(_) => None,
+    };
+    let animation = robot_gap_animation(&case, &diagnosis)?;
     let mut report = RobotGapReport::new(&case, diagnosis, options, provenance(case.inputs())?);
-    report.beside = BESIDE.map(|(file, what)| (file.to_owned(), what.to_owned())).to_vec();
+    let beside = BESIDE[..1 + usize::from(repaired.is_some())].iter();
+    report.beside = beside.map(|(file, what)| ((*file).to_owned(), (*what).to_owned())).collect();
     let folder = args.common.folder(&study_name(&args.study));
     let mut outputs = Outputs::default();
     for figure in robot_gap_figures(&report)? {
         outputs.add(folder.join(figure.file_name), figure.svg);
     }
-    outputs.add(folder.join(REPAIRED_FILE), repaired);
+    if let Some(repaired) = repaired {
+        outputs.add(folder.join(REPAIRED_FILE), repaired);
+    }
     outputs.add(folder.join(ANIMATION_FILE), animation_html(&animation)?);
     let page = folder.join("report.html");
     outputs.add_page(&page, robot_gap_html(&report)?);

@@ -79,8 +79,8 @@ pub use plot::{
     Figure, correlation_matrix, figures, friction_curve, optimiser_trace, parameter_intervals, phase_portrait, swing,
 };
 pub use robot_gap::{
-    LogRow, REPAIRED_FILE, RobotGapReport, Sketch, repaired_robot, repaired_study, robot_gap_animation,
-    robot_gap_figures, robot_gap_html, robot_gap_json, robot_gap_text,
+    LogRow, REPAIRED_FILE, RobotGapReport, Sketch, repaired_robot, robot_gap_animation, robot_gap_figures,
+    robot_gap_html, robot_gap_json, robot_gap_text,
 };
 pub use sensor::{SensorReport, sensor_figures, sensor_html, sensor_text};
 pub use table::drop_text;

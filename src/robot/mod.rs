@@ -40,6 +40,6 @@ pub use contact::{Contact, Floor, FloorParameters, Resting, Touching};
 pub use dynamics::{BodyMotion, ContactDamping, Dynamics, Energy, Force, Input, LanesDynamics, Momentum};
 pub use error::RobotError;
 pub use gait::{Between, Gait, Motion, Sampled, Setpoints};
-pub use model::{Attached, Body, BodyId, Following, JointId, Model, PidGains};
+pub use model::{Attached, Body, BodyId, Following, JointId, Model, PidGains, Touch};
 pub use state::State;
 pub use study::Nominal;

@@ -5,6 +5,9 @@
 //! readings are what the answer is compared with.
 
 pub(crate) mod asked;
+mod described;
+
+pub use described::{Wanted, read_described};
 
 use super::bench::{SETTLE_S, loaded};
 use super::simulate::{Column, Control, Joints, Method, Scenario, Setpoints, SimulateError, Surroundings, run};
@@ -33,6 +36,8 @@ pub struct Nominal {
     pub floor: Option<Floor>,
     /// Height of the lowest foot at the start \[m\].
     pub drop_height_m: f64,
+    /// What in the robot's description looks like a mistake.
+    pub warnings: Vec<String>,
     scenario: RobotScenario,
     control: ControlSpec,
     /// For messages.
@@ -56,10 +61,15 @@ impl Nominal {
     /// # Errors
     /// [`SimulateError`] where the robot's file cannot be read, or a joint, set or number cannot be.
     pub fn of(study: &RobotStudy) -> Result<Self, SimulateError> {
-        // The repaired robot is written in our own format, so a study's robot has to be in it.
-        let own = |file: &Path| -> Result<Model, RobotError> { Model::new(RobotTables::read(file)?) };
-        let read = study.model_path.as_deref().map(own).transpose()?;
-        Self::on(read.as_ref().unwrap_or(Model::ers7()), study)
+        let read = |file: &Path| -> Result<(Model, Vec<String>), RobotError> {
+            match &study.described {
+                Some(spec) => read_described(file, spec, Wanted::Standing),
+                None => Ok((Model::new(RobotTables::read(file)?)?, Vec::new())),
+            }
+        };
+        let (read, warnings) = study.model_path.as_deref().map(read).transpose()?.unzip();
+        let nominal = Self::on(read.as_ref().unwrap_or(Model::ers7()), study)?;
+        Ok(Self { warnings: warnings.unwrap_or_default(), ..nominal })
     }
 
     /// The same with a robot that is at hand in the place of the study's.
@@ -85,6 +95,7 @@ impl Nominal {
             joints,
             floor,
             drop_height_m: study.drop_height_m,
+            warnings: Vec::new(),
             scenario: study.scenario,
             control: study.control.clone(),
             file: study.file.clone(),
@@ -103,13 +114,22 @@ impl Nominal {
         }
         let released = release.map(|release| self.released(release)).transpose()?;
         for (id, joint) in self.model.joint_ids().zip(self.model.joints()) {
-            let is_needed = LEG_KINDS.contains(&joint.kind.as_str())
-                && released.is_none_or(|released| on_one_chain(&self.model, id, released));
+            if !leads_to_foot(&self.model, id) {
+                continue;
+            }
+            let has_motor = self.joints.drive(id).chain.motor.is_some();
+            let is_needed = has_motor && released.is_none_or(|released| on_one_chain(&self.model, id, released));
             let columns = log.joint(&joint.name);
             if is_needed && columns.and_then(|columns| columns.q_ref_rad.as_ref()).is_none() {
                 let column = if columns.is_none() { "q" } else { "q_ref" };
                 return Err(unfit(format!(
                     "column `{0}.{column}` is missing: every joint of a leg that moves needs `{0}.q` and `{0}.q_ref`",
+                    joint.name
+                )));
+            }
+            if !has_motor && columns.is_some_and(|own| own.q_ref_rad.is_some()) {
+                return Err(unfit(format!(
+                    "column `{0}.q_ref`: joint {0} has no position servo; state its kp [N m/rad]",
                     joint.name
                 )));
             }
@@ -236,7 +256,8 @@ pub fn joints_of(
         }
         let row = control.gains.get(&joint.name).or_else(|| control.gains.get(&joint.kind));
         if let Some(&[kp_nm_rad, ki_nm_rad_s, kd_nm_s_rad]) = row {
-            joints.drive_mut(id).set_control(PidGains { kp_nm_rad, ki_nm_rad_s, kd_nm_s_rad }, law);
+            let gains = PidGains { kp_nm_rad, ki_nm_rad_s, kd_nm_s_rad };
+            joints.drive_mut(id).set_control(gains, law, model.torque_limit_nm(id));
         }
     }
     joints.add_effects_of_file(model)?;
@@ -350,6 +371,12 @@ pub fn orientation([roll, pitch, yaw]: [f64; 3]) -> UnitQuaternion<f64> {
     let about = |axis, angle| UnitQuaternion::from_axis_angle(&axis, angle);
     use nalgebra::Vector3 as V;
     about(V::y_axis(), yaw) * about(V::x_axis(), pitch) * about(V::z_axis(), roll)
+}
+
+/// Whether a joint is of a leg: it carries what may stand, or is carried by it.
+fn leads_to_foot(model: &Model, joint: JointId) -> bool {
+    let stands = |body: &BodyId| model.bodies()[body.index()].touches_floor();
+    model.body_ids().filter(stands).filter_map(BodyId::joint).any(|foot| on_one_chain(model, joint, foot))
 }
 
 /// Whether one of two joints carries the other.

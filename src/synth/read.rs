@@ -140,6 +140,7 @@ fn study(document: &Document<'_>, sections: Sections) -> RobotStudy {
         file: document.file.to_path_buf(),
         model,
         model_path,
+        described: None,
         scenario,
         drop_height_m,
         friction,

@@ -203,6 +203,7 @@ mod tests {
             file: "study.toml".into(),
             model: "ers7".into(),
             model_path: None,
+            described: None,
             scenario: RobotScenario::Drop,
             drop_height_m: 0.0,
             friction: LegFrictionSpec::default(),

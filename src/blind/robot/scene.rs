@@ -72,6 +72,7 @@ impl Scene {
             file: folder.join("study.toml"),
             model: size.map_or("ers7", |_| quadruped::FILE).to_owned(),
             model_path: size.map(|_| folder.join(quadruped::FILE)),
+            described: None,
             scenario,
             drop_height_m: 0.02,
             friction: LegFrictionSpec { coulomb_nm, viscous_nm_s_rad },

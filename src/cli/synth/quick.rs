@@ -1,6 +1,7 @@
 //! `synth --robot`: a spec from the command line.
 
 use super::super::CliError;
+use super::super::servo::{numbers, servo};
 use crate::joint::EffectForm;
 use crate::synth::AnySpec;
 use clap::Args;
@@ -46,13 +47,9 @@ impl DescribedArgs {
             table([("model", word(&robot.display().to_string())), ("scenario", word("fixed"))]),
         );
         if let Some(servo) = &self.servo {
-            let numbers = numbers("--servo", servo)?;
-            if numbers.len() > 2 {
-                let found = numbers.len();
-                return Err(CliError::Usage(format!("--servo {servo}: {found} values, expected KP or KP,KD")));
-            }
-            let keys = ["kp", "kd"].into_iter().zip(numbers).map(|(key, value)| (key, Value::Float(value)));
-            let all = Value::Table(keys.map(|(key, value)| (key.to_owned(), value)).collect());
+            let (kp, kd) = self::servo(servo)?;
+            let keys = std::iter::once(("kp", kp)).chain(kd.map(|kd| ("kd", kd)));
+            let all = Value::Table(keys.map(|(key, value)| (key.to_owned(), Value::Float(value))).collect());
             root.insert("joints".into(), table([("default", all)]));
         }
         let sensor = [("resolution", Value::Float(STEP_RAD)), ("period", Value::Float(PERIOD_S))];
@@ -138,13 +135,4 @@ impl DescribedArgs {
 
 fn table<const N: usize>(rows: [(&str, Value); N]) -> Value {
     Value::Table(rows.into_iter().map(|(key, value)| (key.to_owned(), value)).collect())
-}
-
-/// Numbers between commas.
-fn numbers(option: &str, text: &str) -> Result<Vec<f64>, CliError> {
-    let number = |word: &str| {
-        let value = word.trim().parse().ok().filter(|value: &f64| value.is_finite());
-        value.ok_or_else(|| CliError::Usage(format!("{option}: `{word}` is no number")))
-    };
-    text.split(',').map(number).collect()
 }

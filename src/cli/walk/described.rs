@@ -2,26 +2,60 @@
 
 use super::super::CliError;
 use super::super::common::warn;
-use crate::geometry::robot_file::GAIN_SET;
-use crate::robot::description::{Description, Format};
-use crate::robot::{Model, RobotError};
+use super::super::servo::servo;
+use crate::log::{DescribedSpec, JointBeliefs};
+use crate::robot::Model;
+use crate::robot::description::Format;
+use crate::robot::study::{Wanted, read_described};
+use clap::Args;
 use std::path::Path;
 
+/// What is said of a robot that somebody else described.
+#[derive(Args, Debug)]
+pub(super) struct DescribedArgs {
+    /// Gain of all servos and its damping, in the place of a URDF's or MJCF's own [N m/rad, N m s/rad]
+    #[arg(long, value_name = "KP[,KD]", requires = "robot")]
+    servo: Option<String>,
+    /// Links of a URDF or MJCF that are feet, with their radius [m], for example FL_foot=0.022,FR_foot=0.022 [default: the
+    /// balls that collide at the ends of its legs]
+    #[arg(long, value_name = "LINK=RADIUS", value_delimiter = ',', requires = "robot", conflicts_with = "air")]
+    feet: Vec<String>,
+}
+
+impl DescribedArgs {
+    fn is_empty(&self) -> bool {
+        self.servo.is_none() && self.feet.is_empty()
+    }
+
+    fn spec(&self) -> Result<DescribedSpec, CliError> {
+        let mut spec = DescribedSpec::default();
+        if let Some(text) = &self.servo {
+            let (kp_nm_rad, kd_nm_s_rad) = servo(text)?;
+            spec.all = JointBeliefs { kp_nm_rad: Some(kp_nm_rad), kd_nm_s_rad, ..JointBeliefs::default() };
+        }
+        for word in &self.feet {
+            let foot = word.split_once('=').and_then(|(link, radius)| Some((link, radius.trim().parse::<f64>().ok()?)));
+            let (link, radius_m) =
+                foot.filter(|(_, radius_m)| *radius_m > 0.0 && *radius_m <= 1.0).ok_or_else(|| {
+                    CliError::Usage(format!("--feet {word}: expected LINK=RADIUS, a radius above 0, at most 1 m"))
+                })?;
+            spec.feet_m.insert(link.trim().to_owned(), radius_m);
+        }
+        Ok(spec)
+    }
+}
+
 /// Reads a robot's file, to be moved in the air or on the floor.
-pub(super) fn read(file: &Path, is_in_air: bool) -> Result<Model, CliError> {
+pub(super) fn read(file: &Path, said: &DescribedArgs, is_in_air: bool) -> Result<Model, CliError> {
     if Format::of_file(file)? == Format::Toml {
+        if !said.is_empty() {
+            let what = "--servo and --feet are for a URDF or MJCF; a robot file of our own has [gains] and contact_mm";
+            return Err(CliError::Usage(what.to_owned()));
+        }
         return Ok(Model::read(file)?);
     }
-    let description = Description::read(file)?;
-    description.warnings.iter().for_each(|warning| warn(warning));
-    let model = Model::of_description(&description)?;
-    if !is_in_air {
-        let (file, what) = (file.display(), "which parts touch the floor stands in no URDF or MJCF that is read here");
-        return Err(CliError::Usage(format!("{file}: {what}; add --air")));
-    }
-    if model.joint_ids().all(|joint| model.gains(GAIN_SET, joint).is_none()) {
-        let what = "no joint has a position servo (a URDF has none; an MJCF has <position>)".to_owned();
-        return Err(RobotError::NotSimulated { robot: model.name().to_owned(), what }.into());
-    }
+    let wanted = if is_in_air { Wanted::AsDescribed } else { Wanted::Standing };
+    let (model, warnings) = read_described(file, &said.spec()?, wanted)?;
+    warnings.iter().for_each(|warning| warn(warning));
     Ok(model)
 }

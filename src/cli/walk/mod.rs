@@ -24,6 +24,7 @@ use crate::report::{walk_figures, walk_html, walk_text};
 use crate::robot::Model;
 use crate::robot::simulate::{Method, PositionSensor, log_csv, run as simulate};
 use clap::{Args, ValueEnum};
+use described::DescribedArgs;
 use ground::GroundArgs;
 use plan::Plan;
 use setting::Setting;
@@ -79,10 +80,12 @@ pub(super) struct WalkArgs {
     /// "real" robot and diagnosed from its log without being told, on the floor and in the air
     #[arg(long, conflicts_with_all = ["air", "setpoints", "frequency", "integrators", "frames", "falls", "converge", "export_motion"])]
     weak_q2: bool,
-    /// A robot: the format of data/ers7.toml, or a URDF or MJCF with revolute joints and position servos, whose friction,
-    /// armature and gains are taken (with --air where its base is fixed) [default: the embedded ERS-7]
+    /// A robot: the format of data/ers7.toml, or a URDF or MJCF with revolute joints, whose friction, armature, gains and feet
+    /// are taken (with --air an arm) [default: the embedded ERS-7]
     #[arg(long, value_name = "FILE")]
     robot: Option<PathBuf>,
+    #[command(flatten)]
+    described: DescribedArgs,
     /// Friction set of the robot's file
     #[arg(long, value_name = "NAME", default_value = FRICTION_SET)]
     friction: String,
@@ -228,7 +231,7 @@ pub(super) fn run(args: &WalkArgs) -> Result<u8, CliError> {
     refuse_clashes(&args.results(), &args.inputs())?;
     let progress = Progress::new(args.common.quiet);
     progress.say("reading");
-    let read = args.robot.as_deref().map(|file| described::read(file, args.air)).transpose()?;
+    let read = args.robot.as_deref().map(|file| described::read(file, &args.described, args.air)).transpose()?;
     let robot = read.as_ref().unwrap_or(Model::ers7());
     let model = if args.air { robot.with_base(Base::Clamped) } else { robot.with_base(Base::Floating) };
     if let Some(which) = args.integrators {

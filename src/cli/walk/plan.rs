@@ -5,7 +5,7 @@ use super::WalkArgs;
 use crate::geometry::Joint;
 use crate::geometry::robot_file::FRAME_S;
 use crate::robot::simulate::Setpoints;
-use crate::robot::{Gait, JointId, Model, Motion, Setpoints as Source};
+use crate::robot::{Body, Gait, JointId, Model, Motion, Setpoints as Source};
 use std::path::{Path, PathBuf};
 
 /// Setpoints and what is known of them.
@@ -31,8 +31,15 @@ const DEFAULT: &str = "trot";
 pub(super) fn gait_of(args: &WalkArgs, default: &str, model: &Model) -> Result<Gait, CliError> {
     let gait = match args.gait_file() {
         Some(file) => Gait::read(&file, model)?,
-        None => Gait::built_in(args.gait.as_deref().unwrap_or(default), model)
-            .map_err(|error| CliError::Usage(error.to_string()))?,
+        None if model.bodies().iter().all(Body::is_ellipsoid) => {
+            Gait::built_in(args.gait.as_deref().unwrap_or(default), model)
+                .map_err(|error| CliError::Usage(error.to_string()))?
+        }
+        None => {
+            let what = "gaits that are built in have joints of the ERS-7; say what this robot does by --gait FILE.toml or \
+                        --setpoints FILE.csv";
+            return Err(CliError::Usage(format!("{}: {what}", model.name())));
+        }
     };
     Ok(args.frequency.map_or(gait.clone(), |hz| gait.at_frequency(hz)))
 }

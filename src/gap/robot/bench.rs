@@ -8,7 +8,7 @@ use super::layout::{Channel, FORWARD_SD_M, Layout, less};
 use super::noise::Noise;
 use super::place::Place;
 use super::reach::reach_of;
-use super::scatter::{Number, Scatter, Spreads};
+use super::scatter::{FLOOR, Number, Scatter, Spreads};
 use super::start::Body;
 use super::still::flickers;
 use crate::deadline::Deadline;
@@ -269,7 +269,10 @@ impl<'a> Bench<'a> {
             [law.coulomb_nm, law.viscous_nm_s_rad]
         };
         let friction: Vec<[f64; 2]> = self.case.model().joint_ids().map(law).collect();
-        let one = |number: u64| self.difference(&Scatter::drawn(self.case.model(), &friction, number), &[]);
+        let study = &self.case.study;
+        // Nobody measured the floor under a robot that somebody else described: it is as uncertain as the study says.
+        let floor = if study.described.is_some() { study.uncertain.floor.all } else { FLOOR };
+        let one = |number: u64| self.difference(&Scatter::drawn(self.case.model(), &friction, floor, number), &[]);
         let is_in_time = |number: &u64| {
             *number < AT_LEAST || !self.deadline.leaves_out("some of the robots that a walk is weighed by")
         };

@@ -6,9 +6,11 @@ use super::scatter::Scatter;
 use crate::gap::hypothesis::reach::mean_period_s;
 use crate::joint::EffectId;
 use crate::log::RobotScenario;
-use crate::robot::simulate::{BaseSample, Joints, Method, Scenario, SimulateError, Surroundings, run};
+use crate::robot::simulate::{
+    BaseSample, Joints, Method, Recording, Scenario, Setpoints, SimulateError, Surroundings, run,
+};
 use crate::robot::study::{joints_of, lift, settled, standing};
-use crate::robot::{BodyId, Floor, FloorParameters, JointId, Model, Touching};
+use crate::robot::{BodyId, Floor, FloorParameters, JointId, Model, State, Touching};
 use nalgebra::Vector3;
 
 /// What a log would read, sample by sample.
@@ -56,7 +58,7 @@ pub(super) fn changed(
 ) -> Result<Changed, SimulateError> {
     let mut model = log.scene.model.clone();
     for (body, factor) in log.scene.model.body_ids().zip(&scatter.mass) {
-        let mass_kg = log.scene.model.bodies()[body.index()].mass_kg;
+        let mass_kg = log.scene.model.bodies()[body.index()].own_mass_kg();
         if *factor != 1.0 && mass_kg > 0.0 {
             model = model.with_mass(body, mass_kg * factor)?;
         }
@@ -96,6 +98,43 @@ pub(super) fn changed(
         }
     }
     Ok(Changed { joints, floor, model })
+}
+
+/// How a log begins of a robot of which something else is true, or parts of it.
+fn beginning(
+    case: &RobotCase,
+    log: &CaseLog,
+    (model, joints): (&Model, &Joints),
+    setpoints: &Setpoints,
+    floor: Option<&Floor>,
+) -> Result<State, SimulateError> {
+    let mut start = standing(model, joints, setpoints);
+    start.base_position_m = log.scene.start.base_position_m;
+    start.base_orientation = log.scene.start.base_orientation;
+    if let Some(floor) = floor {
+        lift(floor, model, &mut start, case.nominal.drop_height_m);
+    }
+    if case.study.scenario == RobotScenario::Drop { settled(model, joints, setpoints, start) } else { Ok(start) }
+}
+
+/// How all of a robot moves in one of a study's logs, were changes true of it.
+///
+/// # Errors
+/// [`SimulateError`] where a change cannot be.
+pub fn motion_with(
+    case: &RobotCase,
+    log: usize,
+    changes: &[Change],
+    (period_s, step_s): (f64, f64),
+) -> Result<Recording, SimulateError> {
+    let log = &case.logs[log];
+    let Changed { joints, floor, model } = changed(case, log, &Scatter::none(&log.scene.model), changes)?;
+    let floor = floor.map(|floor| Floor::new(floor, &model, Touching::Marked)).transpose()?;
+    let setpoints = &log.scene.setpoints;
+    let start = beginning(case, log, (&model, &joints), setpoints, floor.as_ref())?;
+    let surroundings = floor.as_ref().map(|floor| floor as &dyn Surroundings);
+    let scenario = Scenario { model: &model, joints: &joints, setpoints, start: &start, surroundings, period_s };
+    run(&scenario, Method::Stiff { step_s })
 }
 
 fn put(joints: &mut Joints, model: &Model, change: &Change) -> Result<(), SimulateError> {
@@ -154,18 +193,7 @@ pub(super) fn predict(
     };
     let joints = joints.only(&kept);
     setpoints.columns = kept.iter().map(|id| setpoints.columns[id.index()].take()).collect();
-    let mut start = standing(&model, &joints, &setpoints);
-    start.base_position_m = log.scene.start.base_position_m;
-    start.base_orientation = log.scene.start.base_orientation;
-    if let Some(floor) = &floor {
-        lift(floor, &model, &mut start, case.nominal.drop_height_m);
-    }
-    if case.study.scenario == RobotScenario::Drop {
-        match settled(&model, &joints, &setpoints, start) {
-            Ok(settled) => start = settled,
-            Err(_) => return Ok(None),
-        }
-    }
+    let Ok(start) = beginning(case, log, (&model, &joints), &setpoints, floor.as_ref()) else { return Ok(None) };
     let t_s = &log.log.t_s;
     let samples = t_s.partition_point(|t| *t <= until_s + 1e-9);
     let scenario = Scenario {

@@ -53,4 +53,5 @@ pub use diagnosis::{
     Displacement, Found, GaitCell, GaitPhase, JointGap, JointTrace, RobotAnswer, RobotCandidate, RobotDetectable,
     RobotDiagnosis, RobotGap, RobotOptions, RobotWhere,
 };
+pub use forward::motion_with;
 pub use place::Place;

@@ -36,7 +36,7 @@ pub(super) fn phases(case: &RobotCase, log: &CaseLog) -> Vec<Vec<GaitPhase>> {
     let begins_s = log.motion_begins_s();
     for id in model.joint_ids() {
         let foot = tip_of(case, id);
-        let is_leg = model.bodies()[foot].touches_floor;
+        let is_leg = model.bodies()[foot].touches_floor();
         let mut touched_s = f64::NEG_INFINITY;
         let mut was_swinging = false;
         by_joint[id.index()] = (0..t_s.len())

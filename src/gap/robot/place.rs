@@ -1,5 +1,7 @@
 //! Where on a robot a cause may sit: on a joint, on a pair, on all joints of a kind, on all joints.
 
+use crate::robot::{BodyId, Dynamics, JointId, Model, State};
+
 /// Joints that share a cause, by place in the model's order and rising; none: the whole robot.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Place {
@@ -24,25 +26,24 @@ impl Place {
     }
 }
 
-/// All places over joints that are given with their names: singles, left-right and front-rear pairs by names like `lf2`
-/// (side, end, number), all joints of a number, all joints; fewest joints first.
-pub(super) fn places(joints: &[(usize, &str)]) -> Vec<Place> {
-    let mut places: Vec<Place> = joints.iter().map(|(joint, _)| Place::joint(*joint)).collect();
-    let legs: Vec<(usize, OfLeg<'_>)> =
-        joints.iter().filter_map(|(joint, name)| Some((*joint, of_leg(name)?))).collect();
+/// All places over joints of a robot: singles, left-right and front-rear pairs of legs, all joints that are as far down a leg,
+/// all joints; fewest joints first.
+pub(super) fn places(model: &Model, joints: &[usize]) -> Vec<Place> {
+    let mut places: Vec<Place> = joints.iter().map(|joint| Place::joint(*joint)).collect();
+    let of = of_legs(model);
+    let legs: Vec<(usize, OfLeg)> = joints.iter().filter_map(|joint| Some((*joint, of[*joint]?))).collect();
     for (k, (a, of_a)) in legs.iter().enumerate() {
         for (b, of_b) in &legs[k + 1..] {
-            if of_a.number == of_b.number && (of_a.side == of_b.side) != (of_a.end == of_b.end) {
+            let is_one_side = of_a.is_left == of_b.is_left;
+            if of_a.depth == of_b.depth && is_one_side != (of_a.is_front == of_b.is_front) {
                 places.push(Place { joints: vec![*a, *b] });
             }
         }
     }
-    let mut numbers: Vec<&str> = legs.iter().map(|(_, of)| of.number).collect();
-    numbers.sort_unstable();
-    numbers.dedup();
-    let of_number = |number: &str| legs.iter().filter(|(_, of)| of.number == number).map(|(joint, _)| *joint).collect();
-    places.extend(numbers.into_iter().map(|number| Place { joints: of_number(number) }));
-    places.push(Place { joints: joints.iter().map(|(joint, _)| *joint).collect() });
+    let deepest = legs.iter().map(|(_, of)| of.depth).max().unwrap_or(0);
+    let at_depth = |depth: usize| legs.iter().filter(|(_, of)| of.depth == depth).map(|(joint, _)| *joint).collect();
+    places.extend((0..=deepest).map(|depth| Place { joints: at_depth(depth) }));
+    places.push(Place { joints: joints.to_vec() });
     for place in &mut places {
         place.joints.sort_unstable();
     }
@@ -52,18 +53,30 @@ pub(super) fn places(joints: &[(usize, &str)]) -> Vec<Place> {
     places
 }
 
-/// A leg's joint by its name.
-struct OfLeg<'a> {
-    side: char,
-    end: char,
-    number: &'a str,
+/// Where on a robot's legs a joint is.
+#[derive(Clone, Copy)]
+struct OfLeg {
+    is_left: bool,
+    is_front: bool,
+    /// Joints between it and the trunk.
+    depth: usize,
 }
 
-fn of_leg(name: &str) -> Option<OfLeg<'_>> {
-    let mut letters = name.chars();
-    let (side, end, number) = (letters.next()?, letters.next()?, letters.as_str());
-    let is_leg = "lr".contains(side) && "fr".contains(end) && !number.is_empty();
-    (is_leg && number.bytes().all(|byte| byte.is_ascii_digit())).then_some(OfLeg { side, end, number })
+/// Of each joint where it is on a leg, by where that leg's foot is in the pose of rest.
+fn of_legs(model: &Model) -> Vec<Option<OfLeg>> {
+    let mut dynamics = Dynamics::new(model);
+    let motions = dynamics.motions(&State::at_rest(model));
+    let up_from = |joint: JointId| std::iter::successors(Some(joint), |id| model.carrier(*id).joint());
+    let root = |joint: JointId| up_from(joint).last();
+    let stands = |body: &BodyId| model.bodies()[body.index()].touches_floor();
+    let foot = |body: BodyId| Some((root(body.joint()?), motions[body.index()].position_m));
+    let feet: Vec<_> = model.body_ids().filter(stands).filter_map(foot).collect();
+    let middle_m = feet.iter().map(|(_, at)| at.z).sum::<f64>() / feet.len().max(1) as f64;
+    let of = |joint: JointId| {
+        let (_, at) = feet.iter().find(|(of, _)| *of == root(joint))?;
+        Some(OfLeg { is_left: at.x < 0.0, is_front: at.z < middle_m, depth: up_from(joint).count() - 1 })
+    };
+    model.joint_ids().map(of).collect()
 }
 
 #[cfg(test)]
@@ -72,19 +85,26 @@ mod tests {
 
     #[test]
     fn twelve_joints_of_four_legs_have_twenty_eight_places() {
-        let names: Vec<String> =
-            ["lf", "rf", "lr", "rr"].iter().flat_map(|leg| (1..=3).map(move |k| format!("{leg}{k}"))).collect();
-        let joints: Vec<(usize, &str)> = names.iter().enumerate().map(|(k, name)| (k, name.as_str())).collect();
-        let places = places(&joints);
+        let model = Model::ers7();
+        let at = |name: &str| model.joint(name).unwrap().index();
+        let legs = ["lf", "rf", "lr", "rr"].iter().flat_map(|leg| (1..=3).map(move |k| at(&format!("{leg}{k}"))));
+        let places = places(model, &legs.collect::<Vec<_>>());
         let count = |n| places.iter().filter(|place| place.joints.len() == n).count();
         assert_eq!([count(1), count(2), count(4), count(12)], [12, 12, 3, 1]);
-        assert!(places.contains(&Place { joints: vec![1, 4] }), "lf2 and rf2");
-        assert!(!places.contains(&Place { joints: vec![1, 10] }), "lf2 and rr2 are across");
+        let pair = |a: &str, b: &str| {
+            let mut joints = vec![at(a), at(b)];
+            joints.sort_unstable();
+            places.contains(&Place { joints })
+        };
+        assert!(pair("lf2", "rf2") && pair("lf2", "lr2"));
+        assert!(!pair("lf2", "rr2"), "they are across");
     }
 
     #[test]
-    fn other_names_have_singles_and_all() {
-        assert_eq!(places(&[(0, "hip"), (1, "knee")]).len(), 3);
-        assert_eq!(places(&[(4, "neck_tilt1")]), [Place::joint(4)]);
+    fn joints_of_no_leg_have_singles_and_all() {
+        let model = Model::ers7();
+        let at = |name: &str| model.joint(name).unwrap().index();
+        assert_eq!(places(model, &[at("neck_tilt1"), at("mouth")]).len(), 3);
+        assert_eq!(places(model, &[at("mouth")]), [Place::joint(at("mouth"))]);
     }
 }

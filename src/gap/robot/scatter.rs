@@ -13,7 +13,7 @@ use rand_chacha::ChaCha8Rng;
 /// and of friction. They probe how feet land, and are no beliefs.
 const MASS: f64 = 0.03;
 const FRICTION: f64 = 0.04;
-const FLOOR: f64 = 0.05;
+pub(super) const FLOOR: f64 = 0.05;
 /// No mass and no property of the floor is off by more than this factor.
 const LEAST: f64 = 0.2;
 
@@ -89,8 +89,9 @@ impl Scatter {
         Self { mass: vec![1.0; bodies], friction: vec![[0.0; 2]; joints], floor: [1.0; 3] }
     }
 
-    /// A robot drawn at random, of joints with such friction; the same number gives the same robot.
-    pub fn drawn(model: &Model, friction: &[[f64; 2]], number: u64) -> Self {
+    /// A robot drawn at random, of joints with such friction, on a floor that is off by such a share; the same number gives the
+    /// same robot.
+    pub fn drawn(model: &Model, friction: &[[f64; 2]], floor: f64, number: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(number);
         let mut off = |sd: f64| (1.0 + sd * standard_normal(&mut rng)).max(LEAST);
         let mut scatter = Self::none(model);
@@ -98,7 +99,7 @@ impl Scatter {
         for (more, has) in scatter.friction.iter_mut().zip(friction) {
             *more = [(off(FRICTION) - 1.0) * has[0], (off(FRICTION) - 1.0) * has[1]];
         }
-        scatter.floor.iter_mut().for_each(|factor| *factor = off(FLOOR));
+        scatter.floor.iter_mut().for_each(|factor| *factor = off(floor));
         scatter
     }
 }

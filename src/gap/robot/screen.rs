@@ -149,15 +149,14 @@ fn free(bench: &Bench<'_>, considered: &dyn Fn(Cause) -> bool, suspects: &Suspec
     let among = |place: &Place, first: usize| {
         place.joints.iter().filter(|joint| suspects.joints.iter().take(first).any(|suspect| suspect == *joint)).count()
     };
-    let named: Vec<(usize, &str)> =
-        bench.layout.moving().into_iter().map(|joint| (joint, bench.case.names[joint].as_str())).collect();
+    let moving = bench.layout.moving();
     let is_near = |place: &Place| match place.joints.len() {
         1 => among(place, ALONE) == 1,
         2 => among(place, IN_PAIRS) == 2,
-        n => n == named.len() || 4 * among(place, IN_SETS) >= 3 * n,
+        n => n == moving.len() || 4 * among(place, IN_SETS) >= 3 * n,
     };
     let mut tries: Vec<(Cause, Place, usize, Start)> = Vec::new();
-    for place in places(&named).into_iter().filter(is_near) {
+    for place in places(bench.case.model(), &moving).into_iter().filter(is_near) {
         for cause in joint_causes(considered) {
             let most = place.joints.iter().filter(|joint| suspects.play.contains(joint)).count();
             if place.joints.len() > 4 && is_of_one_joint(cause) || cause.is_play() && 2 * most < place.joints.len() {
@@ -185,12 +184,11 @@ fn free(bench: &Bench<'_>, considered: &dyn Fn(Cause) -> bool, suspects: &Suspec
 
 /// The same cause on fewer of its joints, and on more.
 pub(super) fn around(bench: &Bench<'_>, named: &Part) -> Vec<Column> {
-    let joints: Vec<(usize, &str)> =
-        bench.layout.moving().into_iter().map(|joint| (joint, bench.case.names[joint].as_str())).collect();
     let contains = |a: &Place, b: &Place| b.joints.iter().all(|joint| a.joints.contains(joint));
     let is_near =
         |place: &Place| *place != named.place && (contains(place, &named.place) || contains(&named.place, place));
-    let places: Vec<Place> = places(&joints).into_iter().filter(is_near).collect();
+    let places = places(bench.case.model(), &bench.layout.moving()).into_iter().filter(is_near);
+    let places: Vec<Place> = places.collect();
     let until_s = window_s(bench);
     let column = |place: Place| {
         let change = bench.glance(&[change(bench, named.cause, &place, &named.values)], Some(until_s))?;
@@ -255,9 +253,7 @@ pub(super) fn rank(bench: &Bench<'_>, columns: &[Column], residual: &[f64]) -> V
         let gain = amplitude * (2.0 * along - amplitude * size);
         Some(Candidate { cause: members[0].cause, place: place.clone(), values: start.at(amplitude), gain })
     };
-    let named: Vec<(usize, &str)> =
-        bench.layout.moving().into_iter().map(|joint| (joint, bench.case.names[joint].as_str())).collect();
-    let places = places(&named);
+    let places = places(bench.case.model(), &bench.layout.moving());
     let mut kinds: Vec<(Cause, usize)> = columns.iter().map(|column| (column.cause, column.number)).collect();
     kinds.sort_unstable();
     kinds.dedup();

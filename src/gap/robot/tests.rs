@@ -11,7 +11,7 @@ use super::part::{Part, left};
 use super::phases::phases;
 use super::place::Place;
 use super::refine::refine;
-use super::scatter::{Number, Scatter};
+use super::scatter::{FLOOR, Number, Scatter};
 use super::unseen::Unseen;
 use crate::deadline::Deadline;
 use crate::joint::EffectId;
@@ -157,7 +157,7 @@ fn a_landing_is_not_compared_and_numbers_that_only_imitate_what_was_fitted_stand
         let held = row.range.clone().find(|k| bench.layout.held[*k]).expect("some are") - row.range.start;
         assert!((t_s[first] - 3.0).abs() < 0.05 && (t_s[held] - 4.0).abs() < 0.05, "{} {}", t_s[first], t_s[held]);
     }
-    let drawn = bench.difference(&Scatter::drawn(case.model(), &[[0.0; 2]; 64], 1), &[]).expect("it walks");
+    let drawn = bench.difference(&Scatter::drawn(case.model(), &[[0.0; 2]; 64], FLOOR, 1), &[]).expect("it walks");
     let adapted_of = |sign_of_held: f64| {
         let sign = |k: usize| if bench.layout.held[k] { sign_of_held } else { 1.0 };
         let residual: Vec<f64> = drawn.iter().enumerate().map(|(k, change)| sign(k) * change).collect();
@@ -175,7 +175,7 @@ fn a_landing_is_not_compared_and_numbers_that_only_imitate_what_was_fitted_stand
 fn a_robot_is_drawn_from_its_number_alone() {
     let model = crate::robot::Model::ers7();
     let friction = vec![[0.01; 2]; model.joints().len()];
-    let drawn = |number| Scatter::drawn(model, &friction, number);
+    let drawn = |number| Scatter::drawn(model, &friction, FLOOR, number);
     assert_eq!(drawn(4), drawn(4));
     assert_ne!(drawn(4), drawn(5));
 }

@@ -19,7 +19,7 @@ use super::window::Window;
 
 pub(crate) use raw::{RawBeliefs, RawBelieved, RawDescribed, RawLoop};
 pub(crate) use read::believed;
-pub(super) use read::{clamped_study_of, within};
+pub(super) use read::{JointTables, clamped_study_of, joint_tables, within};
 pub use read::{read_clamped_study, read_clamped_study_logs};
 
 /// A study of a robot with a clamped base.

@@ -71,13 +71,7 @@ pub(crate) fn believed(document: &Document<'_>, raw: RawBelieved) -> Result<Clam
     }
     let folder = document.file.parent().unwrap_or(Path::new(""));
     let gravity_m_s2 = raw.robot.gravity.as_ref().map(|gravity| self::gravity(document, gravity)).transpose()?;
-    let of_all = raw.joints.get(ALL);
-    let (all, all_lacks) = of_all.map(|of_all| beliefs_of_all(document, of_all)).transpose()?.unwrap_or_default();
-    let motor_of_all = of_all.map(RawBeliefs::as_motor);
-    let mut by_joint = BTreeMap::new();
-    for (name, joint) in raw.joints.iter().filter(|(name, _)| *name != ALL) {
-        by_joint.insert(name.clone(), beliefs(document, name, joint, motor_of_all.as_ref())?);
-    }
+    let JointTables { all, all_lacks, by_joint } = joint_tables(document, &raw.joints)?;
     let hold = document.word("[control] hold", &raw.control.hold, &HOLDS)?.unwrap_or(Hold::Step);
     let derivative = document.word("[control] derivative", &raw.control.derivative, &DERIVATIVES)?;
     let derivative = derivative.unwrap_or(Derivative::Measurement);
@@ -105,6 +99,29 @@ pub(crate) fn believed(document: &Document<'_>, raw: RawBelieved) -> Result<Clam
         predict: Predict::default(),
         logs: Vec::new(),
     })
+}
+
+/// Tables `[joints.NAME]`, checked.
+pub(in crate::log) struct JointTables {
+    pub all: JointBeliefs,
+    /// What that lacks to be a motor, in words.
+    pub all_lacks: Option<String>,
+    pub by_joint: BTreeMap<String, JointBeliefs>,
+}
+
+/// Checks tables `[joints.NAME]`.
+pub(in crate::log) fn joint_tables(
+    document: &Document<'_>,
+    joints: &BTreeMap<String, RawBeliefs>,
+) -> Result<JointTables, LogError> {
+    let of_all = joints.get(ALL);
+    let (all, all_lacks) = of_all.map(|of_all| beliefs_of_all(document, of_all)).transpose()?.unwrap_or_default();
+    let motor_of_all = of_all.map(RawBeliefs::as_motor);
+    let mut by_joint = BTreeMap::new();
+    for (name, joint) in joints.iter().filter(|(name, _)| *name != ALL) {
+        by_joint.insert(name.clone(), beliefs(document, name, joint, motor_of_all.as_ref())?);
+    }
+    Ok(JointTables { all, all_lacks, by_joint })
 }
 
 /// Reads the logs of a study, in the study's order.

@@ -2,6 +2,7 @@
 //!
 //! Plain data: names of joints are not looked up and numbers are not put together here, that is the robot layer's.
 
+mod described;
 mod raw;
 mod read;
 #[cfg(test)]
@@ -15,6 +16,7 @@ use super::motor_types::{Derivative, Hold};
 use super::types::{ExtraMass, Role};
 use super::uncertain::Uncertain;
 
+pub use described::DescribedSpec;
 pub(crate) use raw::{RawControl, RawFloor, RawFriction, RawRobot, RawRobotSensor};
 pub(crate) use read::{Sections, floor, robot_sections};
 pub use read::{StudyKind, read_robot_study, read_robot_study_logs, study_kind};
@@ -29,6 +31,8 @@ pub struct RobotStudy {
     pub model: String,
     /// The robot's file, resolved against the study's folder; `None`: the embedded robot.
     pub model_path: Option<PathBuf>,
+    /// What is believed of a robot that somebody else described; `None`: it is one of our own.
+    pub described: Option<DescribedSpec>,
     /// How the trunk is held.
     pub scenario: RobotScenario,
     /// Height of the lowest foot above the floor at the start \[m\]; in [`RobotScenario::Floor`] only.
@@ -82,9 +86,9 @@ pub struct LegFrictionSpec {
 /// Table `[control]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ControlSpec {
-    /// How setpoints are read between two samples; linear unless stated.
+    /// How setpoints are read between two samples; linear unless stated, of described robots in steps.
     pub hold: Hold,
-    /// What the derivative acts on; the error unless stated.
+    /// What the derivative acts on; the error unless stated, of described robots the measurement.
     pub derivative: Derivative,
     /// Period at which the law is evaluated \[s\]; `None`: continuously.
     pub sample_period_s: Option<f64>,

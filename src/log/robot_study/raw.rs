@@ -6,6 +6,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use crate::log::about::RawAbout;
+use crate::log::clamped_study::RawBeliefs;
 use crate::log::document::{Number, Text};
 use crate::log::raw_columns::RawColumns;
 use crate::log::schema::{RawExtra, RawUncertain};
@@ -17,6 +18,8 @@ pub(super) struct RawRobotStudy {
     #[serde(default)]
     pub about: RawAbout,
     pub robot: RawRobot,
+    #[serde(default)]
+    pub joints: BTreeMap<String, RawBeliefs>,
     pub friction: Option<RawFriction>,
     pub control: Option<RawControl>,
     pub floor: Option<Spanned<RawFloor>>,
@@ -35,13 +38,15 @@ pub(crate) struct RawRobot {
     pub model: Text,
     pub scenario: Text,
     pub drop_height: Number,
+    #[serde(default)]
+    pub feet: BTreeMap<String, Spanned<f64>>,
 }
 
 impl RawRobot {
     /// The embedded robot on the bench.
     pub(crate) fn on_the_bench() -> Self {
         let word = |word: &str| Some(Spanned::new(0..0, word.to_owned()));
-        Self { model: word("ers7"), scenario: word("drop"), drop_height: None }
+        Self { model: word("ers7"), scenario: word("drop"), drop_height: None, feet: BTreeMap::new() }
     }
 }
 
@@ -93,6 +98,7 @@ pub(crate) struct RawRobotSensor {
 pub(super) struct RawRobotLog {
     pub file: Text,
     pub role: Text,
+    pub drive: Text,
     pub released: Text,
     pub release_time: Number,
     pub extra: Option<RawExtra>,

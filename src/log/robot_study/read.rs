@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
 use toml::Spanned;
 
+use super::described::{described, is_described};
 use super::raw::{RawControl, RawFloor, RawFriction, RawRobot, RawRobotLog, RawRobotSensor, RawRobotStudy, Triple};
 use super::{
     ControlSpec, FloorSpec, Forward, LegFrictionSpec, RobotRelease, RobotScenario, RobotSensorSpec, RobotStudy,
@@ -26,8 +26,6 @@ use crate::log::types::Role;
 
 /// The robot that is compiled in.
 const EMBEDDED: &str = "ers7";
-/// What files of robots that others describe end in.
-const DESCRIBED: [&str; 2] = ["urdf", "xml"];
 /// Unless stated, the lowest foot hangs so high at first (4.2.2) [m].
 const DROP_HEIGHT_M: f64 = 0.02;
 
@@ -95,7 +93,6 @@ pub(in crate::log) fn robot_study_of(document: &Document<'_>) -> Result<RobotStu
         let joint = if table.contains_key("joint") { " (this is a joint study)" } else { "" };
         return Err(document.missing("[robot]", format!("the robot and its scenario{joint}")));
     }
-    of_a_described_robot(document)?;
     let raw: RawRobotStudy = document.parse_any()?;
     check_schema(document, &raw.schema)?;
     about(document, &raw.about)?;
@@ -104,6 +101,7 @@ pub(in crate::log) fn robot_study_of(document: &Document<'_>) -> Result<RobotStu
         &raw.robot,
         (raw.friction.as_ref(), raw.control.as_ref(), raw.floor.as_ref(), raw.sensor.as_ref()),
     )?;
+    let described = described(document, &raw.robot, &raw.joints, raw.friction.as_ref())?;
     let uncertain = uncertain(document, &raw.uncertain, ANY_NAME)?;
     let columns = columns(document, &raw.columns)?;
     if raw.log.is_empty() {
@@ -121,6 +119,7 @@ pub(in crate::log) fn robot_study_of(document: &Document<'_>) -> Result<RobotStu
         file,
         model,
         model_path,
+        described,
         scenario,
         drop_height_m,
         friction,
@@ -131,32 +130,6 @@ pub(in crate::log) fn robot_study_of(document: &Document<'_>) -> Result<RobotStu
         columns,
         logs,
     })
-}
-
-/// Refuses a walk or a drop of a robot that somebody described, before keys that only its own studies have are called unknown.
-fn of_a_described_robot(document: &Document<'_>) -> Result<(), LogError> {
-    #[derive(Deserialize)]
-    struct Aim {
-        robot: Of,
-        joints: Option<toml::Table>,
-    }
-    #[derive(Deserialize)]
-    struct Of {
-        model: Option<String>,
-        scenario: Spanned<String>,
-    }
-    let Ok(Aim { robot, joints }) = toml::from_str(document.text()) else { return Ok(()) };
-    let is_described = |model: &String| {
-        let ending = Path::new(model).extension();
-        ending.is_some_and(|ending| DESCRIBED.iter().any(|of| ending.eq_ignore_ascii_case(of)))
-    };
-    if joints.is_none() && !robot.model.as_ref().is_some_and(is_described) {
-        return Ok(());
-    }
-    let found = format!("\"{}\" for a URDF or MJCF, or with [joints]", robot.scenario.get_ref());
-    let expected = "\"fixed\": robots that others describe are diagnosed with their base held, on a stand or clamped; on the \
-        floor, in the air and dropped only \"ers7\" and robot files of our own";
-    Err(document.wrong("[robot] scenario", robot.scenario.span(), found, expected))
 }
 
 /// Reads the logs of a robot study, in the study's order.
@@ -190,7 +163,7 @@ pub(crate) fn robot_sections(
     robot: &RawRobot,
     (friction, control, floor, sensor): RawSections<'_>,
 ) -> Result<Sections, LogError> {
-    let expected = "\"ers7\", or the path of a robot file";
+    let expected = "\"ers7\", or the path of a robot file: URDF, MJCF or our TOML";
     let model = robot.model.as_ref().ok_or_else(|| document.missing("[robot] model", expected))?;
     if model.get_ref().trim().is_empty() {
         return Err(document.wrong("[robot] model", model.span(), "an empty name", expected));
@@ -207,7 +180,7 @@ pub(crate) fn robot_sections(
         return Err(misplaced(document, "[floor]", floor.span(), scenario, RobotScenario::Floor));
     }
     let friction = friction.map(|friction| self::friction(document, friction)).transpose()?.unwrap_or_default();
-    let control = control.map(|control| self::control(document, control)).transpose()?.unwrap_or_default();
+    let control = self::control(document, control, is_described(model.get_ref()))?;
     let floor = floor.map(|floor| self::floor(document, floor.get_ref())).transpose()?.unwrap_or_default();
     let sensor = sensor.map(|sensor| self::sensor(document, sensor)).transpose()?.unwrap_or_default();
     Ok(Sections {
@@ -253,13 +226,17 @@ fn friction(document: &Document<'_>, raw: &RawFriction) -> Result<LegFrictionSpe
     })
 }
 
-fn control(document: &Document<'_>, raw: &RawControl) -> Result<ControlSpec, LogError> {
-    let default = ControlSpec::default();
+fn control(document: &Document<'_>, raw: Option<&RawControl>, is_described: bool) -> Result<ControlSpec, LogError> {
+    let default = match is_described {
+        true => ControlSpec { hold: Hold::Step, derivative: Derivative::Measurement, ..ControlSpec::default() },
+        false => ControlSpec::default(),
+    };
+    let Some(raw) = raw else { return Ok(default) };
     let hold = document.word("[control] hold", &raw.hold, &HOLDS)?.unwrap_or(default.hold);
     let derivative =
         document.word("[control] derivative", &raw.derivative, &DERIVATIVES)?.unwrap_or(default.derivative);
     if derivative == Derivative::Error && hold == Hold::Step {
-        let span = raw.hold.as_ref().map_or(0..0, Spanned::span);
+        let span = raw.hold.as_ref().or(raw.derivative.as_ref()).map_or(0..0, Spanned::span);
         let expected = "derivative = \"measurement\" beside it: a setpoint held in steps has no derivative";
         return Err(document.wrong("[control] hold", span, "\"step\" with derivative = \"error\"", expected));
     }
@@ -309,6 +286,8 @@ fn log(
     let key = |name: &str| format!("{table} {name}");
     let Named { file, path, .. } = named_log(document, i, &raw.file, [&None, &None], seen)?;
     let role = document.needed_word(&key("role"), &raw.role, &ROLES)?;
+    // Torques and switches of whole logs are for robots with a clamped base.
+    document.word(&key("drive"), &raw.drive, &[("position", ())])?;
     if scenario != RobotScenario::Drop {
         let released = raw.released.as_ref().map(|released| ("released", released.span()));
         let release_time = raw.release_time.as_ref().map(|time| ("release_time", time.span()));

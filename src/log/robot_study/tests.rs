@@ -50,13 +50,48 @@ fn a_study_of_a_walk_is_read() {
     assert_eq!(study.logs[0].forward, Some(Forward { distance_m: 0.52, from_s: 2.0, to_s: 10.0 }));
 }
 
+const DOG: &str = r#"
+schema = 1
+[robot]
+model = "dog.xml"
+scenario = "floor"
+feet = { FL_foot = 0.022 }
+[joints.default]
+kp = 60.0
+kd = 3.0
+[joints.FL_calf]
+coulomb = 0.3
+[[log]]
+file = "a.csv"
+role = "fit"
+"#;
+
 #[test]
-fn a_walk_of_a_robot_that_others_describe_says_what_can_be_asked() {
-    let described = FLOOR.replace("\"ers7\"", "\"dog.xml\"");
-    let with_joints = format!("{FLOOR}[joints.default]\nkp = 60.0\n");
-    for text in [described, with_joints] {
+fn a_walk_of_a_robot_that_others_describe_is_read() {
+    let study = read(DOG).unwrap();
+    assert_eq!((study.control.hold, study.control.derivative), (Hold::Step, Derivative::Measurement));
+    let described = study.described.unwrap();
+    assert_eq!(described.feet_m["FL_foot"], 0.022);
+    let (own, other) = (described.of_joint("FL_calf"), described.of_joint("FR_calf"));
+    assert_eq!((own.kp_nm_rad, own.coulomb_nm), (Some(60.0), Some(0.3)));
+    assert_eq!((other.kp_nm_rad, other.coulomb_nm), (Some(60.0), None));
+}
+
+#[test]
+fn keys_of_other_robots_are_refused_where_they_stand() {
+    let with = |text: &str| DOG.replace("kd = 3.0", &format!("kd = 3.0\n{text}"));
+    let cases = [
+        (format!("{FLOOR}[joints.default]\nkp = 60.0\n"), "[joints.default]", "URDF or MJCF"),
+        (FLOOR.replace("drop_height", "feet = { a = 0.1 }\ndrop_height"), "[robot] feet.a", "URDF or MJCF"),
+        (format!("{DOG}[friction]\ncoulomb = [1, 1, 1]\n"), "[friction]", "[joints.NAME]"),
+        (with("ki = 1.0"), "[joints.default] ki", "[control] gains.NAME"),
+        (with("model = \"voltage\""), "[joints.default] model", "scenario = \"fixed\""),
+        (DOG.replace("0.022", "22"), "[robot] feet.FL_foot", "millimetres"),
+        (with("[control]\nderivative = \"error\""), "[control] hold", "derivative = \"measurement\""),
+    ];
+    for (text, key, expected) in cases {
         let said = read(&text).unwrap_err().to_string();
-        assert!(said.contains("scenario") && said.contains("expected \"fixed\""), "{said}");
+        assert!(said.contains(key) && said.contains(expected), "{said}");
     }
 }
 

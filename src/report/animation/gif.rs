@@ -13,7 +13,7 @@ pub struct GifOptions {
     pub width: u16,
     /// Height in pixels.
     pub height: u16,
-    /// What the picture's width shows \[m\].
+    /// What the picture's width shows of a dog \[m\]; of larger robots more ([`Animation::unit`]).
     pub across_m: f64,
     /// First time shown \[s\].
     pub from_s: f64,
@@ -123,7 +123,7 @@ fn picture(
             let pale = if place.position_m.x < places[0].position_m.x - 0.02 { 0.35 } else { 0.0 };
             let mix = |c: [f64; 3]| [0, 1, 2].map(|k| c[k] * (1.0 - pale) + SKY[k] * pale);
             solids.push((outline(&view, shape, place), mix(colour)));
-            if shape.is_foot {
+            if shape.foot_m > 0.0 {
                 let (ball, at) = foot(shape, place);
                 let mut ball = outline(&view, &ball, &at);
                 ball.near_m += shape.radii_m.x;
@@ -133,7 +133,7 @@ fn picture(
     }
     solids.sort_by(|a, b| a.0.near_m.total_cmp(&b.0.near_m));
     let (fine_width, fine_height) = (width * FINE, height * FINE);
-    let scale = fine_width as f64 / options.across_m.max(1e-3);
+    let scale = fine_width as f64 / (options.across_m * animation.unit).max(1e-3);
     // The floor's line lies at a sixth of the height.
     let low_m = animation.floor_m - fine_height as f64 / scale / 6.0;
     let to_x = |m: f64| (m - forward_m) * scale + fine_width as f64 / 2.0;

@@ -16,6 +16,6 @@ mod tests;
 pub use gif::{GifOptions, animation_gif};
 pub(super) use outline::{Outline, View, outline};
 pub use page::animation_html;
-pub(super) use recording::PICTURE_S;
 pub use recording::{Animation, Dog, Recording};
+pub(super) use recording::{DOG_M, LEAST_UNIT, PICTURE_S};
 pub use strip::animation_strip;

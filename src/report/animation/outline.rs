@@ -45,13 +45,10 @@ pub(in crate::report) fn outline(view: &View, shape: &Shape, place: &Place) -> O
     Outline { centre: view.picture * place.position_m, form, near_m: view.towards_eye.dot(&place.position_m) }
 }
 
-/// Radius of the ball of the foot \[m\] (Tekkotsu's ERS-7: 23.4 mm across).
-pub(super) const FOOT_M: f64 = 0.0117;
-
 /// The ball of a foot: a sphere inside the lower end of its part.
 pub(super) fn foot(shape: &Shape, place: &Place) -> (Shape, Place) {
-    let radius_m = FOOT_M.min(shape.radii_m.min());
+    let radius_m = shape.foot_m;
     let down = Vector3::new(0.0, radius_m - shape.radii_m.y, 0.0);
-    let ball = Shape { name: String::new(), radii_m: Vector3::repeat(radius_m), is_foot: false };
+    let ball = Shape { name: String::new(), radii_m: Vector3::repeat(radius_m), foot_m: 0.0 };
     (ball, Place { position_m: place.position_m + place.orientation * down, ..*place })
 }

@@ -1,6 +1,5 @@
 //! The page with the moving picture.
 
-use super::outline::FOOT_M;
 use super::recording::{Animation, Dog};
 use crate::report::ReportError;
 use minijinja::{Environment, context};
@@ -22,7 +21,7 @@ pub fn animation_html(animation: &Animation) -> Result<String, ReportError> {
     let rate_hz = RATE_HZ.min(MOST_FRAMES / (to_s - from_s).max(1e-3));
     let dogs: Vec<Value> = animation.dogs.iter().map(|dog| of_dog(dog, from_s, to_s, rate_hz)).collect();
     let data = json!({
-        "from": from_s, "rate": rate_hz, "floor": animation.floor_m, "foot": FOOT_M, "unit": animation.unit, "dogs": dogs,
+        "from": from_s, "rate": rate_hz, "floor": animation.floor_m, "unit": animation.unit, "dogs": dogs,
     });
     // A script ends at the first "</script", wherever it stands.
     let data = data.to_string().replace('<', "\\u003c");
@@ -39,7 +38,7 @@ fn of_dog(dog: &Dog, from_s: f64, to_s: f64, rate_hz: f64) -> Value {
         .shapes
         .iter()
         .map(|shape| {
-            json!({ "name": shape.name, "radii": shape.radii_m.as_slice(), "foot": shape.is_foot,
+            json!({ "name": shape.name, "radii": shape.radii_m.as_slice(), "foot": shape.foot_m,
             "lit": dog.lit.contains(&shape.name) })
         })
         .collect();

@@ -1,11 +1,18 @@
 //! What an animation shows.
 
 use crate::number::extent;
-use crate::robot::{BodyId, BodyMotion, Dynamics, Model, State, simulate};
+use crate::robot::{Body, BodyId, BodyMotion, Dynamics, Model, State, Touch, simulate};
 use nalgebra::{Isometry3, Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
 /// Time between two pictures of a motion \[s\].
 pub(in crate::report) const PICTURE_S: f64 = 0.04;
+/// How far a dog's parts are from its trunk \[m\], and the share by which others may differ and get its picture.
+pub(in crate::report) const DOG_M: f64 = 0.2;
+const ALIKE: f64 = 1.5;
+/// Of the smallest picture.
+pub(in crate::report) const LEAST_UNIT: f64 = 0.1;
+/// Radius of the ball of the foot \[m\] (Tekkotsu's ERS-7: 23.4 mm across).
+const FOOT_M: f64 = 0.0117;
 /// Least and greatest semi-axis of a drawn part \[m\].
 const THIN_M: f64 = 0.004;
 const WIDE_M: f64 = 2.0;
@@ -16,8 +23,8 @@ pub(in crate::report) struct Shape {
     pub name: String,
     /// Semi-axes \[m\].
     pub radii_m: Vector3<f64>,
-    /// It has a foot, at its lower end.
-    pub is_foot: bool,
+    /// Radius of the ball of a foot at its lower end \[m\]; 0: it has none.
+    pub foot_m: f64,
 }
 
 /// Where a part is.
@@ -64,12 +71,16 @@ pub(super) fn principal_axes(inertia_kg_m2: Matrix3<f64>) -> (UnitQuaternion<f64
 }
 
 impl Recording {
-    /// An empty recording of a robot.
+    /// An empty recording of a robot: of its ellipsoids, or where it is not made of these as [`Recording::of_tree`].
     pub fn new(model: &Model) -> Self {
+        if !model.bodies().iter().all(Body::is_ellipsoid) {
+            return Self::of_tree(model);
+        }
         let drawn = model.bodies().iter().enumerate().filter(|(index, body)| *index == 0 || body.mass_kg > 0.0);
         let (bodies, shapes) = drawn
             .map(|(index, body)| {
-                let shape = Shape { name: body.name.clone(), radii_m: body.radii_m, is_foot: body.touches_floor };
+                let foot_m = if body.touches_floor() { FOOT_M.min(body.radii_m.min()) } else { 0.0 };
+                let shape = Shape { name: body.name.clone(), radii_m: body.radii_m, foot_m };
                 ((index, Isometry3::identity()), shape)
             })
             .unzip();
@@ -77,7 +88,7 @@ impl Recording {
     }
 
     /// An empty recording of a robot that is known by its joints and inertias: of every body the ellipsoid that has its
-    /// inertia, and bars from its joint to those that it carries.
+    /// inertia, bars from its joint to those that it carries, and its feet.
     pub fn of_tree(model: &Model) -> Self {
         let (mut shapes, mut bodies) = (Vec::new(), Vec::new());
         let far = |body: BodyId| -> Vec<Vector3<f64>> {
@@ -86,7 +97,7 @@ impl Recording {
         };
         for (index, (id, body)) in model.body_ids().zip(model.bodies()).enumerate() {
             let mut add = |place: Isometry3<f64>, radii_m: Vector3<f64>| {
-                shapes.push(Shape { name: body.name.clone(), radii_m, is_foot: false });
+                shapes.push(Shape { name: body.name.clone(), radii_m, foot_m: 0.0 });
                 bodies.push((index, place));
             };
             if body.mass_kg > 0.0 {
@@ -98,7 +109,8 @@ impl Recording {
                 // The camera looks at the first part.
                 add(Isometry3::identity(), Vector3::repeat(THIN_M));
             }
-            for to_m in far(id) {
+            let bars: Vec<Vector3<f64>> = far(id).into_iter().chain(feet(body).map(|foot| foot.centre_m)).collect();
+            for to_m in bars {
                 let along = to_m.norm();
                 if along > 2.0 * THIN_M {
                     let turned = UnitQuaternion::rotation_between(&Vector3::x(), &to_m).unwrap_or_default();
@@ -110,14 +122,24 @@ impl Recording {
                 }
             }
         }
+        for (index, body) in model.bodies().iter().enumerate() {
+            for foot in feet(body) {
+                let foot_m = foot.semi_m.column_iter().map(|semi| semi.norm()).fold(THIN_M, f64::max);
+                shapes.push(Shape { name: body.name.clone(), radii_m: Vector3::repeat(foot_m), foot_m });
+                bodies.push((index, Isometry3::translation(foot.centre_m.x, foot.centre_m.y, foot.centre_m.z)));
+            }
+        }
         Self { shapes, bodies, times_s: Vec::new(), frames: Vec::new() }
     }
 
     /// Height of the lowest point, and the greatest distance of any from the first part's place in the first frame \[m\].
     pub fn extent_m(&self) -> [f64; 2] {
-        let middle =
-            self.frames.first().and_then(|frame| frame.first()).map_or(Vector3::zeros(), |part| part.position_m);
-        let points = self.frames.iter().flat_map(|frame| frame.iter().zip(&self.shapes));
+        self.extent_of_m(&self.frames)
+    }
+
+    fn extent_of_m(&self, frames: &[Vec<Place>]) -> [f64; 2] {
+        let middle = frames.first().and_then(|frame| frame.first()).map_or(Vector3::zeros(), |part| part.position_m);
+        let points = frames.iter().flat_map(|frame| frame.iter().zip(&self.shapes));
         points.fold([f64::INFINITY, 0.0], |[low, far], (place, shape)| {
             let radius = shape.radii_m.max();
             let own = place.orientation.to_rotation_matrix();
@@ -182,6 +204,11 @@ impl Recording {
     }
 }
 
+/// What a body stands on.
+fn feet(body: &Body) -> impl Iterator<Item = &Touch> {
+    body.touches.iter().filter(|touch| touch.is_foot)
+}
+
 fn place(motion: &BodyMotion, at: &Isometry3<f64>) -> Place {
     let rotation = Rotation3::from_matrix_unchecked(motion.rotation);
     let body = Isometry3::from_parts(motion.position_m.into(), UnitQuaternion::from_rotation_matrix(&rotation));
@@ -230,6 +257,11 @@ impl Animation {
     #[must_use]
     pub fn with(mut self, name: impl Into<String>, recording: Recording) -> Self {
         let colour = COLOURS[self.dogs.len() % COLOURS.len()];
+        if self.dogs.is_empty() && !recording.is_empty() {
+            let [_, far_m] = recording.extent_of_m(&recording.frames[..1]);
+            let unit = far_m / DOG_M;
+            self.unit = if (1.0 / ALIKE..ALIKE).contains(&unit) { 1.0 } else { unit.max(LEAST_UNIT) };
+        }
         self.dogs.push(Dog { name: name.into(), colour, recording, lit: Vec::new() });
         self
     }

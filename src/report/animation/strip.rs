@@ -14,7 +14,7 @@ use plotters::style::{Color, RGBColor};
 const GRID: (usize, usize) = (4, 2);
 /// Size of a picture \[px\].
 const SIZE: (f64, f64) = (215.0, 190.0);
-/// Metres across a picture.
+/// Metres across a picture of a dog.
 const ACROSS_M: f64 = 0.40;
 /// Corners of an ellipse.
 const CORNERS: usize = 48;
@@ -25,7 +25,7 @@ const CORNERS: usize = 48;
 /// [`ReportError::Font`] and [`ReportError::Draw`], neither of which depends on the data.
 pub fn animation_strip(animation: &Animation, from_s: f64, cycle_s: f64) -> Result<Figure, ReportError> {
     let view = View::side(0.06);
-    let scale = SIZE.0 / ACROSS_M;
+    let scale = SIZE.0 / (ACROSS_M * animation.unit);
     let count = GRID.0 * GRID.1;
     let svg = sketch("one step cycle", 40.0 + SIZE.1 * GRID.1 as f64, |root| {
         let Some(dog) = animation.dogs.first() else { return Ok(()) };
@@ -44,7 +44,7 @@ pub fn animation_strip(animation: &Animation, from_s: f64, cycle_s: f64) -> Resu
                 let pale = if place.position_m.x < base.position_m.x - 0.02 { 0.45 } else { 0.0 };
                 let mix = |c: u8| (f64::from(c) * (1.0 - pale) + 255.0 * pale) as u8;
                 solids.push((outline(&view, shape, place), RGBColor(mix(r), mix(g), mix(b))));
-                if shape.is_foot {
+                if shape.foot_m > 0.0 {
                     let (ball, at) = foot(shape, place);
                     let mut ball = outline(&view, &ball, &at);
                     ball.near_m += shape.radii_m.x;
@@ -71,7 +71,7 @@ pub fn animation_strip(animation: &Animation, from_s: f64, cycle_s: f64) -> Resu
         title: "Figure 4.4, one step cycle".to_owned(),
         caption:
             "Figure 4.4. The robot at eight times of one step cycle [s], from its right side; it walks to the right. \
-                  Parts are the ellipsoids of Table A.2; the far legs are pale."
+                  Parts are ellipsoids, of the ERS-7 those of Table A.2; the far legs are pale."
                 .to_owned(),
         svg,
     })

@@ -4,15 +4,13 @@ use crate::gap::Diagnosis;
 use crate::gap::clamped::ClampedSetup;
 use crate::gap::whole::Whole;
 use crate::log::RobotLog;
-use crate::report::animation::PICTURE_S;
+use crate::report::animation::{DOG_M, LEAST_UNIT, PICTURE_S};
 use crate::report::{Animation, Recording};
 use crate::robot::{Dynamics, Model, State};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// The longest film \[s\].
 const FILM_S: f64 = 60.0;
-/// A dog reaches so far about its trunk \[m\]: the picture's unit.
-const DOG_M: f64 = 0.2;
 /// Joints that are lit have at least this share of the worst joint's error.
 const GUILTY: f64 = 0.7;
 
@@ -42,7 +40,7 @@ pub(super) fn animation(setup: &ClampedSetup, whole: &Whole, joints: &[&Diagnosi
         .with("as found", found)
         .with("logged", logged)
         .lit(&lit);
-    (animation.floor_m, animation.unit) = (low, (far / DOG_M).max(0.1));
+    (animation.floor_m, animation.unit) = (low, (far / DOG_M).max(LEAST_UNIT));
     Some(animation)
 }
 

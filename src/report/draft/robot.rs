@@ -71,7 +71,7 @@ pub(super) fn study(
          # marked as a guess is one; lines that begin with `# ` and a key are for you to fill in (drop the `# `).\nschema = 1\n\n",
     );
     let _ = writeln!(text, "[robot]\nmodel = {}", toml_string(&relative(model, folder)));
-    text += "scenario = \"fixed\"   # guess: the base is clamped; a log does not say\n\
+    text += "scenario = \"fixed\"   # guess: the base is clamped; a log does not say. Of a robot that walked: \"floor\"\n\
              # tip = \"\"           # the link that carries a payload; by itself the end of the longest chain\n";
     if !without.is_empty() {
         let list: Vec<String> = without.iter().map(|name| toml_string(name)).collect();

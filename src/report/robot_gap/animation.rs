@@ -1,43 +1,34 @@
 //! The robot as given, repaired and logged, moving together.
 
-use super::repaired::{REPAIRED_FILE, repaired_study};
-use crate::gap::robot::{RobotCase, RobotDiagnosis};
+use crate::gap::robot::{Change, RobotCase, RobotDiagnosis, motion_with};
 use crate::log::{BaseColumns, RobotLog, RobotScenario, RobotStudyLog, read_robot_study_logs};
 use crate::report::animation::PICTURE_S;
 use crate::report::{Animation, Recording};
-use crate::robot::simulate::{self, Method, SimulateError, run};
+use crate::robot::simulate::{self, SimulateError};
 use crate::robot::study::orientation;
-use crate::robot::{Dynamics, Model, Nominal, State};
+use crate::robot::{Dynamics, Model, State};
 use nalgebra::Vector3;
-use std::path::Path;
 
 /// Longest step \[s\], as a walk takes it.
 const STEP_S: f64 = 5e-4;
 /// Where the trunk is clamped nothing stands under it; the picture's floor is so far below its middle \[m\].
 const BELOW_M: f64 = 0.25;
 
-/// Puts the robot as given, the one in the repaired robot's file and the logged one side by side, in the log that has
-/// most of the gap.
+/// Puts the robot as given, the repaired one and the logged one side by side, in the log that has most of the gap.
 ///
 /// The logged trunk moves as the columns `base.*` say; where the log does not have them, as that of the repaired robot.
 ///
 /// # Errors
-/// [`SimulateError`] where the study's logs have gone, or the repaired robot's file is none.
-pub fn robot_gap_animation(
-    case: &RobotCase,
-    diagnosis: &RobotDiagnosis,
-    repaired_toml: &str,
-) -> Result<Animation, SimulateError> {
+/// [`SimulateError`] where the study's logs have gone.
+pub fn robot_gap_animation(case: &RobotCase, diagnosis: &RobotDiagnosis) -> Result<Animation, SimulateError> {
     let logs = read_robot_study_logs(&case.study)?;
     let most = |entry: &&RobotStudyLog| diagnosis.location.logs.contains(&entry.file);
     let chosen = case.study.logs.iter().position(|entry| most(&entry)).unwrap_or(0);
     let Some((entry, log)) = case.study.logs.get(chosen).zip(logs.get(chosen)) else {
         return Ok(Animation::new(case.robot(), ""));
     };
-    let repaired_robot = Model::from_toml(Path::new(REPAIRED_FILE), repaired_toml)?;
-    let repaired = Nominal::on(&repaired_robot, &repaired_study(&case.study))?;
-    let given = moved(&case.nominal, entry, log)?;
-    let answer = moved(&repaired, entry, log)?;
+    let moved = |changes: &[Change]| motion_with(case, chosen, changes, (PICTURE_S, STEP_S));
+    let (given, answer) = (moved(&[])?, moved(&diagnosis.changes)?);
     let (logged, trunk) = logged(&case.nominal.model, log, &answer);
     let model = &case.nominal.model;
     let to_blame = diagnosis.location.joints.iter().filter_map(|name| model.joint(name).ok());
@@ -46,18 +37,13 @@ pub fn robot_gap_animation(
     let note = format!("{}. {} {trunk}", entry.file, diagnosis.answer.sentence);
     let mut animation = Animation::new(title, note)
         .with("as given", Recording::of_run(&case.nominal.model, &given))
-        .with("repaired", Recording::of_run(&repaired.model, &answer))
+        .with("repaired", Recording::of_run(model, &answer))
         .with("logged", logged)
         .lit(&lit);
     if case.study.scenario != RobotScenario::Floor {
         animation.floor_m = answer.base.first().map_or(0.0, |base| base.position_m.y) - BELOW_M;
     }
     Ok(animation)
-}
-
-fn moved(nominal: &Nominal, entry: &RobotStudyLog, log: &RobotLog) -> Result<simulate::Recording, SimulateError> {
-    let scene = nominal.scene(entry, log)?;
-    run(&nominal.scenario(&scene, PICTURE_S), Method::Stiff { step_s: STEP_S })
 }
 
 /// The readings of a log as a motion; joints that it lacks move as simulated. Says how its trunk moves.

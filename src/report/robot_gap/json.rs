@@ -53,7 +53,7 @@ pub fn robot_gap_json(report: &RobotGapReport) -> impl Serialize + '_ {
         effects: answer.first.iter().chain(&answer.second).map(Effect::of).collect(),
         beliefs: diagnosis.beliefs.iter().map(|belief| (belief.name.as_str(), belief)).collect(),
         changes: diagnosis.changes.iter().map(|change| Changed::of(change, joints)).collect(),
-        repaired: Repaired { file: super::REPAIRED_FILE, rms: diagnosis.repaired_rms_rad() },
+        repaired: Repaired { file: report.repaired_file(), rms: diagnosis.repaired_rms_rad() },
         confusion: None,
         notes: &diagnosis.notes,
         health: logs.iter().map(health).collect(),
@@ -227,10 +227,10 @@ impl<'a> Changed<'a> {
     }
 }
 
-/// What the repaired robot's file leaves over the held-out samples \[rad RMS\]: with the changes and nothing adapted.
+/// The repaired robot's file, where there is one, and what that robot leaves over the held-out samples \[rad RMS\]: with the changes and nothing adapted.
 #[derive(Serialize)]
 struct Repaired {
-    file: &'static str,
+    file: Option<&'static str>,
     rms: Option<f64>,
 }
 

@@ -22,7 +22,7 @@ pub use animation::robot_gap_animation;
 pub use html::robot_gap_html;
 pub use json::robot_gap_json;
 pub use plot::{Sketch, robot_gap_figures};
-pub use repaired::{REPAIRED_FILE, repaired_robot, repaired_study};
+pub use repaired::{REPAIRED_FILE, repaired_robot};
 pub use text::robot_gap_text;
 
 use super::Provenance;
@@ -66,6 +66,11 @@ pub struct LogRow {
 }
 
 impl RobotGapReport {
+    /// The repaired robot's file, where one stands beside the page.
+    pub fn repaired_file(&self) -> Option<&'static str> {
+        self.beside.iter().any(|(file, _)| file == REPAIRED_FILE).then_some(REPAIRED_FILE)
+    }
+
     /// The report of a case's diagnosis.
     pub fn new(case: &RobotCase, diagnosis: RobotDiagnosis, options: RobotOptions, provenance: Provenance) -> Self {
         let row = |entry: &crate::log::RobotStudyLog| {

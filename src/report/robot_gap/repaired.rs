@@ -71,15 +71,6 @@ pub fn repaired_robot(case: &RobotCase, changes: &[Change], sentence: &str) -> R
     Ok(header(case, changes, sentence) + &body)
 }
 
-/// A study with nothing in it that the repaired robot's file has taken over.
-pub fn repaired_study(study: &RobotStudy) -> RobotStudy {
-    let mut study = study.clone();
-    study.friction = crate::log::LegFrictionSpec::default();
-    study.control.gains.clear();
-    study.floor = crate::log::FloorSpec::default();
-    study
-}
-
 fn header(case: &RobotCase, changes: &[Change], sentence: &str) -> String {
     let control = &case.study.control;
     let period = control.sample_period_s.map_or_else(String::new, |period_s| format!(" --control-period {period_s}"));

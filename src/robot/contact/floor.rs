@@ -3,7 +3,7 @@
 use super::Resting;
 use super::law::Contact;
 use crate::number::math;
-use crate::robot::{BodyId, BodyMotion, ContactDamping, Force, Model, RobotError};
+use crate::robot::{BodyId, BodyMotion, ContactDamping, Force, Model, RobotError, Touch};
 use nalgebra::{Unit, Vector3};
 
 /// A slope beyond this is a wall \[rad\].
@@ -108,9 +108,9 @@ impl FloorParameters {
 /// Which parts of a robot touch the floor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Touching {
-    /// Those that the robot's file gives a contact: the lower legs of the ERS-7, as in the reference walk.
+    /// Feet: of the ERS-7 the lower legs, as in the reference walk.
     Marked,
-    /// Every part that has a mass: a robot that falls lies on its trunk.
+    /// Whatever has a shape and a mass, too: a robot that falls lies on its trunk.
     All,
 }
 
@@ -118,7 +118,7 @@ pub enum Touching {
 #[derive(Clone, Copy, Debug)]
 struct Part {
     body: BodyId,
-    radii_m: Vector3<f64>,
+    touch: Touch,
 }
 
 /// A floor under a robot.
@@ -146,18 +146,22 @@ impl Floor {
     /// A floor under a robot.
     ///
     /// # Errors
-    /// [`RobotError::Floor`] names the parameter that no floor has.
+    /// [`RobotError::Floor`] names the parameter that no floor has; [`RobotError::NotSimulated`] where nothing would touch it.
     pub fn new(parameters: FloorParameters, model: &Model, touching: Touching) -> Result<Self, RobotError> {
         parameters.check()?;
-        let touches = |body: &BodyId| {
+        let of_body = |body: BodyId| {
             let part = &model.bodies()[body.index()];
-            match touching {
-                Touching::Marked => part.touches_floor,
-                Touching::All => part.touches_floor || part.mass_kg > 0.0,
-            }
+            let may_lie = touching == Touching::All && part.mass_kg > 0.0;
+            let touches = part.touches.iter().filter(move |touch| touch.is_foot || may_lie);
+            touches.map(move |touch| Part { body, touch: *touch })
         };
-        let parts = model.body_ids().filter(touches);
-        let parts = parts.map(|body| Part { body, radii_m: model.bodies()[body.index()].radii_m }).collect();
+        let parts: Vec<Part> = model.body_ids().flat_map(of_body).collect();
+        if parts.is_empty() {
+            let what = "nothing of it touches a floor: no contact_mm in a file of our own, and no sphere, capsule, cylinder, \
+                        ellipsoid or box that collides at the end of a chain (meshes are not read); of a URDF or MJCF say \
+                        which links are its feet, with their radius";
+            return Err(RobotError::NotSimulated { robot: model.name().to_owned(), what: what.to_owned() });
+        }
         Ok(Self { normal: Unit::new_normalize(parameters.normal), parameters, parts })
     }
 
@@ -276,10 +280,8 @@ impl Floor {
         state.base_position_m.y + if depth_m.is_finite() { depth_m / self.normal.y } else { 0.0 }
     }
 
-    /// From a part's centre to the lowest point of its ellipsoid, world axes \[m\]: `-R A^2 R^T n / |A R^T n|`.
+    /// From a body's origin to the lowest point of what it touches with, world axes \[m\].
     fn to_lowest(&self, part: &Part, motion: &BodyMotion) -> Vector3<f64> {
-        let up = motion.rotation.tr_mul(&self.normal);
-        let scaled = part.radii_m.component_mul(&up);
-        motion.rotation * (part.radii_m.component_mul(&scaled) / -scaled.norm())
+        motion.rotation * part.touch.lowest_m(&motion.rotation.tr_mul(&self.normal))
     }
 }

@@ -4,8 +4,8 @@
 //!   axis, couplings, actuators, limits. What moves is [`Tree`](crate::robot::tree::Tree)'s to say.
 //! - [`Description::read`] tells the formats apart by their content.
 //!
-//! Left out: meshes (no dynamics needs them but for a body whose inertia would come from one, which is refused),
-//! contacts, sensors, looks. What would change the dynamics and is not read is refused by name, with file, line and
+//! Left out: meshes (no dynamics needs them but for a body whose inertia would come from one, which is refused), what
+//! collides with anything but a floor, sensors, looks. What would change the dynamics and is not read is refused by name, with file, line and
 //! element; what only a simulation would miss stands in [`Description::left_out`], likely mistakes in
 //! [`Description::warnings`].
 
@@ -19,6 +19,7 @@ mod mjcf;
 mod of_tables;
 mod parts;
 mod sanity;
+mod shape;
 mod to_isaac;
 mod to_mjcf;
 mod to_pace;
@@ -31,7 +32,8 @@ pub use error::{At, DescriptionError};
 pub use format::Format;
 pub use found::{FoundKey, FoundNumber, NoSuchPart};
 pub use inertia::RigidInertia;
-pub use parts::{Actuator, ActuatorKind, Coupling, FreeJoint, JointKind, Link, LinkId, Mover, MoverId};
+pub use parts::{Actuator, ActuatorKind, Collider, Coupling, FreeJoint, JointKind, Link, LinkId, Mover, MoverId};
+pub use shape::Shape;
 pub use to_isaac::to_isaac;
 pub use to_mjcf::to_mjcf;
 pub use to_pace::to_pace;

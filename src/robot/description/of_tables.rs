@@ -1,7 +1,7 @@
 //! Our own TOML as a description: ellipsoids become tensors, turned and displaced joints become poses.
 
 use super::error::At;
-use super::{Description, Format, FreeJoint, JointKind, Link, LinkId, Mover, MoverId, RigidInertia};
+use super::{Collider, Description, Format, FreeJoint, JointKind, Link, LinkId, Mover, MoverId, RigidInertia, Shape};
 use crate::geometry::robot_file::Base;
 use crate::geometry::{Joint, RobotTables};
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, Unit, UnitQuaternion};
@@ -28,6 +28,7 @@ impl Description {
             pose: joint_of(index).map_or_else(Isometry3::identity, |(_, joint)| pose(joint)),
             joints: joint_of(index).map(|(joint, _)| joint).into_iter().collect(),
             inertia: inertia(tables, name),
+            colliders: colliders(tables, name),
         };
         Self {
             name: tables.name.clone(),
@@ -79,6 +80,13 @@ fn mover(index: usize, joint: &Joint, file: &Arc<Path>) -> Mover {
         spring_rest_rad: spring.map_or(0.0, |spring| spring.rest_rad),
         at: At { file: file.clone(), line: 1 },
     }
+}
+
+/// A part that touches the floor does so with its ellipsoid.
+fn colliders(tables: &RobotTables, name: &str) -> Vec<Collider> {
+    let touching = tables.parts.iter().filter(|part| part.name == name && part.contact_m.is_some());
+    let ellipsoid = |part: &crate::geometry::Part| Shape::Ellipsoid(part.diameters_m * 0.5);
+    touching.map(|part| Collider { shape: ellipsoid(part), pose: Isometry3::identity(), friction: None }).collect()
 }
 
 /// A part with the point masses fixed to it.

@@ -2,6 +2,7 @@
 
 use super::error::At;
 use super::inertia::RigidInertia;
+use super::shape::Shape;
 use nalgebra::{Isometry3, Unit, Vector3};
 
 /// A link of a [`Description`](super::Description), by its place among the links.
@@ -27,6 +28,19 @@ pub struct Link {
     pub joints: Vec<MoverId>,
     /// In its frame.
     pub inertia: RigidInertia,
+    /// What of it collides, as far as its shape is read: meshes are not.
+    pub colliders: Vec<Collider>,
+}
+
+/// A shape of a link that collides with a floor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Collider {
+    /// About its centre.
+    pub shape: Shape,
+    /// In the link's frame.
+    pub pose: Isometry3<f64>,
+    /// Coefficient of sliding friction; a URDF has none.
+    pub friction: Option<f64>,
 }
 
 /// How a joint moves.

@@ -6,12 +6,15 @@ mod of_description;
 mod of_file;
 mod plan;
 mod schedule;
+mod standing;
 #[cfg(test)]
 mod tests;
+mod touch;
 
 pub use body::{Attached, Body};
 pub(super) use frame::Turning;
 pub(super) use plan::{BasePlan, Group, Parent, Plan, Shape};
+pub use touch::Touch;
 
 use super::description::{Description, Format};
 use super::{Dynamics, RobotError, State};

@@ -1,9 +1,9 @@
 //! A described robot as one to simulate: revolute joints, friction and gains as the description has them.
 
-use super::{Attached, Body, BodyId, Following, Model};
+use super::{Attached, Body, BodyId, Following, Model, Touch};
 use crate::geometry::robot_file::{Base, FRICTION_SET, FrictionSet, GAIN_SET, GainSet, JointFriction, RobotTables};
 use crate::geometry::{Joint, JointSpring, Part};
-use crate::log::Derivative;
+use crate::log::{Derivative, FloorSpec};
 use crate::robot::RobotError;
 use crate::robot::description::{Actuator, Coupling, Description, JointKind, Mover, MoverId, RigidInertia};
 use crate::robot::tree::{Jointed, Tree, TreeBase};
@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 const THIN_M: f64 = 2e-3;
 
 impl Model {
-    /// A described robot: joints in the tree's order, links that cannot move lumped, the base as the file holds it.
+    /// A described robot in the file's own axes: joints in the tree's order, links that cannot move lumped, the base as the file holds it.
     ///
     /// Bodies' frames lie on their joints and have the base's axes where all joints are at 0. Damping and friction loss are
     /// the friction set `chosen`, position servos the gain set `printed`; their ranges of torque limit them.
@@ -22,22 +22,17 @@ impl Model {
     /// [`RobotError::NotSimulated`] for sliding joints, springs that are no straight lines, closed
     /// loops, tendons that act and several trees on the world; [`RobotError::NoInertia`], [`RobotError::Value`].
     pub fn of_description(description: &Description) -> Result<Self, RobotError> {
+        let tree = simulated(description, Tree::base_of(description))?;
+        let (base, bodies) = tree.jointed();
+        let matter = Matter { base, bodies, touches: Vec::new(), gravity_m_s2: description.gravity_m_s2, floor: None };
+        Self::of_matter(description, &tree, matter)
+    }
+
+    /// What a description is made of as a model.
+    pub(super) fn of_matter(description: &Description, tree: &Tree, matter: Matter) -> Result<Self, RobotError> {
         let robot = &description.name;
         let no = |what: String| RobotError::NotSimulated { robot: robot.clone(), what };
-        if let Some(first) = description.left_out.first() {
-            return Err(no(first.clone()));
-        }
-        for Mover { name, kind, stiffness, damping, .. } in &description.joints {
-            if *kind == JointKind::Prismatic {
-                return Err(no(format!("joint {name} slides (prismatic)")));
-            }
-            if stiffness[1..].iter().chain(&damping[1..]).any(|number| *number != 0.0) {
-                return Err(no(format!("joint {name} has a stiffness or damping of several numbers")));
-            }
-        }
-        let held = Tree::base_of(description);
-        let tree = Tree::new(description, held).map_err(|error| no(error.to_string()))?;
-        let (base_inertia, jointed) = tree.jointed();
+        let (held, jointed) = (tree.base(), matter.bodies);
         if held == TreeBase::Free
             && jointed.iter().any(|body| body.carrier == 0 && tree.stands_on_the_world(body.joint))
         {
@@ -53,27 +48,28 @@ impl Model {
             name: robot.clone(),
             root,
             base: if held == TreeBase::Free { Base::Floating } else { Base::Clamped },
-            gravity_m_s2: description.gravity_m_s2,
+            gravity_m_s2: matter.gravity_m_s2,
             parts: Vec::new(),
             joints: jointed.iter().enumerate().map(joint).collect(),
             friction: vec![friction(description, &jointed)],
-            gains: gains(description, &tree).into_iter().collect(),
+            gains: gains(description, tree).into_iter().collect(),
             encoder: None,
             sensors: Vec::new(),
             effects: Vec::new(),
             attached: Vec::new(),
-            floor: None,
+            floor: matter.floor,
             floor_slope_rad: [0.0; 2],
         };
-        let inertias = std::iter::once(&base_inertia).chain(jointed.iter().map(|body| &body.inertia));
+        let inertias = std::iter::once(&matter.base).chain(jointed.iter().map(|body| &body.inertia));
+        let mut touches = matter.touches.into_iter();
         let mut bodies = Vec::with_capacity(names.len());
         for (name, inertia) in names.iter().zip(inertias) {
             let part = part(name, inertia);
-            let mut body = Body::of_part(&part);
             let (mass_kg, at_m, inertia_kg_m2) = (inertia.mass_kg, inertia.centre_m(), inertia.central_kg_m2());
-            body.attach(Attached { mass_kg, at_m, inertia_kg_m2 })?;
+            let own = Attached { mass_kg, at_m, inertia_kg_m2 };
+            let touches = touches.next().unwrap_or_default();
+            bodies.push(Body::described(name.clone(), part.diameters_m * 0.5, own, touches)?);
             tables.parts.push(part);
-            bodies.push(body);
         }
         let carrier = jointed.iter().map(|body| BodyId(body.carrier)).collect();
         let armature = jointed.iter().map(|body| description.joints[body.joint.0].armature_kg_m2).collect();
@@ -83,6 +79,37 @@ impl Model {
         let following = following(description, &jointed);
         Ok(Self { derivative: Derivative::Measurement, torque_limit_nm, following, ..made })
     }
+}
+
+/// What a model's bodies are made of.
+pub(super) struct Matter {
+    /// What the base carries.
+    pub base: RigidInertia,
+    /// Parents first.
+    pub bodies: Vec<Jointed>,
+    /// What base and bodies may touch a floor with; none: nothing of any.
+    pub touches: Vec<Vec<Touch>>,
+    /// In the world's axes \[m/s^2\].
+    pub gravity_m_s2: Vector3<f64>,
+    /// What the description says of floors.
+    pub floor: Option<FloorSpec>,
+}
+
+/// The tree of a description that can be simulated.
+pub(super) fn simulated(description: &Description, held: TreeBase) -> Result<Tree, RobotError> {
+    let no = |what: String| RobotError::NotSimulated { robot: description.name.clone(), what };
+    if let Some(first) = description.left_out.first() {
+        return Err(no(first.clone()));
+    }
+    for Mover { name, kind, stiffness, damping, .. } in &description.joints {
+        if *kind == JointKind::Prismatic {
+            return Err(no(format!("joint {name} slides (prismatic)")));
+        }
+        if stiffness[1..].iter().chain(&damping[1..]).any(|number| *number != 0.0) {
+            return Err(no(format!("joint {name} has a stiffness or damping of several numbers")));
+        }
+    }
+    Tree::new(description, held).map_err(|error| no(error.to_string()))
 }
 
 /// Couplings by place, each to the joint at the end of its chain, which the readers see to that there is.

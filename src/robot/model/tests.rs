@@ -65,11 +65,12 @@ fn what_no_body_has_is_refused() {
 fn lowest_point_of_an_ellipsoid() {
     let robot = Model::ers7();
     let shank = &robot.bodies()[robot.body("lf_lower").unwrap().index()];
-    assert!(shank.touches_floor);
-    assert_eq!(shank.lowest_point_m(&Vector3::y()), Vector3::new(0.0, -0.045, 0.0));
+    assert!(shank.touches_floor());
+    let touch = shank.touches[0];
+    assert_eq!(touch.lowest_m(&Vector3::y()), Vector3::new(0.0, -0.045, 0.0));
     // Any other point of the surface is higher.
     let up = Vector3::new(0.3, 0.8, -0.5).normalize();
-    let low = shank.lowest_point_m(&up);
+    let low = touch.lowest_m(&up);
     approx::assert_relative_eq!(low.component_div(&shank.radii_m).norm(), 1.0, epsilon = 1e-14);
     for aside in [Vector3::x(), Vector3::y(), Vector3::z()] {
         for turn in [-0.01, 0.01] {

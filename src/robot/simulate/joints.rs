@@ -47,15 +47,17 @@ impl JointDrive {
         reading_rad / self.chain.sensor_gain + self.zero_rad
     }
 
-    /// Gives it a controller.
-    pub fn set_control(&mut self, gains: PidGains, control: Control) {
-        self.chain.motor = Some(Motor::new(MotorSpec {
+    /// Gives it a controller, whose torque may be limited \[N m\].
+    pub fn set_control(&mut self, gains: PidGains, control: Control, most_nm: Option<f64>) {
+        let mut motor = Motor::new(MotorSpec {
             ki_nm_rad_s: gains.ki_nm_rad_s,
             hold: control.hold,
             derivative: control.derivative,
             sample_period_s: control.sample_period_s,
             ..MotorSpec::pd(gains.kp_nm_rad, gains.kd_nm_s_rad)
-        }));
+        });
+        motor.torque_limit = most_nm.map(|most_nm| TorqueLimit { most_nm, knee: Knee::Hard });
+        self.chain.motor = Some(motor);
     }
 
     /// Torque of springs and stops \[N m\].
@@ -175,10 +177,7 @@ impl Joints {
         for (id, drive) in model.joint_ids().zip(&mut self.drives) {
             let Some(gains) = model.gains(set, id) else { continue };
             found = true;
-            drive.set_control(gains, control);
-            if let (Some(most_nm), Some(motor)) = (model.torque_limit_nm(id), &mut drive.chain.motor) {
-                motor.torque_limit = Some(TorqueLimit { most_nm, knee: Knee::Hard });
-            }
+            drive.set_control(gains, control, model.torque_limit_nm(id));
         }
         if found { Ok(()) } else { Err(no_set(model, "gains", set)) }
     }

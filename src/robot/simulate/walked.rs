@@ -82,7 +82,7 @@ impl Footfalls {
     pub fn of(floor: &Floor, model: &Model, recording: &Recording) -> Self {
         let (mut dynamics, mut state) = (Dynamics::new(model), State::at_rest(model));
         let name = |body: BodyId| model.bodies()[body.index()].name.clone();
-        let is_foot = |body: &BodyId| model.bodies()[body.index()].touches_floor;
+        let is_foot = |body: &BodyId| model.bodies()[body.index()].touches_floor();
         let mut feet: Vec<(String, Vec<bool>)> =
             floor.bodies().filter(is_foot).map(|body| (name(body), Vec::new())).collect();
         for k in 0..recording.t_s.len() {

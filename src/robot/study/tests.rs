@@ -9,6 +9,7 @@ fn study(scenario: RobotScenario) -> RobotStudy {
         file: "study.toml".into(),
         model: "ers7".into(),
         model_path: None,
+        described: None,
         scenario,
         drop_height_m: 0.02,
         friction: LegFrictionSpec { coulomb_nm: Some([0.001, 0.009, 0.010]), viscous_nm_s_rad: None },

@@ -121,6 +121,11 @@ impl Tree {
         self.base.map(|base| base.link)
     }
 
+    /// Where the file draws it, in the world.
+    pub fn base_pose(&self) -> Option<Isometry3<f64>> {
+        self.base.map(|base| base.pose)
+    }
+
     /// Entries of the base in generalised velocities: 6 or 0.
     pub fn base_freedoms(&self) -> usize {
         if self.base.is_some() { 6 } else { 0 }

@@ -1,12 +1,13 @@
 //! `<worldbody>`: bodies within bodies, with the frames and replicas between them.
 
+use super::geom;
 use super::inertial::Support;
 use super::naming::Names;
 use super::orientation::pose;
 use super::{Reader, joint};
 use crate::robot::description::MOST_LINKS;
 use crate::robot::description::error::DescriptionError;
-use crate::robot::description::parts::{FreeJoint, Link, LinkId, MoverId};
+use crate::robot::description::parts::{Collider, FreeJoint, Link, LinkId, MoverId};
 use crate::robot::description::xml::Element;
 use nalgebra::{Isometry3, Translation3};
 
@@ -181,9 +182,20 @@ impl Reader<'_> {
             _ => Support::Stands,
         };
         let inertia = self.inertia(body, content, support)?;
+        let colliders = self.colliders(content)?;
         let pose = scope.pose * pose(body, &self.compiler)?;
-        self.into.links.push(Link { name, is_named, parent, pose, joints, inertia });
+        self.into.links.push(Link { name, is_named, parent, pose, joints, inertia, colliders });
         Ok(id)
+    }
+
+    /// What of a body collides.
+    fn colliders(&self, content: &Content<'_>) -> Result<Vec<Collider>, DescriptionError> {
+        let mut all = Vec::new();
+        for (element, scope) in &content.geoms {
+            let read = geom::collider(&self.classes.apply(element, scope.childclass)?, &self.compiler);
+            all.extend(read.map(|read| Collider { pose: scope.pose * read.pose, ..read }));
+        }
+        Ok(all)
     }
 
     /// Whether a link and all that carry it have no joint.

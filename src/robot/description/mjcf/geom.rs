@@ -1,10 +1,11 @@
-//! `<geom>`: what it weighs.
+//! `<geom>`: what it weighs, and what of it collides.
 
 use super::compiler::Compiler;
 use super::orientation::{from_z, pose};
-use super::shape::Shape;
 use crate::robot::description::error::DescriptionError;
 use crate::robot::description::inertia::RigidInertia;
+use crate::robot::description::parts::Collider;
+use crate::robot::description::shape::Shape;
 use crate::robot::description::xml::Element;
 use nalgebra::{Isometry3, Matrix3, Translation3, Unit, Vector3};
 
@@ -17,6 +18,21 @@ pub(super) enum Weight {
     Known(RigidInertia),
     /// What only a mesh, or a shape that is not known here, could tell.
     Unknown(String),
+}
+
+/// Sliding friction where nothing is said.
+const FRICTION: f64 = 1.0;
+
+/// What of a geom that its class was applied to collides, in the axes of what it stands in; `None` for what no floor meets
+/// and for shapes that are not read. What is wrong with a shape is its weight's to say.
+pub(super) fn collider(geom: &Element, compiler: &Compiler) -> Option<Collider> {
+    let meets = |name: &str| geom.number(name).ok().flatten().is_none_or(|bits| bits != 0.0);
+    if !(meets("contype") || meets("conaffinity")) || geom.text("mesh").is_some() {
+        return None;
+    }
+    let (shape, pose) = shape(geom, geom.text("type").unwrap_or("sphere").trim(), compiler).ok()?;
+    let sliding = geom.numbers("friction").ok().flatten().and_then(|numbers| numbers.first().copied());
+    Some(Collider { shape, pose, friction: Some(sliding.unwrap_or(FRICTION)) })
 }
 
 /// The weight of a geom that its class was applied to.

@@ -21,7 +21,6 @@ mod known;
 mod naming;
 mod option;
 mod orientation;
-mod shape;
 #[cfg(test)]
 mod tests;
 mod totals;

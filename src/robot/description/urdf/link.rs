@@ -1,15 +1,18 @@
-//! `<link>`: a name, perhaps an inertia.
+//! `<link>`: a name, perhaps an inertia, and what of it collides.
 
-use super::{expect_elements, number, one, origin, plain};
+use super::{expect_elements, number, numbers, one, origin, plain};
 use crate::robot::description::error::DescriptionError;
 use crate::robot::description::inertia::RigidInertia;
+use crate::robot::description::parts::Collider;
+use crate::robot::description::shape::Shape;
 use crate::robot::description::xml::Element;
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 
 /// A link as it is written.
 pub(super) struct RawLink<'a> {
     pub name: &'a str,
     pub inertia: RigidInertia,
+    pub colliders: Vec<Collider>,
     pub element: &'a Element,
 }
 
@@ -26,7 +29,23 @@ pub(super) fn read<'a>(link: &'a Element, warnings: &mut Vec<String>) -> Result<
         }
     };
     expect_elements(link, &["inertial", "visual", "collision", "contact", "sensor", "gazebo"], warnings);
-    Ok(RawLink { name, inertia, element: link })
+    let colliders = link.all("collision").filter_map(collider).collect();
+    Ok(RawLink { name, inertia, colliders, element: link })
+}
+
+/// A `<collision>`, where its shape is one that is read. What is not right in one changes no dynamics and is passed over.
+fn collider(collision: &Element) -> Option<Collider> {
+    let shape = collision.first("geometry")?.children.first()?;
+    let length = |name: &str| number(shape, name).ok().flatten().filter(|length| *length > 0.0);
+    let shape = match shape.tag.as_str() {
+        "sphere" => Shape::Sphere(length("radius")?),
+        "cylinder" => Shape::Cylinder(length("radius")?, 0.5 * length("length")?),
+        "capsule" => Shape::Capsule(length("radius")?, 0.5 * length("length")?),
+        "box" => Shape::Box(0.5 * Vector3::from(numbers::<3>(shape, "size").ok()??)),
+        _ => return None,
+    };
+    let pose = origin(collision, &mut Vec::new()).ok()?;
+    Some(Collider { shape, pose, friction: None })
 }
 
 fn inertia(inertial: &Element, link: &Element, warnings: &mut Vec<String>) -> Result<RigidInertia, DescriptionError> {

@@ -29,7 +29,12 @@ pub(super) fn assemble<'a>(
     if let Some(joint) = joints.iter().find(|joint| joint.parent == WORLD && !by_name.contains_key(WORLD)) {
         into.warnings.push(joint.element.say("the parent `world` is no link of the file; taken as the world"));
         by_name.insert(WORLD, links.len());
-        links.push(RawLink { name: WORLD, inertia: RigidInertia::default(), element: joint.element });
+        links.push(RawLink {
+            name: WORLD,
+            inertia: RigidInertia::default(),
+            colliders: Vec::new(),
+            element: joint.element,
+        });
     }
     if links.len() > MOST_LINKS {
         return Err(root.wrong(format!("{} links, expected at most {MOST_LINKS}", links.len())));
@@ -82,6 +87,7 @@ pub(super) fn assemble<'a>(
             pose: joint.map_or_else(Isometry3::identity, |(joint, _)| joints[joint].pose),
             joints: joint.and_then(|(joint, _)| mover_of_joint[joint]).into_iter().collect(),
             inertia: links[link].inertia,
+            colliders: std::mem::take(&mut links[link].colliders),
         });
         open.extend(below[link].iter().rev().map(|joint| ends[*joint].1));
     }

@@ -1,4 +1,5 @@
-//! Volumes and moments of inertia of geoms, solid and as shells.
+//! Shapes of bodies: volumes and moments of inertia, solid and as shells, and the balls and points that they touch a floor
+//! with.
 
 use crate::number::math;
 use nalgebra::Vector3;
@@ -6,7 +7,7 @@ use std::f64::consts::PI;
 
 /// A shape about its centre; lengths are MuJoCo's half-lengths \[m\], the long axis is z.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Shape {
+pub enum Shape {
     /// Its radius.
     Sphere(f64),
     /// Radius, and half of the length without the caps.
@@ -21,12 +22,31 @@ pub(super) enum Shape {
 
 /// MuJoCo's thickness of an ellipsoid's shell \[m\]: the moment is that of the difference of two solid ones.
 const SHELL_M: f64 = 1e-6;
+/// Semi-axis of what has none: an edge, a corner \[m\].
+const POINT_M: f64 = 1e-9;
 /// Exponent of Thomsen's formula for the surface of an ellipsoid, good to 1.1 %.
 const THOMSEN: f64 = 1.6075;
 
 impl Shape {
+    /// Ellipsoids about whose lowest points it stands, by their centres \[m\] and semi-axes \[m\] along the shape's own axes:
+    /// a capsule stands on the balls at its ends, a cylinder on two discs, a box on its corners.
+    pub(crate) fn touching(&self) -> Vec<(Vector3<f64>, Vector3<f64>)> {
+        let ends =
+            |half: f64, semi_m: Vector3<f64>| [-half, half].map(|z| (Vector3::new(0.0, 0.0, z), semi_m)).to_vec();
+        match *self {
+            Self::Sphere(r) => vec![(Vector3::zeros(), Vector3::repeat(r))],
+            Self::Capsule(r, h) => ends(h, Vector3::repeat(r)),
+            Self::Cylinder(r, h) => ends(h, Vector3::new(r, r, POINT_M)),
+            Self::Ellipsoid(s) => vec![(Vector3::zeros(), s)],
+            Self::Box(s) => {
+                let side = |corner: usize, k: usize| if corner >> k & 1 == 1 { s[k] } else { -s[k] };
+                (0..8).map(|corner| (Vector3::from_fn(|k, _| side(corner, k)), Vector3::repeat(POINT_M))).collect()
+            }
+        }
+    }
+
     /// Volume \[m^3\] and moments about x, y, z through the centre for 1 kg \[m^2\].
-    pub fn solid(&self) -> (f64, Vector3<f64>) {
+    pub(super) fn solid(&self) -> (f64, Vector3<f64>) {
         match *self {
             Self::Sphere(r) => (4.0 / 3.0 * PI * r.powi(3), Vector3::repeat(0.4 * r * r)),
             Self::Cylinder(r, h) => (2.0 * PI * r * r * h, round(r * r / 4.0 + h * h / 3.0, r * r / 2.0)),
@@ -44,7 +64,7 @@ impl Shape {
     }
 
     /// Surface \[m^2\] and moments for 1 kg \[m^2\] of what has its mass on the surface.
-    pub fn shell(&self) -> (f64, Vector3<f64>) {
+    pub(super) fn shell(&self) -> (f64, Vector3<f64>) {
         match *self {
             Self::Sphere(r) => (4.0 * PI * r * r, Vector3::repeat(2.0 / 3.0 * r * r)),
             Self::Cylinder(r, h) => {
@@ -96,6 +116,26 @@ fn crosswise(second: Vector3<f64>) -> Vector3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_it_touches_with_is_as_long_as_the_shape() {
+        let s = Vector3::new(0.1, 0.2, 0.3);
+        let shapes = [
+            (Shape::Sphere(0.1), 1, [0.1; 3]),
+            (Shape::Capsule(0.1, 0.2), 2, [0.1, 0.1, 0.3]),
+            (Shape::Cylinder(0.1, 0.2), 2, [0.1, 0.1, 0.2]),
+            (Shape::Ellipsoid(s), 1, s.into()),
+            (Shape::Box(s), 8, s.into()),
+        ];
+        for (shape, count, reach) in shapes {
+            let touching = shape.touching();
+            assert_eq!(touching.len(), count, "{shape:?}");
+            for (k, expected) in reach.into_iter().enumerate() {
+                let far = touching.iter().map(|(centre, semi)| centre[k] + semi[k]).fold(0.0, f64::max);
+                assert!((far - expected).abs() < 1e-8, "{shape:?} {far}");
+            }
+        }
+    }
 
     /// Masses at 1000 kg/m^3 or kg/m^2 and inertias of MuJoCo 4.0.0, for 2 kg where that is a shell.
     #[test]
