@@ -284,13 +284,13 @@ fn what_walk_cannot_move_is_named() {
     write("arm.urdf", PENDULUM);
     write("s.csv", "t,j\n0,0.3\n1,0.3\n");
     let cases = [
-        (&["walk", "--robot", "servo.xml"][..], 2, "add --air"),
+        (&["walk", "--robot", "servo.xml"][..], 3, "hold its base, by walk --air"),
         (&["walk", "--air", "--robot", "slide.xml"], 3, "joint j slides (prismatic)"),
         (&["walk", "--air", "--robot", "arm.urdf"], 3, "no joint has a position servo"),
         (
             &["walk", "--air", "--robot", "servo.xml", "--gait", "trot", "--setpoints", "s.csv"],
             2,
-            "expected a joint of servo",
+            "say what this robot does by --gait FILE.toml",
         ),
     ];
     write(
@@ -298,7 +298,7 @@ fn what_walk_cannot_move_is_named() {
         "schema = 1\n[robot]\nmodel = \"servo.xml\"\nscenario = \"air\"\n[[log]]\nfile = \"l.csv\"\nrole = \"fit\"\n",
     );
     write("l.csv", "t,j.q,j.q_ref\n0,0,0\n0.008,0,0\n0.016,0,0\n");
-    let of_study = (&["gap", "study.toml"][..], 3, "expected \"fixed\"");
+    let of_study = (&["gap", "study.toml"][..], 3, "scenario = \"fixed\"");
     for (words, code, expected) in cases.into_iter().chain([of_study]) {
         let output = run_in(out.path(), words);
         let said = stderr(&output);

@@ -246,8 +246,8 @@ pub(super) fn run(args: &WalkArgs) -> Result<u8, CliError> {
     if args.falls {
         return falls::run(args, &model);
     }
-    let plan = Plan::of(args, &model)?;
     let floor = if args.air { None } else { Some(args.ground.floor(&model)?) };
+    let plan = Plan::of(args, &model)?;
     let setting = Setting::new(model.clone(), study::joints(args, &model)?, &plan.setpoints, floor);
     let (model, joints, floor) = (&setting.model, &setting.joints, setting.floor.as_ref());
     progress.say("simulating");

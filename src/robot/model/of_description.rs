@@ -6,7 +6,7 @@ use crate::geometry::{Joint, JointSpring, Part};
 use crate::log::{Derivative, FloorSpec};
 use crate::robot::RobotError;
 use crate::robot::description::{Actuator, Coupling, Description, JointKind, Mover, MoverId, RigidInertia};
-use crate::robot::tree::{Jointed, Tree, TreeBase};
+use crate::robot::tree::{Jointed, Tree, TreeBase, TreeError};
 use nalgebra::Vector3;
 
 /// Diameters of bodies that have no extent, for figures \[m\].
@@ -109,7 +109,9 @@ pub(super) fn simulated(description: &Description, held: TreeBase) -> Result<Tre
             return Err(no(format!("joint {name} has a stiffness or damping of several numbers")));
         }
     }
-    Tree::new(description, held).map_err(|error| no(error.to_string()))
+    Tree::new(description, held).map_err(|TreeError::NoFreeBase { what, .. }| {
+        no(format!("it stands on no floor: {what}; hold its base, by walk --air or by a study's scenario = \"fixed\""))
+    })
 }
 
 /// Couplings by place, each to the joint at the end of its chain, which the readers see to that there is.
