@@ -89,28 +89,89 @@ fn what_cannot_stand_or_has_no_gains_says_so() {
     }
 }
 
-/// The study of a walk beside the example's robot and logs, with other text.
-fn study_of(folder: &Path, from: &str, to: &str) -> String {
+/// The example's study with beliefs of all joints, as a case.
+fn with_beliefs(beliefs: &str) -> RobotCase {
+    let folder = tempfile::tempdir().expect("a folder");
+    study_in(folder.path(), "[sensor]", &format!("[joints.default]\n{beliefs}\n[sensor]"));
+    RobotCase::of_study(&folder.path().join("study.toml")).expect("a study")
+}
+
+#[test]
+fn what_a_study_says_of_a_described_motor_counts_without_its_gain() {
+    let knee = |beliefs: &str| {
+        let case = with_beliefs(beliefs);
+        let model = &case.nominal.model;
+        let id = model.joint("fl_knee").expect("a knee");
+        let gains = model.gains("printed", id).expect("a servo");
+        (gains.kp_nm_rad, gains.kd_nm_s_rad, model.torque_limit_nm(id))
+    };
+    assert_eq!(knee("coulomb = 0.1"), (50.0, 1.5, Some(20.0)));
+    assert_eq!(knee("kd = 3.0"), (50.0, 3.0, Some(20.0)));
+    assert_eq!(knee("torque_limit = 4.0"), (50.0, 1.5, Some(4.0)));
+}
+
+/// Writes the study of a walk beside the example's robot and logs, with other text.
+fn study_in(folder: &Path, from: &str, to: &str) {
     for file in ["dog.xml", "walk-0.csv", "walk-1.csv"] {
         std::fs::copy(dog(file), folder.join(file)).expect("copied");
     }
     let text = std::fs::read_to_string(dog("study.toml")).expect("a study").replace(from, to);
     std::fs::write(folder.join("study.toml"), text).expect("written");
-    stderr(&run_in(folder, &["gap", "study.toml"]))
 }
 
 #[test]
 fn names_and_columns_that_are_not_there_are_told() {
     let cases = [
-        ("[sensor]", "[joints.tail]\nkp = 1.0\n[sensor]", "no joint `tail`"),
+        ("[sensor]", "[joints.tail]\nkp = 1.0\n[sensor]", "no joint tail; it has fl_hip"),
         ("\"floor\"", "\"floor\"\nfeet = { paw = 0.02 }", "no body paw"),
         ("[sensor]", "[control]\ngains = { tail = [1, 0, 0] }\n[sensor]", "[control] gains.tail"),
     ];
     for (from, to, expected) in cases {
         let folder = tempfile::tempdir().expect("a folder");
-        let said = study_of(folder.path(), from, to);
+        study_in(folder.path(), from, to);
+        let said = stderr(&run_in(folder.path(), &["gap", "study.toml"]));
         assert!(said.contains(expected), "{said}");
     }
+}
+
+/// A floor on which the dog's left front knee is weak; study, logs and description are written, the truth is not in them.
+const WEAK_KNEE: &str = r#"
+schema = 1
+[robot]
+model = "dog.xml"
+scenario = "floor"
+feet = { fl_shank = 0.02 }
+[joints.default]
+kp = 40.0
+[joints.rr_hip]
+coulomb = 0.2
+[sensor]
+period = 0.01
+[[effect]]
+id = "motor_gain"
+joints = ["fl_knee"]
+c = 0.5
+[[log]]
+file = "a.csv"
+gait = "trot.toml"
+duration = 1.5
+"#;
+
+#[test]
+fn logs_of_a_described_dog_are_made_from_a_known_truth() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for file in ["dog.xml", "trot.toml"] {
+        std::fs::copy(dog(file), folder.path().join(file)).expect("copied");
+    }
+    std::fs::write(folder.path().join("spec.toml"), WEAK_KNEE).expect("written");
+    expect_code(folder.path(), &["synth", "spec.toml", "--out", "made"], 0);
+    let made = RobotCase::of_study(&folder.path().join("made/study.toml")).expect("a study");
+    let described = made.study.described.as_ref().expect("it is described");
+    assert_eq!(described.feet_m["fl_shank"], 0.02);
+    let own = described.of_joint("rr_hip");
+    assert_eq!((own.kp_nm_rad, own.coulomb_nm), (Some(40.0), Some(0.2)));
+    let text = std::fs::read_to_string(folder.path().join("made/study.toml")).expect("written");
+    assert!(!text.contains("motor_gain") && !text.contains("static ="), "{text}");
 }
 
 #[test]

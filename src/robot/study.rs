@@ -7,7 +7,7 @@
 pub(crate) mod asked;
 mod described;
 
-pub use described::{Wanted, read_described};
+pub use described::{Wanted, check_servos, read_described};
 
 use super::bench::{SETTLE_S, loaded};
 use super::simulate::{Column, Control, Joints, Method, Scenario, Setpoints, SimulateError, Surroundings, run};
@@ -61,15 +61,29 @@ impl Nominal {
     /// # Errors
     /// [`SimulateError`] where the robot's file cannot be read, or a joint, set or number cannot be.
     pub fn of(study: &RobotStudy) -> Result<Self, SimulateError> {
+        let (read, warnings) = Self::robot_of(study)?.unzip();
+        let nominal = Self::on(read.as_ref().unwrap_or(Model::ers7()), study)?;
+        Ok(Self { warnings: warnings.unwrap_or_default(), ..nominal })
+    }
+
+    /// The robot that a study names, and what in its file looks like a mistake; `None`: the embedded one.
+    ///
+    /// # Errors
+    /// [`RobotError`] where its file cannot be read, or is none of a robot that can be simulated.
+    pub fn robot_of(study: &RobotStudy) -> Result<Option<(Model, Vec<String>)>, RobotError> {
         let read = |file: &Path| -> Result<(Model, Vec<String>), RobotError> {
             match &study.described {
-                Some(spec) => read_described(file, spec, Wanted::Standing),
+                Some(spec) => {
+                    let read = read_described(file, spec, Wanted::Standing)?;
+                    if study.control.gains.is_empty() {
+                        check_servos(&read.0)?;
+                    }
+                    Ok(read)
+                }
                 None => Ok((Model::new(RobotTables::read(file)?)?, Vec::new())),
             }
         };
-        let (read, warnings) = study.model_path.as_deref().map(read).transpose()?.unzip();
-        let nominal = Self::on(read.as_ref().unwrap_or(Model::ers7()), study)?;
-        Ok(Self { warnings: warnings.unwrap_or_default(), ..nominal })
+        study.model_path.as_deref().map(read).transpose()
     }
 
     /// The same with a robot that is at hand in the place of the study's.

@@ -218,7 +218,10 @@ fn gains(blame: &Blame<'_>, spec: &DescribedSpec, robot: &mut WholeRobot) -> Res
 }
 
 /// What the study calls the description, and the copy beside it; one of several files stays where it is.
-fn file_of(description: &Description, path: &Path) -> Result<(String, Option<(String, String)>), SynthError> {
+pub(super) fn file_of(
+    description: &Description,
+    path: &Path,
+) -> Result<(String, Option<(String, String)>), SynthError> {
     let read = |source| crate::log::LogError::Read { file: path.to_path_buf(), source };
     match path.file_name().filter(|_| description.files.len() < 2) {
         Some(name) => {

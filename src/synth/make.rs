@@ -1,5 +1,6 @@
 //! Makes the logs of a spec.
 
+use super::described::file_of;
 use super::error::{Blame, SynthError};
 use super::joint;
 use super::plan::{Plan, plans};
@@ -8,8 +9,9 @@ use super::truth::{self, Truth};
 use super::write;
 use crate::geometry::robot_file::FRAME_S;
 use crate::log::{Forward, LogError, RobotStudy, RobotStudyLog};
+use crate::robot::description::Description;
 use crate::robot::simulate::{Method, PositionSensor, Recording, Setpoints, run};
-use crate::robot::{Model, Nominal};
+use crate::robot::{Model, Nominal, RobotError};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rayon::prelude::*;
@@ -74,12 +76,17 @@ pub fn make_altered(spec: &Spec, threads: Option<usize>, alteration: Alteration<
 fn made(spec: &Spec, alteration: Alteration<'_>) -> Result<Made, SynthError> {
     let blame = Blame { file: &spec.file };
     let (Believed::Robot(study) | Believed::Joint(study, _)) = &spec.believed;
-    let (text, read) = match &study.model_path {
-        None => (None, None),
-        Some(path) => {
+    // A file that cannot be read says so by itself.
+    let read = Nominal::robot_of(study).map_err(|error| blame.refused("[robot] model", error))?.map(|(robot, _)| robot);
+    let (model, file) = match (&study.model_path, &study.described) {
+        (None, _) => (study.model.clone(), None),
+        (Some(path), None) => {
             let text = std::fs::read_to_string(path).map_err(|source| LogError::Read { file: path.clone(), source })?;
-            let robot = Model::from_toml(path, &text).map_err(|error| blame.refused("[robot] model", error))?;
-            (Some((ROBOT_FILE.to_owned(), text)), Some(robot))
+            (ROBOT_FILE.to_owned(), Some((ROBOT_FILE.to_owned(), text)))
+        }
+        (Some(path), Some(_)) => {
+            let read = Description::read(path).map_err(RobotError::from);
+            file_of(&read.map_err(|error| blame.refused("[robot] model", error))?, path)?
         }
     };
     let robot = read.as_ref().unwrap_or(Model::ers7());
@@ -99,11 +106,11 @@ fn made(spec: &Spec, alteration: Alteration<'_>) -> Result<Made, SynthError> {
         Believed::Robot(study) => {
             let mut said = study.clone();
             (alteration.study)(&mut said);
-            write::robot_study(&said, text.as_ref().map(|(name, _)| name.as_str()), &entries)
+            write::robot_study(&said, &model, &entries)
         }
         Believed::Joint(_, bench) => write::joint_study(&joint::believed(&blame, bench)?, study, &entries),
     };
-    Ok(Made { study_toml, robot: text, logs, truth })
+    Ok(Made { study_toml, robot: file, logs, truth })
 }
 
 struct Make<'a> {

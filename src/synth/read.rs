@@ -18,6 +18,8 @@ struct RawSpec {
     #[serde(default)]
     seed: u64,
     robot: Option<RawRobot>,
+    #[serde(default)]
+    joints: BTreeMap<String, RawBeliefs>,
     joint: Option<Spanned<JointBench>>,
     friction: Option<RawFriction>,
     control: Option<RawControl>,
@@ -112,9 +114,12 @@ impl Spec {
         check_schema(document, &raw.schema)?;
         let rest = (raw.friction.as_ref(), raw.control.as_ref(), raw.floor.as_ref(), raw.sensor.as_ref());
         let believed = match (&raw.robot, raw.joint) {
-            (Some(robot), None) => Believed::Robot(Box::new(study(document, robot_sections(document, robot, rest)?))),
+            (Some(robot), None) => {
+                Believed::Robot(Box::new(study(document, robot_sections(document, (robot, &raw.joints), rest)?)))
+            }
             (None, Some(joint)) => {
-                let mut study = study(document, robot_sections(document, &RawRobot::on_the_bench(), rest)?);
+                let mut study =
+                    study(document, robot_sections(document, (&RawRobot::on_the_bench(), &raw.joints), rest)?);
                 study.scenario = RobotScenario::Drop;
                 Believed::Joint(Box::new(study), joint.into_inner())
             }
@@ -135,12 +140,12 @@ impl Spec {
 }
 
 fn study(document: &Document<'_>, sections: Sections) -> RobotStudy {
-    let Sections { model, model_path, scenario, drop_height_m, friction, control, floor, sensor } = sections;
+    let Sections { model, model_path, described, scenario, drop_height_m, friction, control, floor, sensor } = sections;
     RobotStudy {
         file: document.file.to_path_buf(),
         model,
         model_path,
-        described: None,
+        described,
         scenario,
         drop_height_m,
         friction,

@@ -3,7 +3,10 @@
 use super::joint::Believed;
 use super::plan::Plan;
 use crate::geometry::robot_file::FRAME_S;
-use crate::log::{Derivative, Hold, RobotScenario, RobotStudy, RobotStudyLog, Role, toml_key, toml_string};
+use crate::log::{
+    Derivative, DescribedSpec, Hold, JointBeliefs, RobotScenario, RobotStudy, RobotStudyLog, Role, toml_key,
+    toml_string,
+};
 use crate::robot::simulate::{Accelerometer, JointDrive, Joints, PositionSensor, Recording};
 use crate::robot::{JointId, Model};
 use rand::Rng;
@@ -81,14 +84,40 @@ pub(super) fn joint_log(
     text
 }
 
-/// The study of a robot; `robot_file` stands in the place of the belief's own path.
-pub(super) fn robot_study(study: &RobotStudy, robot_file: Option<&str>, logs: &[RobotStudyLog]) -> String {
+/// What a study says beyond a description.
+fn described(text: &mut String, said: &DescribedSpec) {
+    if !said.feet_m.is_empty() {
+        text.push_str("[robot.feet]\n");
+        for (link, radius_m) in &said.feet_m {
+            let _ = writeln!(text, "{} = {radius_m:?}", toml_key(link));
+        }
+    }
+    let all = std::iter::once(("default".to_owned(), &said.all));
+    let own = said.by_joint.iter().map(|(name, beliefs)| (toml_key(name), beliefs));
+    for (name, beliefs) in all.chain(own).filter(|(_, beliefs)| **beliefs != JointBeliefs::default()) {
+        let _ = writeln!(text, "\n[joints.{name}]");
+        let rows = [
+            ("coulomb", beliefs.coulomb_nm),
+            ("viscous", beliefs.viscous_nm_s_rad),
+            ("armature", beliefs.armature_kg_m2),
+            ("kp", beliefs.kp_nm_rad),
+            ("kd", beliefs.kd_nm_s_rad),
+            ("torque_limit", beliefs.torque_limit_nm),
+        ];
+        for (key, value) in rows {
+            let _ = value.map(|value| writeln!(text, "{key} = {value:?}"));
+        }
+    }
+}
+
+/// The study of a robot; `model` stands in the place of the belief's own path.
+pub(super) fn robot_study(study: &RobotStudy, model: &str, logs: &[RobotStudyLog]) -> String {
     let mut text = String::from("schema = 1\n\n[robot]\n");
-    let model = robot_file.unwrap_or(&study.model);
     let _ = writeln!(text, "model = {}\nscenario = \"{}\"", toml_string(model), study.scenario.word());
     if study.scenario == RobotScenario::Floor {
         let _ = writeln!(text, "drop_height = {:?}", study.drop_height_m);
     }
+    study.described.iter().for_each(|said| described(&mut text, said));
     let friction = [("coulomb", study.friction.coulomb_nm), ("viscous", study.friction.viscous_nm_s_rad)];
     if friction.iter().any(|(_, row)| row.is_some()) {
         text.push_str("\n[friction]\n");
@@ -109,19 +138,22 @@ pub(super) fn robot_study(study: &RobotStudy, robot_file: Option<&str>, logs: &[
     }
     if study.scenario == RobotScenario::Floor {
         text.push_str("\n[floor]\n");
-        let f = crate::robot::study::floor_of(&study.floor);
-        for (key, value) in [
-            ("stiffness", f.stiffness_n_m),
-            ("damping", f.damping_n_s_m2),
-            ("exponent", f.exponent),
-            ("static", f.static_friction),
-            ("coulomb", f.coulomb),
-            ("viscous", f.viscous_s_m),
-            ("steepness", f.steepness_s_m),
-            ("stribeck_speed", f.stribeck_speed_m_s),
-            ("torsion_radius", f.torsion_radius_m),
+        let (f, said) = (crate::robot::study::floor_of(&study.floor), &study.floor);
+        for (key, value, said) in [
+            ("stiffness", f.stiffness_n_m, said.stiffness_n_m),
+            ("damping", f.damping_n_s_m2, said.damping_n_s_m2),
+            ("exponent", f.exponent, said.exponent),
+            ("static", f.static_friction, said.static_friction),
+            ("coulomb", f.coulomb, said.coulomb),
+            ("viscous", f.viscous_s_m, said.viscous_s_m),
+            ("steepness", f.steepness_s_m, said.steepness_s_m),
+            ("stribeck_speed", f.stribeck_speed_m_s, said.stribeck_speed_m_s),
+            ("torsion_radius", f.torsion_radius_m, said.torsion_radius_m),
         ] {
-            let _ = writeln!(text, "{key} = {value:?}");
+            // What a study does not say of a described robot's floor, its description may.
+            if said.is_some() || study.described.is_none() {
+                let _ = writeln!(text, "{key} = {value:?}");
+            }
         }
     }
     sensor(&mut text, study);
@@ -219,7 +251,7 @@ mod tests {
         };
         let text = joint_study(&believed, &study, &[]);
         assert_eq!(toml::from_str::<toml::Table>(&text).expect("TOML")["joint"]["name"].as_str(), Some(r#"q"2\"#));
-        let text = robot_study(&study, Some(r#"my "robot".toml"#), std::slice::from_ref(&log));
+        let text = robot_study(&study, r#"my "robot".toml"#, std::slice::from_ref(&log));
         let read: toml::Table = toml::from_str(&text).expect("TOML");
         assert_eq!(read["robot"]["model"].as_str(), Some(r#"my "robot".toml"#));
         assert_eq!(read["log"][0]["released"].as_str(), Some(r#"l"f\2"#));

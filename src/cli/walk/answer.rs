@@ -58,15 +58,16 @@ pub(super) fn report(asked: &Asked<'_>, recording: &Recording, provenance: Prove
         })
         .collect();
     let mut notes = Vec::new();
+    let of_table = if asked.args.robot.is_none() { " (Table A.3)" } else { "" };
     for row in &speed_warnings {
         notes.push(format!(
-            "{}: {:.2} rad/s, beyond its limit of {:.3} rad/s (Table A.3) in {} samples from t = {:.3} s on.",
+            "{}: {:.2} rad/s, beyond its limit of {:.3} rad/s{of_table} in {} samples from t = {:.3} s on.",
             row.joint, row.peak_rad_s, row.limit_rad_s, row.samples, row.from_s
         ));
     }
     if !asked.clipped.is_empty() {
         let names: Vec<String> = asked.clipped.iter().map(|id| name(id.index())).collect();
-        notes.push(format!("Setpoints beyond the software's limits (Table A.3) were clipped: {}.", names.join(", ")));
+        notes.push(format!("Setpoints beyond the software's limits{of_table} were clipped: {}.", names.join(", ")));
     }
     let ground = asked.floor.and_then(|floor| Walked::of(floor, model, recording, asked.plan.stand_s));
     WalkReport {

@@ -6,7 +6,7 @@ use super::super::servo::servo;
 use crate::log::{DescribedSpec, JointBeliefs};
 use crate::robot::Model;
 use crate::robot::description::Format;
-use crate::robot::study::{Wanted, read_described};
+use crate::robot::study::{Wanted, check_servos, read_described};
 use clap::Args;
 use std::path::Path;
 
@@ -54,8 +54,9 @@ pub(super) fn read(file: &Path, said: &DescribedArgs, is_in_air: bool) -> Result
         }
         return Ok(Model::read(file)?);
     }
-    let wanted = if is_in_air { Wanted::AsDescribed } else { Wanted::Standing };
+    let wanted = if is_in_air { Wanted::InAir } else { Wanted::Standing };
     let (model, warnings) = read_described(file, &said.spec()?, wanted)?;
+    check_servos(&model)?;
     warnings.iter().for_each(|warning| warn(warning));
     Ok(model)
 }

@@ -78,7 +78,7 @@ pub(super) struct WalkArgs {
     falls: bool,
     /// Chapter 4's open question instead: why could the real q2 joints not follow? Five explanations, each made into a
     /// "real" robot and diagnosed from its log without being told, on the floor and in the air
-    #[arg(long, conflicts_with_all = ["air", "setpoints", "frequency", "integrators", "frames", "falls", "converge", "export_motion"])]
+    #[arg(long, conflicts_with_all = ["air", "robot", "setpoints", "frequency", "integrators", "frames", "falls", "converge", "export_motion"])]
     weak_q2: bool,
     /// A robot: the format of data/ers7.toml, or a URDF or MJCF with revolute joints, whose friction, armature, gains and feet
     /// are taken (with --air an arm) [default: the embedded ERS-7]

@@ -282,11 +282,23 @@ fn notes(bench: &Bench<'_>, decision: &Decision<'_>, gap: &RobotGap) -> Vec<Stri
         ));
     }
     if !bench.case.is_clamped() {
-        notes.push(
+        let study = &bench.case.study;
+        let off = match study.described {
+            Some(_) => {
+                let floor = 100.0 * study.uncertain.floor.all;
+                format!("masses and friction are off by some percent, and whose floor is off by {floor:.0} %")
+            }
+            None => "masses, friction and floor are off by some percent".to_owned(),
+        };
+        notes.push(format!(
             "On the floor a foot lands a little earlier or later with anything that changes, and all joints feel it: \
-             causes are weighed against robots whose masses, friction and floor are off by some percent."
-                .to_owned(),
-        );
+             causes are weighed against robots whose {off}."
+        ));
+        if study.described.is_some() {
+            let whose = "Answers like this one were counted on robots and floors of this program's own making: on a robot \
+                         and a floor that are neither, take the probability as a guide.";
+            notes.push(whose.to_owned());
+        }
     }
     for displacement in &gap.displacement {
         let cm = |m: f64| format!("{:.1} cm", 100.0 * m);

@@ -22,7 +22,7 @@ pub(super) fn phases(case: &RobotCase, log: &CaseLog) -> Vec<Vec<GaitPhase>> {
     }
     let mut dynamics = Dynamics::new(model);
     let mut state = State::at_rest(model);
-    // How far to the rear each body is, at each sample.
+    // How far to the rear each body's foot is, at each sample.
     let rear_m: Vec<Vec<f64>> = t_s
         .iter()
         .map(|t| {
@@ -30,7 +30,8 @@ pub(super) fn phases(case: &RobotCase, log: &CaseLog) -> Vec<Vec<GaitPhase>> {
                 state.angle_rad[id.index()] =
                     log.scene.setpoints.at(id, *t).unwrap_or(log.scene.start.angle_rad[id.index()]);
             }
-            dynamics.motions(&state).iter().map(|body| body.position_m.z).collect()
+            let bodies = dynamics.motions(&state).iter().zip(model.bodies());
+            bodies.map(|(at, body)| at.point_m(&body.foot_m()).z).collect()
         })
         .collect();
     let begins_s = log.motion_begins_s();

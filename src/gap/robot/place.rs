@@ -58,23 +58,35 @@ pub(super) fn places(model: &Model, joints: &[usize]) -> Vec<Place> {
 struct OfLeg {
     is_left: bool,
     is_front: bool,
-    /// Joints between it and the trunk.
+    /// Joints of the leg above it.
     depth: usize,
 }
 
-/// Of each joint where it is on a leg, by where that leg's foot is in the pose of rest.
+/// Feet that differ by less in how far to the front they are stand abreast \[m\].
+const ABREAST_M: f64 = 1e-3;
+
+/// Of each joint where it is on a leg, by where the foot is that it carries in the pose of rest; what carries several feet is
+/// of no leg.
 fn of_legs(model: &Model) -> Vec<Option<OfLeg>> {
     let mut dynamics = Dynamics::new(model);
     let motions = dynamics.motions(&State::at_rest(model));
     let up_from = |joint: JointId| std::iter::successors(Some(joint), |id| model.carrier(*id).joint());
-    let root = |joint: JointId| up_from(joint).last();
     let stands = |body: &BodyId| model.bodies()[body.index()].touches_floor();
-    let foot = |body: BodyId| Some((root(body.joint()?), motions[body.index()].position_m));
+    let foot = |body: BodyId| {
+        let at_m = motions[body.index()].point_m(&model.bodies()[body.index()].foot_m());
+        Some((body.joint()?, at_m))
+    };
     let feet: Vec<_> = model.body_ids().filter(stands).filter_map(foot).collect();
     let middle_m = feet.iter().map(|(_, at)| at.z).sum::<f64>() / feet.len().max(1) as f64;
+    let carried = |joint: JointId| -> Vec<usize> {
+        (0..feet.len()).filter(|foot| up_from(feet[*foot].0).any(|above| above == joint)).collect()
+    };
     let of = |joint: JointId| {
-        let (_, at) = feet.iter().find(|(of, _)| *of == root(joint))?;
-        Some(OfLeg { is_left: at.x < 0.0, is_front: at.z < middle_m, depth: up_from(joint).count() - 1 })
+        let own = carried(joint);
+        let [foot] = own[..] else { return None };
+        let depth = up_from(joint).skip(1).filter(|above| carried(*above) == own).count();
+        let at = feet[foot].1;
+        Some(OfLeg { is_left: at.x < 0.0, is_front: at.z < middle_m - ABREAST_M, depth })
     };
     model.joint_ids().map(of).collect()
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use toml::Spanned;
 
-use super::described::{described, is_described};
+use super::described::{DescribedSpec, described, is_described};
 use super::raw::{RawControl, RawFloor, RawFriction, RawRobot, RawRobotLog, RawRobotSensor, RawRobotStudy, Triple};
 use super::{
     ControlSpec, FloorSpec, Forward, LegFrictionSpec, RobotRelease, RobotScenario, RobotSensorSpec, RobotStudy,
@@ -13,6 +13,7 @@ use super::{
 };
 use crate::log::about::about;
 use crate::log::beliefs::{ANY_NAME, uncertain};
+use crate::log::clamped_study::RawBeliefs;
 use crate::log::document::{Document, FINITE, NOT_NEGATIVE, PERIOD, POSITIVE, Range64, range};
 use crate::log::document::{Number, Text};
 use crate::log::error::LogError;
@@ -96,12 +97,12 @@ pub(in crate::log) fn robot_study_of(document: &Document<'_>) -> Result<RobotStu
     let raw: RawRobotStudy = document.parse_any()?;
     check_schema(document, &raw.schema)?;
     about(document, &raw.about)?;
-    let Sections { model, model_path, scenario, drop_height_m, friction, control, floor, sensor } = robot_sections(
-        document,
-        &raw.robot,
-        (raw.friction.as_ref(), raw.control.as_ref(), raw.floor.as_ref(), raw.sensor.as_ref()),
-    )?;
-    let described = described(document, &raw.robot, &raw.joints, raw.friction.as_ref())?;
+    let Sections { model, model_path, described, scenario, drop_height_m, friction, control, floor, sensor } =
+        robot_sections(
+            document,
+            (&raw.robot, &raw.joints),
+            (raw.friction.as_ref(), raw.control.as_ref(), raw.floor.as_ref(), raw.sensor.as_ref()),
+        )?;
     let uncertain = uncertain(document, &raw.uncertain, ANY_NAME)?;
     let columns = columns(document, &raw.columns)?;
     if raw.log.is_empty() {
@@ -146,6 +147,7 @@ pub fn read_robot_study_logs(study: &RobotStudy) -> Result<Vec<RobotLog>, LogErr
 pub(crate) struct Sections {
     pub model: String,
     pub model_path: Option<PathBuf>,
+    pub described: Option<DescribedSpec>,
     pub scenario: RobotScenario,
     pub drop_height_m: f64,
     pub friction: LegFrictionSpec,
@@ -160,7 +162,7 @@ type RawSections<'a> =
 /// Checks everything but the logs.
 pub(crate) fn robot_sections(
     document: &Document<'_>,
-    robot: &RawRobot,
+    (robot, joints): (&RawRobot, &BTreeMap<String, RawBeliefs>),
     (friction, control, floor, sensor): RawSections<'_>,
 ) -> Result<Sections, LogError> {
     let expected = "\"ers7\", or the path of a robot file: URDF, MJCF or our TOML";
@@ -179,6 +181,7 @@ pub(crate) fn robot_sections(
     if let Some(floor) = floor.filter(|_| !is_on_floor) {
         return Err(misplaced(document, "[floor]", floor.span(), scenario, RobotScenario::Floor));
     }
+    let described = described(document, robot, joints, friction)?;
     let friction = friction.map(|friction| self::friction(document, friction)).transpose()?.unwrap_or_default();
     let control = self::control(document, control, is_described(model.get_ref()))?;
     let floor = floor.map(|floor| self::floor(document, floor.get_ref())).transpose()?.unwrap_or_default();
@@ -186,6 +189,7 @@ pub(crate) fn robot_sections(
     Ok(Sections {
         model: model.get_ref().clone(),
         model_path,
+        described,
         scenario,
         drop_height_m: drop_height.unwrap_or(DROP_HEIGHT_M),
         friction,

@@ -91,6 +91,11 @@ impl Body {
         self.touches.iter().any(|touch| touch.is_foot)
     }
 
+    /// The middle of its foot in its frame \[m\]; its origin where it has none.
+    pub fn foot_m(&self) -> Vector3<f64> {
+        self.touches.iter().find(|touch| touch.is_foot).map_or_else(Vector3::zeros, |touch| touch.centre_m)
+    }
+
     /// Whether it is an ellipsoid about its frame's origin, and not only drawn as one.
     pub fn is_ellipsoid(&self) -> bool {
         self.is_ellipsoid

@@ -79,7 +79,7 @@ fn touches(
         let Some(body) = *body else { continue };
         for collider in &link.colliders {
             let is_foot = stands_on(body, collider);
-            if is_foot {
+            if is_foot || feet_m.contains_key(&link.name) {
                 friction = collider.friction.map(|mu| friction.map_or(mu, |other| other.max(mu))).or(friction);
             }
             all[body].extend(Touch::of_collider(collider, place).into_iter().map(|touch| Touch { is_foot, ..touch }));

@@ -83,13 +83,18 @@ impl Footfalls {
         let (mut dynamics, mut state) = (Dynamics::new(model), State::at_rest(model));
         let name = |body: BodyId| model.bodies()[body.index()].name.clone();
         let is_foot = |body: &BodyId| model.bodies()[body.index()].touches_floor();
-        let mut feet: Vec<(String, Vec<bool>)> =
-            floor.bodies().filter(is_foot).map(|body| (name(body), Vec::new())).collect();
+        // A body may touch at several points; it is down where one of them is.
+        let mut bodies: Vec<BodyId> = floor.bodies().filter(is_foot).collect();
+        bodies.dedup();
+        let mut feet: Vec<(String, Vec<bool>)> = bodies.iter().map(|body| (name(*body), Vec::new())).collect();
         for k in 0..recording.t_s.len() {
             recording.state_at(k, &mut state);
-            let points = floor.lowest_points(dynamics.motions(&state)).filter(|(body, _)| is_foot(body));
-            for ((_, down), (_, point)) in feet.iter_mut().zip(points) {
-                down.push(floor.depth_m(&point) > 0.0);
+            feet.iter_mut().for_each(|(_, down)| down.push(false));
+            for (body, point) in floor.lowest_points(dynamics.motions(&state)) {
+                let foot = bodies.iter().position(|foot| *foot == body);
+                if let Some(down) = foot.and_then(|foot| feet[foot].1.last_mut()) {
+                    *down |= floor.depth_m(&point) > 0.0;
+                }
             }
         }
         Self { t_s: recording.t_s.clone(), feet }

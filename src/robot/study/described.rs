@@ -11,31 +11,42 @@ use std::path::Path;
 pub enum Wanted {
     /// Free of the world, as [`Model::standing`].
     Standing,
-    /// Its base as the file holds it, in the file's axes.
-    AsDescribed,
+    /// Held: where the file sets its base free, as [`Model::standing`], else as the file holds it, in the file's axes.
+    InAir,
 }
 
 /// Reads a URDF or MJCF, with a study's beliefs in the place of what it says; and what in the file looks like a mistake.
 ///
 /// # Errors
-/// [`RobotError`] where the file cannot be read or simulated, names joints or links that it has not, or no joint has a servo.
+/// [`RobotError`] where the file cannot be read or simulated, or names joints or links that it has not.
 pub fn read_described(file: &Path, spec: &DescribedSpec, wanted: Wanted) -> Result<(Model, Vec<String>), RobotError> {
-    let description = Description::read(file)?;
-    let no = |what: String| RobotError::NotSimulated { robot: description.name.clone(), what };
+    let description = Description::read(file)?.with_equalities();
     if let Some(what) = description.too_heavy_to_move() {
-        return Err(no(what));
+        return Err(RobotError::NotSimulated { robot: description.name, what });
     }
-    let believed = with_beliefs(&description, spec).map_err(|error| no(format!("[joints]: {error}")))?;
+    let believed = with_beliefs(&description, spec).map_err(|NoSuchPart { name, .. }| RobotError::NoJoint {
+        robot: description.name.clone(),
+        name,
+        joints: description.joints.iter().map(|joint| joint.name.clone()).collect(),
+    })?;
     let model = match wanted {
-        Wanted::Standing => Model::standing(&believed, &spec.feet_m)?,
-        Wanted::AsDescribed => Model::of_description(&believed)?,
+        Wanted::InAir if description.free_joint.is_none() => Model::of_description(&believed)?,
+        Wanted::InAir | Wanted::Standing => Model::standing(&believed, &spec.feet_m)?,
     };
-    if model.joint_ids().all(|joint| model.gains(GAIN_SET, joint).is_none()) {
-        let what = "no joint has a position servo: a URDF has none, of an MJCF <position> is one; state kp and kd, in [joints.default] of a \
-                    study or by walk --servo";
-        return Err(no(what.to_owned()));
-    }
     Ok((model, description.warnings))
+}
+
+/// That no joint of such a robot follows setpoints is an error, unless a study has gains of its own for them.
+///
+/// # Errors
+/// [`RobotError::NotSimulated`] says who may state them.
+pub fn check_servos(model: &Model) -> Result<(), RobotError> {
+    if model.joint_ids().any(|joint| model.gains(GAIN_SET, joint).is_some()) {
+        return Ok(());
+    }
+    let what = "no joint has a position servo: a URDF has none, of an MJCF <position> is one; state kp and kd, in \
+                [joints.default] of a study or by walk --servo";
+    Err(RobotError::NotSimulated { robot: model.name().to_owned(), what: what.to_owned() })
 }
 
 /// A description with what a study says of its joints.
@@ -48,7 +59,9 @@ fn with_beliefs(description: &Description, spec: &DescribedSpec) -> Result<Descr
         // A joint that follows another has no motor of its own.
         let follows = description.couplings.iter().any(|coupling| coupling.follower.0 == at);
         let said = spec.of_joint(&mover.name);
-        let is_driven = said.kp_nm_rad.is_some() && !follows;
+        let mut its = description.actuators.iter().filter(|actuator| actuator.joint.0 == at);
+        let has_servo = its.any(|actuator| actuator.as_servo().is_some());
+        let is_driven = (said.kp_nm_rad.is_some() || has_servo) && !follows;
         let is_bare = description.actuators.iter().all(|actuator| actuator.joint.0 != at);
         let of_file = mover.effort_nm.filter(|most_nm| is_bare && *most_nm > 0.0);
         let JointBeliefs {
