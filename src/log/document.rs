@@ -118,8 +118,8 @@ impl<'a> Document<'a> {
             let message = source.message();
             let hint = if self.text.trim_start().starts_with('<') {
                 Some(
-                    "this is XML; URDF and MJCF are read by `dynamics --robot`, `walk --robot`, and studies and specs of them \
-                     (`synth`: with scenario = \"fixed\"); a study is written by `aibo-fit init LOG --robot FILE`",
+                    "this is XML; URDF and MJCF are read by `dynamics --robot`, `walk --robot`, and studies and specs that name \
+                     them; a study is written by `aibo-fit init LOG --robot FILE`",
                 )
             } else if message.contains("expected a sequence") {
                 Some("a log is written with double brackets: [[log]]")

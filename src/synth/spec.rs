@@ -44,7 +44,7 @@ pub struct DescribedSpec {
 /// A spec of either kind.
 #[derive(Clone, Debug)]
 pub enum AnySpec {
-    /// An ERS-7, a robot of our own format, a joint of a leg.
+    /// A robot with legs, or a joint of a leg.
     Robot(Box<Spec>),
     /// Any robot with a clamped base, `scenario = "fixed"`.
     Described(Box<DescribedSpec>),
