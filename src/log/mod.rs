@@ -89,7 +89,7 @@ pub use read_log::{read_joint_log, read_joint_log_as, read_log, read_robot_log};
 pub use release::{HeldPhase, Start};
 pub use robot_log::{BaseColumns, JointColumns, RobotLog};
 pub use robot_study::{
-    ControlSpec, DescribedSpec, FloorSpec, Forward, LegFrictionSpec, RobotRelease, RobotScenario, RobotSensorSpec,
+    ControlSpec, DescribedBeliefs, FloorSpec, Forward, LegFrictionSpec, RobotRelease, RobotScenario, RobotSensorSpec,
     RobotStudy, RobotStudyLog, StudyKind, read_robot_study, read_robot_study_logs, study_kind,
 };
 pub use sidecar::{beside_columns, sidecar_columns};

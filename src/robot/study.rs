@@ -132,7 +132,15 @@ impl Nominal {
                 continue;
             }
             let has_motor = self.joints.drive(id).chain.motor.is_some();
-            let is_needed = has_motor && released.is_none_or(|released| on_one_chain(&self.model, id, released));
+            // Beside a clamped trunk legs do not feel each other: one that the log does not have stands still.
+            let of_leg = |other: &JointColumns| {
+                self.model.joint(&other.name).is_ok_and(|other| on_one_chain(&self.model, id, other))
+            };
+            let is_meant = match released {
+                Some(released) => on_one_chain(&self.model, id, released),
+                None => self.scenario == RobotScenario::Floor || log.joints.iter().any(of_leg),
+            };
+            let is_needed = has_motor && is_meant;
             let columns = log.joint(&joint.name);
             if is_needed && columns.and_then(|columns| columns.q_ref_rad.as_ref()).is_none() {
                 let column = if columns.is_none() { "q" } else { "q_ref" };

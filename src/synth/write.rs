@@ -4,7 +4,7 @@ use super::joint::Believed;
 use super::plan::Plan;
 use crate::geometry::robot_file::FRAME_S;
 use crate::log::{
-    Derivative, DescribedSpec, Hold, JointBeliefs, RobotScenario, RobotStudy, RobotStudyLog, Role, toml_key,
+    Derivative, DescribedBeliefs, Hold, JointBeliefs, RobotScenario, RobotStudy, RobotStudyLog, Role, toml_key,
     toml_string,
 };
 use crate::robot::simulate::{Accelerometer, JointDrive, Joints, PositionSensor, Recording};
@@ -85,7 +85,7 @@ pub(super) fn joint_log(
 }
 
 /// What a study says beyond a description.
-fn described(text: &mut String, said: &DescribedSpec) {
+fn described(text: &mut String, said: &DescribedBeliefs) {
     if !said.feet_m.is_empty() {
         text.push_str("[robot.feet]\n");
         for (link, radius_m) in &said.feet_m {

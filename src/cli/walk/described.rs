@@ -3,7 +3,7 @@
 use super::super::CliError;
 use super::super::common::warn;
 use super::super::servo::servo;
-use crate::log::{DescribedSpec, JointBeliefs};
+use crate::log::{DescribedBeliefs, JointBeliefs};
 use crate::robot::Model;
 use crate::robot::description::Format;
 use crate::robot::study::{Wanted, check_servos, read_described};
@@ -27,8 +27,8 @@ impl DescribedArgs {
         self.servo.is_none() && self.feet.is_empty()
     }
 
-    fn spec(&self) -> Result<DescribedSpec, CliError> {
-        let mut spec = DescribedSpec::default();
+    fn spec(&self) -> Result<DescribedBeliefs, CliError> {
+        let mut spec = DescribedBeliefs::default();
         if let Some(text) = &self.servo {
             let (kp_nm_rad, kd_nm_s_rad) = servo(text)?;
             spec.all = JointBeliefs { kp_nm_rad: Some(kp_nm_rad), kd_nm_s_rad, ..JointBeliefs::default() };

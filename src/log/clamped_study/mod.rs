@@ -99,6 +99,12 @@ pub struct JointBeliefs {
 }
 
 impl JointBeliefs {
+    /// What is believed of a joint where these are the beliefs of all.
+    #[must_use]
+    pub fn of_joint(self, name: &str, by_joint: &BTreeMap<String, Self>) -> Self {
+        by_joint.get(name).map_or(self, |own| own.over(self))
+    }
+
     /// These beliefs, with others where they say nothing.
     #[must_use]
     pub fn over(self, base: Self) -> Self {
@@ -138,6 +144,6 @@ pub struct ClampedStudyLog {
 impl ClampedStudy {
     /// What the study says of a joint.
     pub fn of_joint(&self, name: &str) -> JointBeliefs {
-        self.by_joint.get(name).map_or(self.all, |own| own.over(self.all))
+        self.all.of_joint(name, &self.by_joint)
     }
 }

@@ -17,7 +17,7 @@ const RADIUS: Range64 =
 
 /// What a study says beyond the description of a robot that walks.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct DescribedSpec {
+pub struct DescribedBeliefs {
     /// Links that are feet, balls about their frames' origins, with their radii \[m\]; none: what collides at the ends of chains.
     pub feet_m: BTreeMap<String, f64>,
     /// What is believed of all joints.
@@ -26,10 +26,10 @@ pub struct DescribedSpec {
     pub by_joint: BTreeMap<String, JointBeliefs>,
 }
 
-impl DescribedSpec {
+impl DescribedBeliefs {
     /// What the study says of a joint.
     pub fn of_joint(&self, name: &str) -> JointBeliefs {
-        self.by_joint.get(name).map_or(self.all, |own| own.over(self.all))
+        self.all.of_joint(name, &self.by_joint)
     }
 }
 
@@ -45,7 +45,7 @@ pub(super) fn described(
     robot: &RawRobot,
     joints: &BTreeMap<String, RawBeliefs>,
     friction: Option<&RawFriction>,
-) -> Result<Option<DescribedSpec>, LogError> {
+) -> Result<Option<DescribedBeliefs>, LogError> {
     if !robot.model.as_ref().is_some_and(|model| is_described(model.get_ref())) {
         let expected = "it beside a URDF or MJCF; \"ers7\" and robot files of our own have [friction], [control] gains and \
                         contact_mm for that";
@@ -75,7 +75,7 @@ pub(super) fn described(
         feet_m.insert(link.clone(), document.within(&key, radius.span(), *radius.get_ref(), RADIUS)?);
     }
     let JointTables { all, by_joint, .. } = joint_tables(document, joints)?;
-    Ok(Some(DescribedSpec { feet_m, all, by_joint }))
+    Ok(Some(DescribedBeliefs { feet_m, all, by_joint }))
 }
 
 /// A key that only robots with a clamped base have.

@@ -16,7 +16,7 @@ use super::motor_types::{Derivative, Hold};
 use super::types::{ExtraMass, Role};
 use super::uncertain::Uncertain;
 
-pub use described::DescribedSpec;
+pub use described::DescribedBeliefs;
 pub(crate) use raw::{RawControl, RawFloor, RawFriction, RawRobot, RawRobotSensor};
 pub(crate) use read::{Sections, floor, robot_sections};
 pub use read::{StudyKind, read_robot_study, read_robot_study_logs, study_kind};
@@ -32,7 +32,7 @@ pub struct RobotStudy {
     /// The robot's file, resolved against the study's folder; `None`: the embedded robot.
     pub model_path: Option<PathBuf>,
     /// What is believed of a robot that somebody else described; `None`: it is one of our own.
-    pub described: Option<DescribedSpec>,
+    pub described: Option<DescribedBeliefs>,
     /// How the trunk is held.
     pub scenario: RobotScenario,
     /// Height of the lowest foot above the floor at the start \[m\]; in [`RobotScenario::Floor`] only.

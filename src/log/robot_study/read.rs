@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use toml::Spanned;
 
-use super::described::{DescribedSpec, described, is_described};
+use super::described::{DescribedBeliefs, described, is_described};
 use super::raw::{RawControl, RawFloor, RawFriction, RawRobot, RawRobotLog, RawRobotSensor, RawRobotStudy, Triple};
 use super::{
     ControlSpec, FloorSpec, Forward, LegFrictionSpec, RobotRelease, RobotScenario, RobotSensorSpec, RobotStudy,
@@ -147,7 +147,7 @@ pub fn read_robot_study_logs(study: &RobotStudy) -> Result<Vec<RobotLog>, LogErr
 pub(crate) struct Sections {
     pub model: String,
     pub model_path: Option<PathBuf>,
-    pub described: Option<DescribedSpec>,
+    pub described: Option<DescribedBeliefs>,
     pub scenario: RobotScenario,
     pub drop_height_m: f64,
     pub friction: LegFrictionSpec,

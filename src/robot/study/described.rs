@@ -1,7 +1,7 @@
 //! A robot that somebody else described, with what a study believes of it.
 
 use crate::geometry::robot_file::GAIN_SET;
-use crate::log::{DescribedSpec, JointBeliefs};
+use crate::log::{DescribedBeliefs, JointBeliefs};
 use crate::robot::description::{Description, FoundKey, FoundNumber, NoSuchPart};
 use crate::robot::{Model, RobotError};
 use std::path::Path;
@@ -19,7 +19,11 @@ pub enum Wanted {
 ///
 /// # Errors
 /// [`RobotError`] where the file cannot be read or simulated, or names joints or links that it has not.
-pub fn read_described(file: &Path, spec: &DescribedSpec, wanted: Wanted) -> Result<(Model, Vec<String>), RobotError> {
+pub fn read_described(
+    file: &Path,
+    spec: &DescribedBeliefs,
+    wanted: Wanted,
+) -> Result<(Model, Vec<String>), RobotError> {
     let description = Description::read(file)?.with_equalities();
     if let Some(what) = description.too_heavy_to_move() {
         return Err(RobotError::NotSimulated { robot: description.name, what });
@@ -50,7 +54,7 @@ pub fn check_servos(model: &Model) -> Result<(), RobotError> {
 }
 
 /// A description with what a study says of its joints.
-fn with_beliefs(description: &Description, spec: &DescribedSpec) -> Result<Description, NoSuchPart> {
+fn with_beliefs(description: &Description, spec: &DescribedBeliefs) -> Result<Description, NoSuchPart> {
     if let Some(name) = spec.by_joint.keys().find(|name| description.joint(name).is_none()) {
         return Err(NoSuchPart { what: "joint", name: name.clone() });
     }
