@@ -294,11 +294,11 @@ fn notes(bench: &Bench<'_>, decision: &Decision<'_>, gap: &RobotGap) -> Vec<Stri
             "On the floor a foot lands a little earlier or later with anything that changes, and all joints feel it: \
              causes are weighed against robots whose {off}."
         ));
-        if study.described.is_some() {
-            let whose = "Answers like this one were counted on robots and floors of this program's own making: on a robot \
-                         and a floor that are neither, take the probability as a guide.";
-            notes.push(whose.to_owned());
-        }
+    }
+    if bench.case.study.described.is_some() {
+        let whose = "Answers like this one were counted on robots and floors of this program's own making: on a robot \
+                     and a floor that are neither, take the probability as a guide.";
+        notes.push(whose.to_owned());
     }
     for displacement in &gap.displacement {
         let cm = |m: f64| format!("{:.1} cm", 100.0 * m);
