@@ -202,6 +202,47 @@ fn a_slippery_floor_is_the_floors() {
     assert_eq!(found["where"]["stage"], "floor");
 }
 
+/// Knees whose motors are weak, which a trot shows and a crawl hardly does.
+const WEAK_AT_SPEED: &str = r#"
+schema = 1
+[robot]
+model = "ers7"
+scenario = "air"
+[sensor]
+resolution = 0.006
+period = 0.008
+noise = 0.001
+[[effect]]
+id = "torque_limit"
+joints = ["lf3", "rf3", "lr3", "rr3"]
+tau_max = 0.05
+[[log]]
+file = "trot.csv"
+gait = "trot-2hz"
+duration = 4
+[[log]]
+file = "crawl.csv"
+gait = "crawl"
+duration = 4
+role = "validate"
+"#;
+
+#[test]
+fn a_limit_is_named_that_the_held_out_log_hardly_reaches() {
+    let dir = tempfile::tempdir().unwrap();
+    make_study(dir.path(), WEAK_AT_SPEED);
+    let found = diagnosed(dir.path(), "out", &[]);
+    assert_eq!(
+        (&found["verdict"], &found["effect"]),
+        (&"effect".into(), &"torque_limit".into()),
+        "{}",
+        found["sentence"]
+    );
+    assert_eq!(found["where"]["joints"].as_array().map(Vec::len), Some(4), "{}", found["where"]);
+    let limit_nm = found["effects"][0]["parameters"]["tau_max"]["value"].as_f64().unwrap();
+    assert!((limit_nm - 0.05).abs() < 0.005, "{limit_nm} N m");
+}
+
 fn logged(path: &Path) -> RobotLog {
     read_robot_log(path).expect("a log")
 }

@@ -59,17 +59,24 @@ fn a_described_dog_walks_forward_on_its_four_feet() {
         number("displacement_m"),
         number("tilt_rad")
     );
+    assert!(
+        stdout(&output).contains("It stands on its fl_shank, fr_shank, rl_shank, rr_shank."),
+        "{}",
+        stdout(&output)
+    );
     let feet = std::fs::read_to_string(folder.path().join("out/walk-feet.svg")).expect("written");
     assert!(["fl", "fr", "rl", "rr"].iter().all(|leg| feet.contains(&format!("{leg}_shank"))));
 }
 
 #[test]
 fn what_cannot_stand_or_has_no_gains_says_so() {
-    let cases: [(&[&str], &str); 4] = [
+    let cases: [(&[&str], &str); 6] = [
         (&[], "--gait FILE.toml or --setpoints FILE.csv"),
         (&["--feet", "paw=0.02"], "no body paw; it has trunk, fl_thigh"),
         (&["--feet", "fl_shank=20"], "--feet fl_shank=20: expected LINK=RADIUS"),
+        (&["--feet", "fl_shank=0.02,fl_shank=0.03"], "--feet names fl_shank twice"),
         (&["--servo", "60,1,2"], "--servo 60,1,2: 3 values"),
+        (&["--export-motion", "trot.mot"], "such files move joints of the ERS-7 alone"),
     ];
     for (words, expected) in cases {
         let (folder, output) = walk(words);

@@ -39,7 +39,9 @@ impl DescribedArgs {
                 foot.filter(|(_, radius_m)| *radius_m > 0.0 && *radius_m <= 1.0).ok_or_else(|| {
                     CliError::Usage(format!("--feet {word}: expected LINK=RADIUS, a radius above 0, at most 1 m"))
                 })?;
-            spec.feet_m.insert(link.trim().to_owned(), radius_m);
+            if spec.feet_m.insert(link.trim().to_owned(), radius_m).is_some() {
+                return Err(CliError::Usage(format!("--feet names {} twice; expected every foot once", link.trim())));
+            }
         }
         Ok(spec)
     }

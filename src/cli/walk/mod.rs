@@ -21,8 +21,8 @@ use crate::geometry::robot_file::{Base, FRICTION_SET, GAIN_SET};
 use crate::integrate::{self, Tolerance};
 use crate::log::Outputs;
 use crate::report::{walk_figures, walk_html, walk_text};
-use crate::robot::Model;
 use crate::robot::simulate::{Method, PositionSensor, log_csv, run as simulate};
+use crate::robot::{Model, Motion};
 use clap::{Args, ValueEnum};
 use described::DescribedArgs;
 use ground::GroundArgs;
@@ -234,6 +234,10 @@ pub(super) fn run(args: &WalkArgs) -> Result<u8, CliError> {
     let read = args.robot.as_deref().map(|file| described::read(file, &args.described, args.air)).transpose()?;
     let robot = read.as_ref().unwrap_or(Model::ers7());
     let model = if args.air { robot.with_base(Base::Clamped) } else { robot.with_base(Base::Floating) };
+    if args.export_motion.is_some() && !Motion::has_outputs_of(&model) {
+        let why = "--export-motion: such files move joints of the ERS-7 alone, and this robot has none of them";
+        return Err(CliError::Usage(why.to_owned()));
+    }
     if let Some(which) = args.integrators {
         return integrators::run(args, &model, which);
     }

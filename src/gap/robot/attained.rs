@@ -14,6 +14,13 @@ pub(super) struct Attained {
     pub sizes: Vec<f64>,
 }
 
+impl Attained {
+    /// The weighed sum of squares without the price of the numbers.
+    pub fn misfit(&self) -> f64 {
+        self.price - self.sizes.iter().map(|size| size.powi(2)).sum::<f64>()
+    }
+}
+
 /// A number that had to move by more of its standard deviations is not as the study believes.
 pub(super) const BELIEVED_SD: f64 = 3.0;
 /// One that moved by so many of them may be another where its joint's gap shows it.

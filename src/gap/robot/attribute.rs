@@ -2,6 +2,7 @@
 
 use super::bench::Bench;
 use super::cause::Cause;
+use super::comes_back::may_be_noise;
 use super::decide::{is_explained, leaves_enough, leaves_much};
 use super::part::Part;
 use super::refine::{Hypothesis, refine, refine_on, refine_roughly};
@@ -12,6 +13,8 @@ use rayon::prelude::*;
 /// Candidates that are refitted, and of one cause at most so many.
 const TRIED: usize = 8;
 const OF_A_CAUSE: usize = 3;
+/// A leg that is let go goes far from what a cause does to first order: a cause is refitted from so many of its starts.
+const STARTS_LET_GO: usize = 3;
 /// Free play is refitted if to first order it promises this share of what the best has gained.
 const PLAY_PROMISES: f64 = 0.3;
 /// More that are refitted on the joints of the best; fewer where every trial is a walk.
@@ -43,7 +46,7 @@ pub(super) fn attribute(
     let firsts = elsewhere(bench, firsts, &given.residual);
     let mut firsts = in_full(bench, firsts, IN_FULL);
     let lead = firsts.first().filter(|first| first.loss() < given.loss()).unwrap_or(&given);
-    if !is_explained(bench, lead) {
+    if !is_explained(bench, lead) && !may_be_noise(bench, &lead.attained.residual) {
         progress("trying free play");
         let play = self::columns(bench, &|cause| cause.is_play() && considered(cause), &given.residual);
         let best_play = rank(bench, &play, &given.residual).into_iter().next();
@@ -78,12 +81,27 @@ pub(super) fn attribute(
 /// friction looks weak.
 fn one_each(bench: &Bench<'_>, candidates: &[Candidate]) -> Vec<Hypothesis> {
     let likeliest = chosen(candidates, TRIED, |_| true);
-    let firsts = best(refitted(bench, &likeliest));
+    let firsts = best_of_each(refitted(bench, &from_other_starts(bench, candidates, &likeliest)));
     let Some(place) = firsts.first().map(|first| &first.parts[0].place) else { return firsts };
     let is_tried = |candidate: &Candidate| likeliest.iter().any(|other| other.is_where(candidate));
     let count = TRIED_THERE[usize::from(!bench.case.is_clamped())];
     let cousins = chosen(candidates, count, |candidate| candidate.place == *place && !is_tried(candidate));
-    best(refitted(bench, &cousins).into_iter().chain(firsts).collect())
+    let cousins = from_other_starts(bench, candidates, &cousins);
+    best_of_each(refitted(bench, &cousins).into_iter().chain(firsts).collect())
+}
+
+/// Some candidates, and in a drop the same causes on the same places from their other starts.
+fn from_other_starts<'a>(
+    bench: &Bench<'_>,
+    candidates: &'a [Candidate],
+    chosen: &[&'a Candidate],
+) -> Vec<&'a Candidate> {
+    let starts = if bench.case.is_let_go() { STARTS_LET_GO } else { 1 };
+    let of = |one: &&'a Candidate| {
+        let others = candidates.iter().filter(|other| other.is_where(one) && !std::ptr::eq(*other, *one));
+        std::iter::once(*one).chain(others.take(starts - 1)).collect::<Vec<_>>()
+    };
+    chosen.iter().flat_map(of).collect()
 }
 
 /// On the floor few sets of joints are tried: the best cause on fewer of its joints, and on more.
@@ -148,6 +166,18 @@ fn part(candidate: &Candidate) -> Part {
 fn best(mut hypotheses: Vec<Hypothesis>) -> Vec<Hypothesis> {
     hypotheses.sort_by(|a, b| a.loss().total_cmp(&b.loss()));
     hypotheses
+}
+
+/// Of every cause on every place the best, best first.
+fn best_of_each(hypotheses: Vec<Hypothesis>) -> Vec<Hypothesis> {
+    let mut kept: Vec<Hypothesis> = Vec::new();
+    for hypothesis in best(hypotheses) {
+        let part = &hypothesis.parts[0];
+        if !kept.iter().any(|other| other.parts[0].is_where(part.cause, &part.place)) {
+            kept.push(hypothesis);
+        }
+    }
+    kept
 }
 
 /// The best few, each cause on each place once.

@@ -76,6 +76,11 @@ impl RobotCase {
         self.nominal.model.name()
     }
 
+    /// Whether a joint of the clamped robot is let go.
+    pub fn is_let_go(&self) -> bool {
+        self.study.scenario == RobotScenario::Drop
+    }
+
     /// Whether the trunk is clamped.
     pub fn is_clamped(&self) -> bool {
         self.study.scenario != RobotScenario::Floor

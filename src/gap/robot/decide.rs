@@ -3,6 +3,7 @@
 use super::attained::Attained;
 use super::bench::Bench;
 use super::cause::Cause;
+use super::comes_back::may_be_noise;
 use super::noise::MATERIAL;
 use super::place::Place;
 use super::refine::Hypothesis;
@@ -155,7 +156,7 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
     let as_good =
         |lead: &Hypothesis| a.firsts.iter().take_while(|h| h.loss() - lead.loss() < limits.equal).any(|h| is_seen(&h));
     let Some(best) = a.firsts.first().filter(|lead| as_good(lead)) else { return nothing_found(bench, &unseen, a) };
-    // Of those that stand equally well the one with the fewest values, then joints.
+    // Of those that stand equally well the one with the fewest values, then joints, and a number that is off before an effect.
     let gain = a.given.loss() - best.loss();
     let is_equal = |other: &&Hypothesis| {
         let behind = other.loss() - best.loss();
@@ -163,7 +164,11 @@ pub(super) fn decide<'a>(bench: &Bench<'_>, a: &'a Attribution) -> Decision<'a> 
         behind < limits.equal || other.free() < best.free() && behind < SIMPLER * gain
     };
     let equal: Vec<&Hypothesis> = a.firsts.iter().filter(is_equal).collect();
-    let first = *equal.iter().min_by_key(|h| (h.free(), h.parts[0].place.joints.len())).unwrap_or(&best);
+    let plainness = |h: &&&Hypothesis| {
+        let part = &h.parts[0];
+        (h.free(), part.place.joints.len(), !part.cause.is_calibration())
+    };
+    let first = *equal.iter().min_by_key(plainness).unwrap_or(&best);
     let needed = limits.second.max(limits.second_share * gain);
     let is_needed = |pair: &&Hypothesis| {
         excess(bench, &unseen, best) > limits.second_excess
@@ -198,7 +203,8 @@ fn nothing_found<'a>(bench: &Bench<'_>, unseen: &Unseen<'_>, a: &'a Attribution)
     let samples = bench.noise.count().max(1) as f64;
     let excess = excess(bench, unseen, &a.given);
     let allowed = limits(bench).explained + (LEFT_OVER * taken_out(bench, &a.given) / samples).min(LEFT_AT_MOST);
-    let verdict = match (excess < allowed, a.given.attained.is_believed(bench)) {
+    let explained = excess < allowed || may_be_noise(bench, &a.given.attained.residual);
+    let verdict = match (explained, a.given.attained.is_believed(bench)) {
         (true, true) => Verdict::None,
         (true, false) => Verdict::Calibration,
         (false, _) => Verdict::Unexplained,

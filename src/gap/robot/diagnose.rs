@@ -5,6 +5,7 @@ use super::beliefs::{beliefs, broken, changes, off};
 use super::bench::{Bench, followed_s};
 use super::case::RobotCase;
 use super::cause::Cause;
+use super::comes_back::may_be_noise;
 use super::decide::{Decision, decide, needed};
 use super::diagnosis::{
     Found, GaitCell, GaitPhase, JointTrace, RobotAnswer, RobotCandidate, RobotDetectable, RobotDiagnosis, RobotGap,
@@ -277,6 +278,15 @@ fn notes(bench: &Bench<'_>, decision: &Decision<'_>, gap: &RobotGap) -> Vec<Stri
     if decision.verdict == Verdict::Effect && gap.after > NOT_ALL * gap.floor {
         notes.push(format!(
             "More than noise is left ({} against {}): the answer closes most of the gap and not all of it.",
+            mrad(gap.after),
+            mrad(gap.floor)
+        ));
+    }
+    let is_none = matches!(decision.verdict, Verdict::None | Verdict::Calibration) && gap.after > NOT_ALL * gap.floor;
+    if is_none && may_be_noise(bench, &decision.answer.attained.residual) {
+        notes.push(format!(
+            "What is left ({}, the sensor itself makes {}) is less than one step of the encoder in every joint and does not come \
+             back with the motion: it is taken for noise.",
             mrad(gap.after),
             mrad(gap.floor)
         ));

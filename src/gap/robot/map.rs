@@ -60,19 +60,15 @@ const BINS: usize = 10;
 /// The range that is named holds this share of the gap.
 const IN_RANGE: f64 = 0.6;
 
+/// What a residual may depend on.
+pub(super) const VARIABLES: [Variable; 6] =
+    [Variable::Speed, Variable::Direction, Variable::Angle, Variable::Time, Variable::SetpointRate, Variable::Torque];
+
 /// A variable that travels less explains nothing.
 const STILL: f64 = 1e-6;
 
 /// What the gap of some joints depends on most, and between which values most of it lies.
 pub(super) fn dependence(bench: &Bench<'_>, joints: &[usize], left: &[f64]) -> Option<(Variable, [f64; 2])> {
-    const VARIABLES: [Variable; 6] = [
-        Variable::Speed,
-        Variable::Direction,
-        Variable::Angle,
-        Variable::Time,
-        Variable::SetpointRate,
-        Variable::Torque,
-    ];
     let of = |variable: Variable| -> Option<(f64, [f64; 2])> {
         let mut pairs: Vec<(f64, f64)> = Vec::new();
         for (joint, row) in bench.layout.joints().filter(|(of, _)| joints.contains(of)) {
@@ -109,7 +105,7 @@ pub(super) fn dependence(bench: &Bench<'_>, joints: &[usize], left: &[f64]) -> O
 }
 
 /// A variable along a joint's row, by the robot as given.
-fn along(bench: &Bench<'_>, row: &Row, joint: usize, variable: Variable) -> Option<Vec<f64>> {
+pub(super) fn along(bench: &Bench<'_>, row: &Row, joint: usize, variable: Variable) -> Option<Vec<f64>> {
     let log = &bench.case.logs[row.log];
     let given = &bench.given_logs[row.log];
     let (q, t_s) = (&given.reading_rad[joint], &log.log.t_s);

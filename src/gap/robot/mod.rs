@@ -15,6 +15,7 @@ mod believed;
 mod bench;
 mod case;
 mod cause;
+mod comes_back;
 mod decide;
 mod diagnose;
 mod diagnosis;

@@ -40,6 +40,8 @@ const POINTS: usize = 6;
 
 const ROUGHLY: Effort = Effort { clamped: 14, on_the_floor: 6, points: 1 };
 const IN_FULL: Effort = Effort { clamped: 26, on_the_floor: 24, points: 3 };
+/// A leg that is let go goes far from what its numbers do to first order: so many times the points.
+const TIMES_LET_GO: usize = 3;
 /// The same with free play, of which every trial takes as long as dozens of others.
 const HUNTING: usize = 12;
 /// A step gains less than this, and, where values settle beside the numbers afterwards, than this share of what is left
@@ -113,11 +115,15 @@ pub(super) fn refine_roughly(bench: &Bench<'_>, parts: Vec<Part>) -> Option<Hypo
 /// What was refined roughly, in full where that explains more.
 pub(super) fn refine_on(bench: &Bench<'_>, rough: Hypothesis) -> Hypothesis {
     let fine = match bench.case.is_clamped() {
-        true => settled(bench, rough.parts.clone(), rough.attained.sizes.clone(), IN_FULL.points)
+        true => settled(bench, rough.parts.clone(), rough.attained.sizes.clone(), points(bench, IN_FULL))
             .and_then(|settled| Hypothesis::of(bench, settled, rough.covariance.clone())),
         false => refine(bench, rough.parts.clone()),
     };
     fine.filter(|fine| fine.loss() < rough.loss()).unwrap_or(rough)
+}
+
+fn points(bench: &Bench<'_>, effort: Effort) -> usize {
+    effort.points * if bench.case.is_let_go() { TIMES_LET_GO } else { 1 }
 }
 
 fn refine_by(bench: &Bench<'_>, parts: Vec<Part>, effort: Effort) -> Option<Hypothesis> {
@@ -206,6 +212,6 @@ fn refine_by(bench: &Bench<'_>, parts: Vec<Part>, effort: Effort) -> Option<Hypo
         let attained = to_first_order(bench, &here.column);
         return Some(Hypothesis { parts, attained, residual: here.column, free, covariance });
     }
-    let settled = settled(bench, parts, vec![0.0; bench.numbers.len()], effort.points)?;
+    let settled = settled(bench, parts, vec![0.0; bench.numbers.len()], points(bench, effort))?;
     Hypothesis::of(bench, settled, covariance)
 }

@@ -108,7 +108,10 @@ impl Cause {
         let (speed, most) = (reach.speed_rad_s, reach.driven.map_or(reach.torque_nm, |driven| driven.command_nm));
         let period_s = reach.driven.map_or(0.008, |driven| driven.period_s);
         match self {
-            Cause::Effect(E::Stribeck) => [0.05, 0.4].map(|speed| size(&[of(0.01, 0.02), speed], GROWN)).to_vec(),
+            Cause::Effect(E::Stribeck) => {
+                let speeds: &[f64] = if is_coarse { &[0.05, 0.4] } else { &[0.05, 0.15, 0.4] };
+                speeds.iter().map(|speed| size(&[of(0.01, 0.02), *speed], GROWN)).collect()
+            }
             Cause::Effect(E::LoadFriction) => vec![size(&[0.2], GROWN)],
             Cause::Effect(E::GearFriction) => vec![size(&[0.1], [0.0, 5.0]), Start::fixed(&[0.7])],
             Cause::Effect(E::QuadraticDrag) => vec![size(&[of(0.003, 0.02)], GROWN)],

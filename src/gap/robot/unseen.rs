@@ -9,9 +9,12 @@ pub(super) struct Unseen<'a> {
     samples: Vec<usize>,
 }
 
-/// On samples that no fit saw a cause gains at least so much, and this share of what the fitted ones promise of them.
+/// On samples that no fit saw a cause gains at least so much, and this share of what is promised of them.
 const GAINED: f64 = 8.0;
 const OF_PROMISED: f64 = 0.3;
+/// A cause that changes no more than this share of that on them is one that they cannot show: a motor's limit, say, which only
+/// the faster logs reach.
+const SILENT: f64 = 0.02;
 
 impl<'a> Unseen<'a> {
     pub fn of(bench: &'a Bench<'a>) -> Self {
@@ -33,11 +36,16 @@ impl<'a> Unseen<'a> {
         (!self.samples.is_empty()).then(|| self.squares(&attained.residual) / self.samples.len() as f64 - 1.0)
     }
 
-    /// Whether these samples, too, are for the richer hypothesis.
+    /// Whether these samples, too, are for the richer hypothesis: it gains some of what it says that it changes of them, and
+    /// some of what the fitted ones promise. That numbers stay nearer to what is believed of them promises nothing of others.
     pub fn shows(&self, rich: &Attained, simple: &Attained) -> bool {
         let share = self.samples.len() as f64 / self.bench.noise.count().max(1) as f64;
-        let promised = share * (simple.price - rich.price);
-        self.squares(&simple.residual) - self.squares(&rich.residual) > GAINED.max(OF_PROMISED * promised)
+        let promised = share * (simple.misfit() - rich.misfit());
+        let changes: Vec<f64> =
+            simple.residual.iter().zip(&rich.residual).map(|(simple, rich)| simple - rich).collect();
+        let changed = self.squares(&changes);
+        let gained = self.squares(&simple.residual) - self.squares(&rich.residual);
+        changed < SILENT * promised || gained > GAINED.max(OF_PROMISED * promised.min(changed))
     }
 
     /// Weighed sum of squares of a residual over them.

@@ -50,6 +50,11 @@ const OTHERS: [&str; 2] = ["LED:", "EAR:"];
 const LONGEST_MS: i64 = 60_000;
 
 impl Motion {
+    /// Whether a robot has joints that such a file can move.
+    pub fn has_outputs_of(model: &Model) -> bool {
+        OUTPUTS.iter().any(|(_, name)| model.joint(name).is_ok())
+    }
+
     /// The motion as a file's text. Joints that Tekkotsu does not know (the ears) are left out.
     pub fn to_text(&self, model: &Model) -> String {
         let joint = |name: &str| model.joint(name).ok().and_then(|joint| self.keys.get(joint.index()));
