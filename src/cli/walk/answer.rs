@@ -7,7 +7,7 @@ use crate::report::{FollowRow, JointCurves, LegCurves, Provenance, Runaway, Spee
 use crate::robot::simulate::{
     Footfalls, Method, PositionSensor, Recording, Scenario, TrunkCurves, Walked, follow, readings,
 };
-use crate::robot::{Body, Floor, JointId};
+use crate::robot::{Floor, JointId};
 
 /// A gait grows in so long before joints are compared with their setpoints [s].
 const RAMP_S: f64 = 0.5;
@@ -70,8 +70,8 @@ pub(super) fn report(asked: &Asked<'_>, recording: &Recording, provenance: Prove
         notes.push(format!("Setpoints beyond the software's limits{of_table} were clipped: {}.", names.join(", ")));
     }
     if asked.args.robot.is_some() && asked.floor.is_some() {
-        let has_foot = |body: &&Body| body.touches.iter().any(|touch| touch.is_foot);
-        let feet: Vec<&str> = model.bodies().iter().filter(has_foot).map(|body| body.name.as_str()).collect();
+        let feet = model.bodies().iter().filter(|body| body.touches_floor());
+        let feet: Vec<&str> = feet.map(|body| body.name.as_str()).collect();
         notes.push(format!("It stands on its {}.", feet.join(", ")));
     }
     let ground = asked.floor.and_then(|floor| Walked::of(floor, model, recording, asked.plan.stand_s));

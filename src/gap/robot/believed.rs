@@ -12,15 +12,12 @@ const SHOWS: f64 = 1.25;
 impl Attained {
     /// Whether every number is as the study believes, and none is seen to be another.
     pub fn is_believed(&self, bench: &Bench<'_>) -> bool {
-        let rms = |residual: &[f64], joint: usize| {
-            let rows = bench.layout.joints().filter(|(of, _)| *of == joint);
-            let samples = rows.flat_map(|(_, row)| row.range.clone()).filter(|k| bench.layout.compared[*k]);
-            samples.map(|k| residual[k].powi(2)).sum::<f64>().sqrt()
-        };
         let gap = bench.gap();
         let shows = |number: &Number| match number {
             Number::Mass(_) => false,
-            Number::Coulomb(joint) | Number::Viscous(joint) => rms(&gap, *joint) > SHOWS * rms(&self.residual, *joint),
+            Number::Coulomb(joint) | Number::Viscous(joint) => {
+                bench.rms_rad(*joint, &gap) > SHOWS * bench.rms_rad(*joint, &self.residual)
+            }
         };
         bench.numbers.iter().zip(&self.sizes).all(|(number, size)| {
             size.abs() <= MOVED_SD

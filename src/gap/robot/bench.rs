@@ -198,6 +198,14 @@ impl<'a> Bench<'a> {
         self.measured.iter().zip(&self.stated).map(|(measured, stated)| measured - stated).collect()
     }
 
+    /// RMS of a residual over the samples of a joint that are compared \[rad\].
+    pub fn rms_rad(&self, joint: usize, left: &[f64]) -> f64 {
+        let rows = self.layout.joints().filter(|(of, _)| *of == joint);
+        let samples = rows.flat_map(|(_, row)| row.range.clone()).filter(|k| self.layout.compared[*k]);
+        let (sum, count) = samples.fold((0.0, 0.0), |(sum, count), k| (sum + left[k].powi(2), count + 1.0));
+        f64::sqrt(sum / f64::max(count, 1.0))
+    }
+
     /// Keeps the rows of some joints, all else 0.
     pub fn restricted(&self, mut column: Vec<f64>, joints: &[usize]) -> Vec<f64> {
         for row in &self.layout.rows {

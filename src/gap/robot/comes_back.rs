@@ -3,6 +3,7 @@
 
 use super::bench::Bench;
 use super::map::{VARIABLES, along};
+use crate::gap::Variable;
 use std::ops::AddAssign;
 
 /// Share of what is left above the sensor's noise that its dependence on one variable, learnt where fits saw it, predicts
@@ -38,11 +39,11 @@ impl AddAssign for Squares {
 pub(super) fn may_be_noise(bench: &Bench<'_>, left: &[f64]) -> bool {
     let Some(step_rad) = bench.case.study.sensor.resolution_rad else { return false };
     let moving = bench.layout.moving();
-    let is_small = |joint: &usize| rms_rad(bench, *joint, left) < step_rad;
+    let is_small = |joint: &usize| bench.rms_rad(*joint, left) < step_rad;
     if !moving.iter().all(is_small) || !bench.layout.held.iter().any(|held| *held) {
         return false;
     }
-    let comes_back = (0..VARIABLES.len()).any(|variable| {
+    let comes_back = VARIABLES.into_iter().any(|variable| {
         let mut all = Squares::default();
         let of_one = moving.iter().any(|joint| {
             let own = learnt(bench, *joint, variable, left).unwrap_or_default();
@@ -54,18 +55,11 @@ pub(super) fn may_be_noise(bench: &Bench<'_>, left: &[f64]) -> bool {
     !comes_back
 }
 
-fn rms_rad(bench: &Bench<'_>, joint: usize, left: &[f64]) -> f64 {
-    let rows = bench.layout.joints().filter(|(of, _)| *of == joint);
-    let squares = rows.flat_map(|(_, row)| row.range.clone()).filter(|k| bench.layout.compared[*k]);
-    let (sum, count) = squares.fold((0.0, 0.0), |(sum, count), k| (sum + left[k].powi(2), count + 1.0));
-    f64::sqrt(sum / f64::max(count, 1.0))
-}
-
 /// What the dependence of a joint's residual on a variable predicts of the samples that no fit saw.
-fn learnt(bench: &Bench<'_>, joint: usize, variable: usize, left: &[f64]) -> Option<Squares> {
+fn learnt(bench: &Bench<'_>, joint: usize, variable: Variable, left: &[f64]) -> Option<Squares> {
     let (mut seen, mut unseen) = (Vec::new(), Vec::new());
     for (_, row) in bench.layout.joints().filter(|(of, _)| *of == joint) {
-        let values = along(bench, row, joint, VARIABLES[variable])?;
+        let values = along(bench, row, joint, variable)?;
         for (k, value) in row.range.clone().zip(values).filter(|(k, _)| bench.layout.compared[*k]) {
             if bench.layout.held[k] { unseen.push((value, left[k])) } else { seen.push((value, left[k])) }
         }

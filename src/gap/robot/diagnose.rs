@@ -282,8 +282,9 @@ fn notes(bench: &Bench<'_>, decision: &Decision<'_>, gap: &RobotGap) -> Vec<Stri
             mrad(gap.floor)
         ));
     }
-    let is_none = matches!(decision.verdict, Verdict::None | Verdict::Calibration) && gap.after > NOT_ALL * gap.floor;
-    if is_none && may_be_noise(bench, &decision.answer.attained.residual) {
+    let structure_is_right =
+        matches!(decision.verdict, Verdict::None | Verdict::Calibration) && gap.after > NOT_ALL * gap.floor;
+    if structure_is_right && may_be_noise(bench, &decision.answer.attained.residual) {
         notes.push(format!(
             "What is left ({}, the sensor itself makes {}) is less than one step of the encoder in every joint and does not come \
              back with the motion: it is taken for noise.",

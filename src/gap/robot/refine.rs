@@ -35,6 +35,12 @@ struct Effort {
     points: usize,
 }
 
+impl Effort {
+    fn points(self, bench: &Bench<'_>) -> usize {
+        self.points * if bench.case.is_let_go() { TIMES_LET_GO } else { 1 }
+    }
+}
+
 /// Points about which the robot's numbers alone are fitted at most.
 const POINTS: usize = 6;
 
@@ -115,15 +121,11 @@ pub(super) fn refine_roughly(bench: &Bench<'_>, parts: Vec<Part>) -> Option<Hypo
 /// What was refined roughly, in full where that explains more.
 pub(super) fn refine_on(bench: &Bench<'_>, rough: Hypothesis) -> Hypothesis {
     let fine = match bench.case.is_clamped() {
-        true => settled(bench, rough.parts.clone(), rough.attained.sizes.clone(), points(bench, IN_FULL))
+        true => settled(bench, rough.parts.clone(), rough.attained.sizes.clone(), IN_FULL.points(bench))
             .and_then(|settled| Hypothesis::of(bench, settled, rough.covariance.clone())),
         false => refine(bench, rough.parts.clone()),
     };
     fine.filter(|fine| fine.loss() < rough.loss()).unwrap_or(rough)
-}
-
-fn points(bench: &Bench<'_>, effort: Effort) -> usize {
-    effort.points * if bench.case.is_let_go() { TIMES_LET_GO } else { 1 }
 }
 
 fn refine_by(bench: &Bench<'_>, parts: Vec<Part>, effort: Effort) -> Option<Hypothesis> {
@@ -212,6 +214,6 @@ fn refine_by(bench: &Bench<'_>, parts: Vec<Part>, effort: Effort) -> Option<Hypo
         let attained = to_first_order(bench, &here.column);
         return Some(Hypothesis { parts, attained, residual: here.column, free, covariance });
     }
-    let settled = settled(bench, parts, vec![0.0; bench.numbers.len()], points(bench, effort))?;
+    let settled = settled(bench, parts, vec![0.0; bench.numbers.len()], effort.points(bench))?;
     Hypothesis::of(bench, settled, covariance)
 }
