@@ -12,6 +12,8 @@ pub(super) struct Attained {
     pub residual: Vec<f64>,
     /// How far the uncertain numbers are off, in their standard deviations.
     pub sizes: Vec<f64>,
+    /// What the sensors have in common, in units of its standard deviation.
+    pub offset: f64,
 }
 
 impl Attained {

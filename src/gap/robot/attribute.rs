@@ -5,8 +5,9 @@ use super::cause::Cause;
 use super::comes_back::may_be_noise;
 use super::decide::{is_explained, leaves_enough, leaves_much};
 use super::part::Part;
+use super::rank::{Candidate, rank};
 use super::refine::{Hypothesis, refine, refine_on, refine_roughly};
-use super::screen::{Candidate, around, columns, rank, rescan_holds};
+use super::screen::{around, columns, rescan_holds};
 use super::tried::Attribution;
 use rayon::prelude::*;
 
@@ -42,16 +43,16 @@ pub(super) fn attribute(
     let given = Hypothesis::given(bench)?;
     let mut columns = columns(bench, &|cause| !cause.is_play() && considered(cause), &given.residual);
     progress("fitting the likeliest causes");
-    let firsts = one_each(bench, &rank(bench, &columns, &given.residual));
-    let firsts = elsewhere(bench, firsts, &given.residual);
-    let mut firsts = in_full(bench, firsts, IN_FULL);
+    let firsts = one_each(bench, &given, &rank(bench, &columns, &given.residual));
+    let firsts = elsewhere(bench, &given, firsts);
+    let mut firsts = in_full(bench, &given, firsts, IN_FULL);
     let lead = firsts.first().filter(|first| first.loss() < given.loss()).unwrap_or(&given);
     if !is_explained(bench, lead) && !may_be_noise(bench, &lead.attained.residual) {
         progress("trying free play");
         let play = self::columns(bench, &|cause| cause.is_play() && considered(cause), &given.residual);
         let best_play = rank(bench, &play, &given.residual).into_iter().next();
         let promising = best_play.filter(|play| play.gain > PLAY_PROMISES * (given.loss() - lead.loss()));
-        firsts = best(firsts.into_iter().chain(refitted(bench, promising.as_slice())).collect());
+        firsts = best(firsts.into_iter().chain(refitted(bench, &given, promising.as_slice())).collect());
         columns.extend(play);
     }
     let is_clear = |first: &&Hypothesis| given.loss() - first.loss() > CLEAR_GAIN && leaves_enough(bench, first);
@@ -61,17 +62,17 @@ pub(super) fn attribute(
     progress("looking for a second cause");
     let mut beside = |first: &Hypothesis| {
         rescan_holds(bench, &mut columns, considered, &first.residual);
-        two_each(bench, first, &rank(bench, &columns, &first.residual))
+        two_each(bench, &given, first, &rank(bench, &columns, &first.residual))
     };
     let mut seconds = beside(first);
     if let Some(pair) = seconds.first().filter(|pair| leaves_much(bench, pair)) {
         // What is best alone need not be best beside the other.
-        let other = refine(bench, vec![pair.parts[1].clone()]);
+        let other = refine(bench, &given, vec![pair.parts[1].clone()]);
         seconds.extend(other.iter().flat_map(beside));
         seconds = best(seconds);
     }
     let firsts = match seconds.first() {
-        Some(pair) => reconsidered(bench, firsts, pair),
+        Some(pair) => reconsidered(bench, &given, firsts, pair),
         None => firsts,
     };
     Some(Attribution { columns, given, firsts, seconds })
@@ -79,15 +80,15 @@ pub(super) fn attribute(
 
 /// One cause each, best first: the likeliest, and what the joints of the best may have besides. To first order a strong
 /// friction looks weak.
-fn one_each(bench: &Bench<'_>, candidates: &[Candidate]) -> Vec<Hypothesis> {
+fn one_each(bench: &Bench<'_>, given: &Hypothesis, candidates: &[Candidate]) -> Vec<Hypothesis> {
     let likeliest = chosen(candidates, TRIED, |_| true);
-    let firsts = best_of_each(refitted(bench, &from_other_starts(bench, candidates, &likeliest)));
+    let firsts = best_of_each(refitted(bench, given, &from_other_starts(bench, candidates, &likeliest)));
     let Some(place) = firsts.first().map(|first| &first.parts[0].place) else { return firsts };
     let is_tried = |candidate: &Candidate| likeliest.iter().any(|other| other.is_where(candidate));
     let count = TRIED_THERE[usize::from(!bench.case.is_clamped())];
     let cousins = chosen(candidates, count, |candidate| candidate.place == *place && !is_tried(candidate));
     let cousins = from_other_starts(bench, candidates, &cousins);
-    best_of_each(refitted(bench, &cousins).into_iter().chain(firsts).collect())
+    best_of_each(refitted(bench, given, &cousins).into_iter().chain(firsts).collect())
 }
 
 /// Some candidates, and in a drop the same causes on the same places from their other starts.
@@ -105,27 +106,27 @@ fn from_other_starts<'a>(
 }
 
 /// On the floor few sets of joints are tried: the best cause on fewer of its joints, and on more.
-fn elsewhere(bench: &Bench<'_>, firsts: Vec<Hypothesis>, residual: &[f64]) -> Vec<Hypothesis> {
+fn elsewhere(bench: &Bench<'_>, given: &Hypothesis, firsts: Vec<Hypothesis>) -> Vec<Hypothesis> {
     let Some(named) = firsts.first().map(|first| &first.parts[0]) else { return firsts };
     if bench.case.is_clamped() || named.cause.is_of_robot() {
         return firsts;
     }
-    let candidates = rank(bench, &around(bench, named), residual);
+    let candidates = rank(bench, &around(bench, named), &given.residual);
     let is_tried =
         |candidate: &Candidate| firsts.iter().any(|first| first.parts[0].is_where(candidate.cause, &candidate.place));
     let others = chosen(&candidates, TRIED_ELSEWHERE, |candidate| !is_tried(candidate));
-    best(refitted(bench, &others).into_iter().chain(firsts).collect())
+    best(refitted(bench, given, &others).into_iter().chain(firsts).collect())
 }
 
 /// All were fitted roughly: the best, and those that may still pass them, are fitted in full.
-fn in_full(bench: &Bench<'_>, mut rough: Vec<Hypothesis>, count: usize) -> Vec<Hypothesis> {
+fn in_full(bench: &Bench<'_>, given: &Hypothesis, mut rough: Vec<Hypothesis>, count: usize) -> Vec<Hypothesis> {
     let rest = rough.split_off(rough.len().min(count));
-    let fine: Vec<Hypothesis> = rough.into_par_iter().map(|rough| refine_on(bench, rough)).collect();
+    let fine: Vec<Hypothesis> = rough.into_par_iter().map(|rough| refine_on(bench, given, rough)).collect();
     best(fine.into_iter().chain(rest).collect())
 }
 
 /// The best cause with another each, best first.
-fn two_each(bench: &Bench<'_>, first: &Hypothesis, candidates: &[Candidate]) -> Vec<Hypothesis> {
+fn two_each(bench: &Bench<'_>, given: &Hypothesis, first: &Hypothesis, candidates: &[Candidate]) -> Vec<Hypothesis> {
     let named = &first.parts[0];
     let is_other = |candidate: &Candidate| {
         let shares = candidate.place.joints.iter().any(|joint| named.place.joints.contains(joint));
@@ -136,15 +137,15 @@ fn two_each(bench: &Bench<'_>, first: &Hypothesis, candidates: &[Candidate]) -> 
         true => TRIED_BESIDE_PLAY,
         false => TRIED_SECOND[usize::from(!bench.case.is_clamped())],
     };
-    let pair = |candidate: &Candidate| refine_roughly(bench, vec![named.clone(), part(candidate)]);
+    let pair = |candidate: &Candidate| refine_roughly(bench, given, vec![named.clone(), part(candidate)]);
     let rough = best(chosen(candidates, count, is_other).into_par_iter().filter_map(pair).collect());
-    in_full(bench, rough, PAIRS_IN_FULL)
+    in_full(bench, given, rough, PAIRS_IN_FULL)
 }
 
 /// A search that began elsewhere may have missed what one of two causes explains alone.
-fn reconsidered(bench: &Bench<'_>, firsts: Vec<Hypothesis>, pair: &Hypothesis) -> Vec<Hypothesis> {
+fn reconsidered(bench: &Bench<'_>, given: &Hypothesis, firsts: Vec<Hypothesis>, pair: &Hypothesis) -> Vec<Hypothesis> {
     let alone: Vec<Hypothesis> =
-        pair.parts.clone().into_par_iter().filter_map(|part| refine(bench, vec![part])).collect();
+        pair.parts.clone().into_par_iter().filter_map(|part| refine(bench, given, vec![part])).collect();
     let is_same = |a: &Hypothesis, b: &Hypothesis| a.parts[0].is_where(b.parts[0].cause, &b.parts[0].place);
     let is_new = |new: &Hypothesis| {
         firsts.iter().filter(|old| is_same(old, new)).all(|old| new.loss() < old.loss() - CLEAR_GAIN)
@@ -155,8 +156,12 @@ fn reconsidered(bench: &Bench<'_>, firsts: Vec<Hypothesis>, pair: &Hypothesis) -
     best(kept.into_iter().chain(better).collect())
 }
 
-fn refitted<C: std::borrow::Borrow<Candidate> + Sync>(bench: &Bench<'_>, candidates: &[C]) -> Vec<Hypothesis> {
-    candidates.par_iter().filter_map(|candidate| refine_roughly(bench, vec![part(candidate.borrow())])).collect()
+fn refitted<C: std::borrow::Borrow<Candidate> + Sync>(
+    bench: &Bench<'_>,
+    given: &Hypothesis,
+    candidates: &[C],
+) -> Vec<Hypothesis> {
+    candidates.par_iter().filter_map(|candidate| refine_roughly(bench, given, vec![part(candidate.borrow())])).collect()
 }
 
 fn part(candidate: &Candidate) -> Part {

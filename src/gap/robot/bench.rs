@@ -4,7 +4,8 @@ use super::case::RobotCase;
 use super::cause::Change;
 use super::forward::{Predicted, floor_of, predict};
 use super::glance::Walks;
-use super::layout::{Channel, FORWARD_SD_M, Layout, less};
+use super::layout::{Channel, FORWARD_SD_M, Layout, Row, less};
+use super::limbs::Limbs;
 use super::noise::Noise;
 use super::place::Place;
 use super::reach::reach_of;
@@ -25,8 +26,9 @@ pub(super) struct Steps {
     pub fine: f64,
 }
 
-/// In the air joints are the same to 0.01 mrad at all these steps; on the floor feet land a little differently.
-const CLAMPED: Steps = Steps { coarse: 2e-3, fine: 1e-3 };
+/// In the air joints are the same to 0.01 mrad at all these steps, and what a number changes of them to a thousandth of that;
+/// on the floor feet land a little differently.
+const CLAMPED: Steps = Steps { coarse: 4e-3, fine: 1e-3 };
 const ON_THE_FLOOR: Steps = Steps { coarse: 5e-4, fine: 2.5e-4 };
 /// A joint with free play hunts between its flanks many hundred times a second, which longer steps do not follow \[s\]; a
 /// look at what play would change does with the longer of the two.
@@ -44,6 +46,14 @@ const OWN: f64 = 0.5;
 /// Samples to either side over which what a step does not resolve is taken as one.
 const NEAR: usize = 12;
 
+/// Logs that are simulated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Logs {
+    All,
+    /// Those with samples that fits see: enough to search.
+    Fitted,
+}
+
 /// A study with what hypotheses about it are weighed by.
 pub(super) struct Bench<'a> {
     pub case: &'a RobotCase,
@@ -59,8 +69,7 @@ pub(super) struct Bench<'a> {
     pub given_logs: Vec<Predicted>,
     /// On the floor: where causes are screened.
     walks: Option<Walks>,
-    /// Joints that influence each other; one group where the trunk is free.
-    pub groups: Vec<Vec<usize>>,
+    pub limbs: Limbs,
     /// By joint of the robot.
     pub reach: Vec<Reach>,
     pub body: Body,
@@ -84,11 +93,13 @@ impl<'a> Bench<'a> {
         let layout = Layout::of(case);
         let steps = if case.is_clamped() { CLAMPED } else { ON_THE_FLOOR };
         let none = Scatter::none(case.model());
-        let given_logs = simulate_all(case, &none, &[], steps.fine, None).ok_or(RanAway)?;
-        let coarse = simulate_all(case, &none, &[], steps.coarse, None).ok_or(RanAway)?;
+        let every = vec![true; case.logs.len()];
+        let as_stated = |step_s| simulate_all(case, (&every, None), (&none, &[]), step_s, None).ok_or(RanAway);
+        let given_logs = as_stated(steps.fine)?;
+        let coarse = as_stated(steps.coarse)?;
         let (measured, stated) = (layout.measured(case), layout.predicted(case, &given_logs));
         let stated_coarse = layout.predicted(case, &coarse);
-        let groups = groups(case, &layout.moving());
+        let limbs = Limbs::of(case, &layout.moving());
         let reach: Vec<Reach> = (0..case.names.len()).map(|joint| reach_of(case, &given_logs, joint)).collect();
         let sigma_rad = sigma_rad(case, &layout, &measured, &stated);
         let blank = || Noise::new(Vec::new(), Vec::new()).expect("nothing is finite");
@@ -104,7 +115,7 @@ impl<'a> Bench<'a> {
             stated_coarse,
             given_logs,
             walks,
-            groups,
+            limbs,
             spreads: Spreads::of(case, &reach),
             reach,
             body,
@@ -114,7 +125,7 @@ impl<'a> Bench<'a> {
             noise_of_all: blank(),
         };
         if case.is_clamped() {
-            let (columns, numbers) = bench.uncertain(&none, &[]).ok_or(RanAway)?;
+            let (columns, numbers) = bench.uncertain(&bench.limbs.all(), Logs::All, (&none, &[])).ok_or(RanAway)?;
             bench.numbers = numbers;
             bench.weigh_by(columns, &vec![0.0; bench.layout.len])?;
         } else {
@@ -127,7 +138,7 @@ impl<'a> Bench<'a> {
 
     /// Takes columns of what is uncertain, and what each sample's variance has more, for the noise.
     fn weigh_by(&mut self, columns: Vec<Vec<f64>>, extra: &[f64]) -> Result<(), RanAway> {
-        let variance = |row: &super::layout::Row| match row.channel {
+        let variance = |row: &Row| match row.channel {
             Channel::Joint(_) => self.sigma_rad.powi(2),
             Channel::Base(_) => rough(&self.measured[row.range.clone()]).max(1e-4).powi(2),
             Channel::Forward => FORWARD_SD_M.powi(2),
@@ -158,39 +169,89 @@ impl<'a> Bench<'a> {
         step_s: f64,
         until_s: Option<f64>,
     ) -> Option<Vec<f64>> {
-        let logs = simulate_all(self.case, scatter, changes, step_s, until_s)?;
+        let logs = simulate_all(self.case, (&self.asked(Logs::All), None), (scatter, changes), step_s, until_s)?;
         Some(self.layout.predicted(self.case, &logs))
     }
 
-    /// What other numbers and changes make of the robot.
-    pub fn difference(&self, scatter: &Scatter, changes: &[Change]) -> Option<Vec<f64>> {
-        self.difference_at(scatter, changes, PLAY, None)
+    /// What other numbers and changes make of the robot; 0 in logs that are not simulated.
+    pub fn difference(&self, logs: Logs, scatter: &Scatter, changes: &[Change]) -> Option<Vec<f64>> {
+        self.difference_of(&self.limbs.touched(scatter, changes), logs, (scatter, changes))
     }
 
-    /// The same, roughly where there is free play; 0 beyond `until_s`.
+    /// The same of some limbs, 0 elsewhere.
+    pub fn difference_of(&self, limbs: &[usize], logs: Logs, of: (&Scatter, &[Change])) -> Option<Vec<f64>> {
+        self.difference_at(limbs, logs, of, (PLAY, None))
+    }
+
+    /// What changes make of what fits see, roughly where there is free play; 0 beyond `until_s`.
     pub fn glance(&self, changes: &[Change], until_s: Option<f64>) -> Option<Vec<f64>> {
         if self.deadline.leaves_out("a look at some causes and joints") {
             return None;
         }
         match (&self.walks, until_s) {
             (Some(walks), Some(until_s)) if !has_play(changes) => {
-                walks.difference(self.case, &self.layout, changes, until_s)
+                walks.difference(self.case, &self.layout, &self.asked(Logs::Fitted), changes, until_s)
             }
-            _ => self.difference_at(&Scatter::none(self.case.model()), changes, PLAY_AT_A_GLANCE, until_s),
+            _ => {
+                let none = Scatter::none(self.case.model());
+                let limbs = self.limbs.touched(&none, changes);
+                self.difference_at(&limbs, Logs::Fitted, (&none, changes), (PLAY_AT_A_GLANCE, until_s))
+            }
         }
     }
 
-    /// At the coarse step against the coarse step, so that errors cancel; at that for play against the fine one.
+    /// At the coarse step against the coarse step, so that errors cancel; limbs with free play at that for play, and clamped
+    /// ones whose torque jumps at the fine one, against the fine one.
     fn difference_at(
         &self,
-        scatter: &Scatter,
-        changes: &[Change],
-        play_s: f64,
-        until_s: Option<f64>,
+        limbs: &[usize],
+        logs: Logs,
+        (scatter, changes): (&Scatter, &[Change]),
+        (play_s, until_s): (f64, Option<f64>),
     ) -> Option<Vec<f64>> {
-        let (step_s, given) =
-            if has_play(changes) { (play_s, &self.stated) } else { (self.steps.coarse, &self.stated_coarse) };
-        Some(less(&self.simulate(scatter, changes, step_s, until_s)?, given))
+        let asked = self.asked(logs);
+        let play = changes.iter().filter(|change| change.cause.is_play());
+        let playing = self.limbs.of_places(play.map(|change| &change.place));
+        let (playing, others): (Vec<usize>, Vec<usize>) = limbs.iter().partition(|limb| playing.contains(limb));
+        let jumps = changes.iter().filter(|change| self.case.is_clamped() && change.cause.jumps());
+        let jumping = self.limbs.of_places(jumps.map(|change| &change.place));
+        let (jumping, calm): (Vec<usize>, Vec<usize>) = others.into_iter().partition(|limb| jumping.contains(limb));
+        let mut difference = vec![0.0; self.layout.len];
+        let parts = [
+            (calm, self.steps.coarse, &self.stated_coarse),
+            (jumping, self.steps.fine, &self.stated),
+            (playing, play_s, &self.stated),
+        ];
+        for (limbs, step_s, given) in parts {
+            if limbs.is_empty() {
+                continue;
+            }
+            let joints = self.limbs.joints_of(&limbs);
+            let logs = simulate_all(self.case, (&asked, Some(&joints)), (scatter, changes), step_s, until_s)?;
+            let there = less(&self.layout.predicted(self.case, &logs), given);
+            let is_its = |row: &&Row| match row.channel {
+                Channel::Joint(joint) => joints.contains(&joint),
+                _ => true,
+            };
+            for row in self.layout.rows.iter().filter(is_its) {
+                difference[row.range.clone()].copy_from_slice(&there[row.range.clone()]);
+            }
+        }
+        Some(difference)
+    }
+
+    /// Whether a search simulates all logs.
+    pub fn fits_see_all_logs(&self) -> bool {
+        self.asked(Logs::Fitted).iter().all(|asked| *asked)
+    }
+
+    /// By log, whether it is simulated.
+    fn asked(&self, logs: Logs) -> Vec<bool> {
+        let mut asked = vec![logs == Logs::All; self.case.logs.len()];
+        for row in &self.layout.rows {
+            asked[row.log] |= self.layout.held[row.range.clone()].iter().any(|held| !held);
+        }
+        asked
     }
 
     /// Measured less stated.
@@ -231,38 +292,40 @@ impl<'a> Bench<'a> {
 
     /// Joints that are compared on the limb of a body.
     pub fn limb_of(&self, body: usize) -> Place {
-        let model = self.case.model();
-        let root = |joint: usize| root_of(self.case, joint);
-        let own = model.body_ids().nth(body).and_then(|body| body.joint()).map(|joint| root(joint.index()));
-        Place { joints: self.layout.moving().into_iter().filter(|joint| Some(root(*joint)) == own).collect() }
+        let limb = self.limbs.of_body(body);
+        Place { joints: limb.map_or_else(Vec::new, |limb| self.limbs.joints_of(&[limb])) }
     }
 
-    /// Clamped: what each mass and friction changes of a robot, per standard deviation, and what the sensors may have in
-    /// common. A number with which it runs away is left out; `None` where it does so without.
-    pub fn uncertain(&self, scatter: &Scatter, changes: &[Change]) -> Option<(Vec<Vec<f64>>, Vec<Number>)> {
-        let model = self.case.model();
-        let root = |joint: usize| root_of(self.case, joint);
-        let mut by_group: Vec<Vec<Number>> = Vec::new();
-        for group in &self.groups {
-            let bodies = model.body_ids().filter(|body| {
-                let hangs = body.joint().is_some_and(|joint| root(joint.index()) == root(group[0]));
-                hangs && model.bodies()[body.index()].mass_kg > 0.0
-            });
-            let masses = bodies.map(|body| Number::Mass(body.index()));
-            let friction = group.iter().flat_map(|joint| [Number::Coulomb(*joint), Number::Viscous(*joint)]);
-            by_group.push(masses.chain(friction).collect());
-        }
-        let here = self.difference(scatter, changes)?;
-        let longest = by_group.iter().map(Vec::len).max().unwrap_or(0);
+    /// Clamped: what each mass and friction of some limbs changes of a robot, per standard deviation, and what the sensors
+    /// may have in common. A number with which it runs away is left out; `None` where it does so without.
+    pub fn uncertain(
+        &self,
+        limbs: &[usize],
+        logs: Logs,
+        (scatter, changes): (&Scatter, &[Change]),
+    ) -> Option<(Vec<Vec<f64>>, Vec<Number>)> {
+        let bodies = self.case.model().bodies();
+        let numbers_of = |limb: &usize| -> Vec<Number> {
+            let hangs = |body: &usize| self.limbs.of_body(*body) == Some(*limb) && bodies[*body].mass_kg > 0.0;
+            let masses = (0..bodies.len()).filter(hangs).map(Number::Mass);
+            let joints = self.limbs.joints()[*limb].iter();
+            masses.chain(joints.flat_map(|joint| [Number::Coulomb(*joint), Number::Viscous(*joint)])).collect()
+        };
+        let by_limb: Vec<(usize, Vec<Number>)> = limbs.iter().map(|limb| (*limb, numbers_of(limb))).collect();
+        let here = self.difference_of(limbs, logs, (scatter, changes))?;
+        let longest = by_limb.iter().map(|(_, numbers)| numbers.len()).max().unwrap_or(0);
         let together = |k: usize| -> Vec<(Vec<f64>, Number)> {
-            let mut nudged = scatter.clone();
-            for number in by_group.iter().filter_map(|numbers| numbers.get(k)) {
-                nudged.put(*number, NUDGE * self.spreads.sd(*number));
-            }
-            let Some(mut column) = self.difference(&nudged, changes) else { return Vec::new() };
+            let nudged: Vec<(usize, Number)> =
+                by_limb.iter().filter_map(|(limb, numbers)| Some((*limb, *numbers.get(k)?))).collect();
+            let limbs: Vec<usize> = nudged.iter().map(|(limb, _)| *limb).collect();
+            let mut other = scatter.clone();
+            nudged.iter().for_each(|(_, number)| other.put(*number, NUDGE * self.spreads.sd(*number)));
+            let Some(mut column) = self.difference_of(&limbs, logs, (&other, changes)) else { return Vec::new() };
             column.iter_mut().zip(&here).for_each(|(there, here)| *there = (*there - here) / NUDGE);
-            let groups = self.groups.iter().zip(&by_group).filter(|(_, numbers)| numbers.len() > k);
-            groups.map(|(group, numbers)| (self.restricted(column.clone(), group), numbers[k])).collect()
+            let of = |(limb, number): &(usize, Number)| {
+                (self.restricted(column.clone(), &self.limbs.joints()[*limb]), *number)
+            };
+            nudged.iter().map(of).collect()
         };
         let (mut columns, numbers): (Vec<Vec<f64>>, Vec<Number>) =
             (0..longest).into_par_iter().flat_map(together).unzip();
@@ -280,7 +343,8 @@ impl<'a> Bench<'a> {
         let study = &self.case.study;
         // Nobody measured the floor under a robot that somebody else described: it is as uncertain as the study says.
         let floor = if study.described.is_some() { study.uncertain.floor.all } else { FLOOR };
-        let one = |number: u64| self.difference(&Scatter::drawn(self.case.model(), &friction, floor, number), &[]);
+        let one =
+            |number: u64| self.difference(Logs::All, &Scatter::drawn(self.case.model(), &friction, floor, number), &[]);
         let is_in_time = |number: &u64| {
             *number < AT_LEAST || !self.deadline.leaves_out("some of the robots that a walk is weighed by")
         };
@@ -338,36 +402,16 @@ pub(super) fn followed_s(step_s: f64, changes: &[Change]) -> f64 {
 
 fn simulate_all(
     case: &RobotCase,
-    scatter: &Scatter,
-    changes: &[Change],
+    (logs, joints): (&[bool], Option<&[usize]>),
+    of: (&Scatter, &[Change]),
     step_s: f64,
     until_s: Option<f64>,
 ) -> Option<Vec<Predicted>> {
-    let one = |log: &super::case::CaseLog| {
-        predict(case, log, scatter, changes, step_s, until_s.unwrap_or(f64::INFINITY)).ok().flatten()
+    let one = |(log, asked): (&super::case::CaseLog, &bool)| match asked {
+        true => predict(case, log, joints, of, step_s, until_s.unwrap_or(f64::INFINITY)).ok().flatten(),
+        false => Some(Predicted::nothing(case)),
     };
-    case.logs.iter().map(one).collect()
-}
-
-/// The joint of a chain that hangs on the base.
-fn root_of(case: &RobotCase, joint: usize) -> usize {
-    let model = case.model();
-    let mut at = joint;
-    while let Some(above) = model.joint_ids().nth(at).and_then(|id| model.carrier(id).joint()) {
-        at = above.index();
-    }
-    at
-}
-
-fn groups(case: &RobotCase, moving: &[usize]) -> Vec<Vec<usize>> {
-    if !case.is_clamped() {
-        return vec![moving.to_vec()];
-    }
-    let mut roots: Vec<usize> = moving.iter().map(|joint| root_of(case, *joint)).collect();
-    roots.sort_unstable();
-    roots.dedup();
-    let of = |root: usize| moving.iter().copied().filter(|joint| root_of(case, *joint) == root).collect();
-    roots.into_iter().map(of).collect()
+    case.logs.iter().zip(logs).map(one).collect()
 }
 
 /// Standard deviation of a reading: what the study says, or the roughness of what the study's robot leaves.

@@ -92,6 +92,12 @@ impl Cause {
         self == Cause::Effect(EffectId::Backlash)
     }
 
+    /// Whether the motor's torque jumps or bends at a threshold, which long steps meet late.
+    pub(super) fn jumps(self) -> bool {
+        use EffectId::{DeadBand, SpeedLimit, TorqueLimit};
+        [DeadBand, SpeedLimit, TorqueLimit].into_iter().any(|effect| self == Cause::Effect(effect))
+    }
+
     /// Where it acts.
     pub fn stage(self) -> RobotStage {
         use crate::joint::Stage;

@@ -16,9 +16,9 @@ use super::measure::{gap, held_out_rms_rad};
 use super::next::next;
 use super::numbers::found;
 use super::phases::phases;
+use super::rank::detectable;
 use super::refine::Hypothesis;
 use super::scatter::Scatter;
-use super::screen::detectable;
 use super::sentence::{Said, sentence};
 use super::standing::standing;
 use super::suspects::Suspects;
@@ -107,9 +107,10 @@ pub fn diagnose_robot(
     let least = needed(&bench, &tried.given);
     // Of free play nothing is known where it was not tried.
     let is_known = |cause: &Cause| !cause.is_play() || tried.columns.iter().any(|column| column.cause.is_play());
+    let shown = detectable(&bench, &tried.columns, least);
     let detectable = Cause::all().filter(|cause| considered(*cause)).filter(is_known).map(|cause| {
         let (name, unit) = cause.named()[0];
-        RobotDetectable { cause, value: detectable(&bench, &tried.columns, cause, least), name, unit }
+        RobotDetectable { cause, value: shown(cause), name, unit }
     });
     let detectable = detectable.collect();
     let mut notes = notes(&bench, &decision, &gap);

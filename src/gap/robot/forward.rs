@@ -24,6 +24,12 @@ pub(super) struct Predicted {
 }
 
 impl Predicted {
+    /// Of a log that is not simulated: it reads nothing.
+    pub fn nothing(case: &RobotCase) -> Self {
+        let none = vec![Vec::new(); case.names.len()];
+        Self { reading_rad: none.clone(), rate_rad_s: none, base: Vec::new() }
+    }
+
     /// The same after so many samples more at which nothing moves.
     pub fn after(mut self, samples: usize) -> Self {
         fn stand<T: Clone>(column: &mut Vec<T>, samples: usize) {
@@ -156,18 +162,22 @@ fn put(joints: &mut Joints, model: &Model, change: &Change) -> Result<(), Simula
     Ok(())
 }
 
-/// Simulates a log up to a time; `None` where the motion runs away.
+/// Simulates a log up to a time; `None` where the motion runs away. Beside a clamped trunk only limbs with some of the
+/// joints that are asked for (`None`: any) are simulated, the others stay where they stand.
 ///
 /// # Errors
 /// [`SimulateError`] where a change cannot be.
 pub(super) fn predict(
     case: &RobotCase,
     log: &CaseLog,
-    scatter: &Scatter,
-    changes: &[Change],
+    joints: Option<&[usize]>,
+    (scatter, changes): (&Scatter, &[Change]),
     step_s: f64,
     until_s: f64,
 ) -> Result<Option<Predicted>, SimulateError> {
+    let is_asked_for = |joint: usize| joints.is_none_or(|joints| joints.contains(&joint));
+    let moving: Vec<JointId> =
+        case.model().joint_ids().filter(|id| log.moves(id.index()) && is_asked_for(id.index())).collect();
     let Changed { joints, floor, model } = changed(case, log, scatter, changes)?;
     let mut setpoints = log.scene.setpoints.clone();
     let keep = setpoints.t_s.partition_point(|t| *t <= until_s + 1e-9).max(2);
@@ -179,12 +189,17 @@ pub(super) fn predict(
         }
     }
     let floor = floor.map(|floor| Floor::new(floor, &model, Touching::Marked)).transpose()?;
-    // Beside a clamped trunk limbs in which nothing moves stay where they stand.
     let still = standing(&model, &joints, &setpoints);
     let still: Vec<f64> =
         joints.drives().iter().zip(&still.angle_rad).map(|(drive, q)| drive.reading_rad(*q)).collect();
-    let moving: Vec<JointId> = model.joint_ids().filter(|id| log.moves(id.index())).collect();
-    let (model, kept) = match case.is_clamped() && !moving.is_empty() {
+    let t_s = &log.log.t_s;
+    let samples = t_s.partition_point(|t| *t <= until_s + 1e-9);
+    if case.is_clamped() && moving.is_empty() {
+        let rate_rad_s = vec![vec![0.0; samples]; still.len()];
+        let reading_rad = still.into_iter().map(|q| vec![q; samples]).collect();
+        return Ok(Some(Predicted { reading_rad, rate_rad_s, base: Vec::new() }));
+    }
+    let (model, kept) = match case.is_clamped() {
         true => model.limbs(&moving)?,
         false => {
             let all = model.joint_ids().collect();
@@ -194,8 +209,6 @@ pub(super) fn predict(
     let joints = joints.only(&kept);
     setpoints.columns = kept.iter().map(|id| setpoints.columns[id.index()].take()).collect();
     let Ok(start) = beginning(case, log, (&model, &joints), &setpoints, floor.as_ref()) else { return Ok(None) };
-    let t_s = &log.log.t_s;
-    let samples = t_s.partition_point(|t| *t <= until_s + 1e-9);
     let scenario = Scenario {
         model: &model,
         joints: &joints,

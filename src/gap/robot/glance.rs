@@ -5,7 +5,7 @@
 
 use super::case::{CaseLog, RobotCase};
 use super::cause::Change;
-use super::forward::predict;
+use super::forward::{Predicted, predict};
 use super::layout::{Layout, less};
 use super::scatter::Scatter;
 
@@ -27,20 +27,34 @@ impl Walks {
     pub fn new(case: &RobotCase, layout: &Layout) -> Option<Self> {
         let logs = case.logs.iter().map(|log| log.from(log.motion_begins_s() - STANDS_S)).collect();
         let mut walks = Self { logs, given: Vec::new() };
-        walks.given = walks.readings(case, layout, &[], f64::INFINITY)?;
+        walks.given = walks.readings(case, layout, &vec![true; case.logs.len()], (&[], f64::INFINITY))?;
         Some(walks)
     }
 
-    /// What changes make of the readings until a time, 0 beyond; `None` where the robot runs away.
-    pub fn difference(&self, case: &RobotCase, layout: &Layout, changes: &[Change], until_s: f64) -> Option<Vec<f64>> {
-        Some(less(&self.readings(case, layout, changes, until_s)?, &self.given))
+    /// What changes make of the readings of some logs until a time, 0 beyond and in others; `None` where the robot runs away.
+    pub fn difference(
+        &self,
+        case: &RobotCase,
+        layout: &Layout,
+        asked: &[bool],
+        changes: &[Change],
+        until_s: f64,
+    ) -> Option<Vec<f64>> {
+        Some(less(&self.readings(case, layout, asked, (changes, until_s))?, &self.given))
     }
 
-    fn readings(&self, case: &RobotCase, layout: &Layout, changes: &[Change], until_s: f64) -> Option<Vec<f64>> {
+    fn readings(
+        &self,
+        case: &RobotCase,
+        layout: &Layout,
+        asked: &[bool],
+        (changes, until_s): (&[Change], f64),
+    ) -> Option<Vec<f64>> {
         let none = Scatter::none(case.model());
-        let walked = |(log, before): &(CaseLog, usize)| {
-            Some(predict(case, log, &none, changes, STEP_S, until_s).ok().flatten()?.after(*before))
+        let walked = |((log, before), asked): (&(CaseLog, usize), &bool)| match asked {
+            true => Some(predict(case, log, None, (&none, changes), STEP_S, until_s).ok().flatten()?.after(*before)),
+            false => Some(Predicted::nothing(case)),
         };
-        Some(layout.predicted(case, &self.logs.iter().map(walked).collect::<Option<Vec<_>>>()?))
+        Some(layout.predicted(case, &self.logs.iter().zip(asked).map(walked).collect::<Option<Vec<_>>>()?))
     }
 }

@@ -18,6 +18,14 @@ const FROM: f64 = 0.6;
 /// Times that a set of joints may propose.
 const OF_A_PLACE: usize = 6;
 
+/// A joint in a log.
+struct Held<'a> {
+    row: &'a Row,
+    response: HeldResponse<'a>,
+    /// Columns of the noise that are not 0 there.
+    uncertain: Vec<usize>,
+}
+
 /// A time, what it gains, and on which joint; `None`: on all.
 type Tried = (f64, f64, Option<usize>);
 
@@ -26,14 +34,14 @@ type Tried = (f64, f64, Option<usize>);
 pub(super) fn hold_scan(bench: &Bench<'_>, residual: &[f64]) -> Vec<f64> {
     let noise = bench.noise.stiffer(bench.noise.temper(residual));
     let residual = noise.weigh(residual.to_vec());
-    let joints: Vec<(usize, Vec<(&Row, HeldResponse<'_>)>)> = bench
+    let joints: Vec<(usize, Vec<Held<'_>>)> = bench
         .layout
         .moving()
         .into_iter()
         .map(|joint| (joint, responses(bench, joint)))
         .filter(|(_, responses)| !responses.is_empty())
         .collect();
-    let ends_s = joints.iter().flat_map(|(_, responses)| responses.iter().map(|(_, response)| response.end_s()));
+    let ends_s = joints.iter().flat_map(|(_, responses)| responses.iter().map(|held| held.response.end_s()));
     let end_s = ends_s.fold(0.0, f64::max);
     let periods_s = joints.iter().filter_map(|(joint, _)| bench.reach[*joint].driven.map(|driven| driven.period_s));
     let period_s = periods_s.fold(f64::INFINITY, f64::min);
@@ -65,8 +73,8 @@ fn best_of_each(tried: &[Tried], most: usize) -> impl Iterator<Item = f64> {
     })
 }
 
-/// Linear response of a joint in every log in which it moves and is driven.
-fn responses<'a>(bench: &'a Bench<'_>, joint: usize) -> Vec<(&'a Row, HeldResponse<'a>)> {
+/// Linear response of a joint in every log that fits see in which it moves and is driven.
+fn responses<'a>(bench: &'a Bench<'_>, joint: usize) -> Vec<Held<'a>> {
     let Some(id) = bench.case.model().joint_ids().nth(joint) else { return Vec::new() };
     let chain = &bench.case.nominal.joints.drive(id).chain;
     let Some(motor) = &chain.motor else { return Vec::new() };
@@ -76,40 +84,35 @@ fn responses<'a>(bench: &'a Bench<'_>, joint: usize) -> Vec<(&'a Row, HeldRespon
         let setpoints = &log.scene.setpoints;
         let column = setpoints.columns[joint].as_ref().filter(|_| setpoints.t_s == log.log.t_s)?;
         let asks_for_rate = bench.case.study.control.derivative == Derivative::Error && setpoints.hold == Hold::Linear;
-        Some((
-            row,
-            HeldResponse::of(HeldJoint {
-                t_s: &setpoints.t_s,
-                setpoint_rad: &column.angle_rad,
-                hold: setpoints.hold,
-                kp_nm_rad,
-                of_rate_nm_s_rad: if asks_for_rate { kd_nm_s_rad } else { 0.0 },
-                inertia_kg_m2: chain.inertia_kg_m2(),
-                stiffness_nm_rad: kp_nm_rad,
-                damping_nm_s_rad: kd_nm_s_rad + chain.friction.viscous_nm_s_rad,
-            }),
-        ))
+        let response = HeldResponse::of(HeldJoint {
+            t_s: &setpoints.t_s,
+            setpoint_rad: &column.angle_rad,
+            hold: setpoints.hold,
+            kp_nm_rad,
+            of_rate_nm_s_rad: if asks_for_rate { kd_nm_s_rad } else { 0.0 },
+            inertia_kg_m2: chain.inertia_kg_m2(),
+            stiffness_nm_rad: kp_nm_rad,
+            damping_nm_s_rad: kd_nm_s_rad + chain.friction.viscous_nm_s_rad,
+        });
+        Some(Held { row, response, uncertain: bench.noise.columns_of(row.range.clone()) })
     };
-    bench.layout.rows.iter().filter(|row| row.channel == Channel::Joint(joint)).filter_map(of).collect()
+    let is_seen = |row: &&Row| bench.noise.weight[row.range.clone()].iter().any(|weight| *weight > 0.0);
+    let rows = bench.layout.rows.iter().filter(|row| row.channel == Channel::Joint(joint));
+    rows.filter(is_seen).filter_map(of).collect()
 }
 
 /// What holds gain on each joint, and on all of them.
-fn gains(
-    noise: &Noise,
-    residual: &Weighed,
-    joints: &[(usize, Vec<(&Row, HeldResponse<'_>)>)],
-    holds_s: &[f64],
-) -> Vec<Tried> {
+fn gains(noise: &Noise, residual: &Weighed, joints: &[(usize, Vec<Held<'_>>)], holds_s: &[f64]) -> Vec<Tried> {
     let mut all = vec![noise.nothing(); holds_s.len()];
     let mut gains = Vec::with_capacity((joints.len() + 1) * holds_s.len());
     for (joint, responses) in joints {
         let mut own = vec![noise.nothing(); holds_s.len()];
-        for (row, response) in responses {
+        for Held { row, response, uncertain } in responses {
             let moved = response.to_holds(holds_s);
             let mut piece = vec![0.0; moved.len()];
             for (lane, own) in own.iter_mut().enumerate() {
                 piece.iter_mut().zip(&moved).for_each(|(piece, moved)| *piece = moved[lane]);
-                noise.add(own, residual, row.range.start, &piece);
+                noise.add(own, residual, (row.range.start, uncertain), &piece);
             }
         }
         for ((own, all), hold_s) in own.into_iter().zip(&mut all).zip(holds_s) {

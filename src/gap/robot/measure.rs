@@ -138,9 +138,8 @@ fn displacement(bench: &Bench<'_>, decision: &Decision<'_>) -> Vec<Displacement>
     let has_forward =
         |index: usize| bench.layout.rows.iter().any(|row| row.log == index && row.channel == Channel::Forward);
     let of = |(index, log): (usize, &super::case::CaseLog)| {
-        let after = predict(bench.case, log, &none, &changes, followed_s(bench.steps.fine, &changes), f64::INFINITY)
-            .ok()
-            .flatten()?;
+        let step_s = followed_s(bench.steps.fine, &changes);
+        let after = predict(bench.case, log, None, (&none, &changes), step_s, f64::INFINITY).ok().flatten()?;
         Some(Displacement {
             file: log.file.clone(),
             measured: log.forward?.distance_m,

@@ -50,7 +50,7 @@ fn power(bench: &Bench<'_>, answer: &Hypothesis, rival: &Hypothesis, factor: f64
     let readings = |h: &Hypothesis| {
         let changes = h.changes(bench);
         let step_s = followed_s(bench.steps.coarse, &changes);
-        let one = |log| predict(bench.case, log, &none, &changes, step_s, f64::INFINITY).ok().flatten();
+        let one = |log| predict(bench.case, log, None, (&none, &changes), step_s, f64::INFINITY).ok().flatten();
         Some(bench.layout.predicted(bench.case, &wide.iter().map(one).collect::<Option<Vec<_>>>()?))
     };
     let (a, b) = (readings(answer)?, readings(rival)?);

@@ -1,6 +1,7 @@
 //! Residuals, weighed by what the sensor and numbers that are never quite right make of them.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use std::ops::Range;
 
 /// A cause moves its joints by so much of a noise variance per sample at least. Two honest simulations of one robot, one of
 /// them with friction made smooth, differ by less; with many joints the mere gain would show it.
@@ -12,8 +13,13 @@ pub(super) struct Noise {
     /// `1 / variance`; 0 where a sample does not count.
     pub weight: Vec<f64>,
     columns: Vec<Vec<f64>>,
+    /// By column, blocks of samples that count in which it is not 0: most numbers change one limb only.
+    blocks: Vec<Vec<usize>>,
     inner: Cholesky<f64, Dyn>,
 }
+
+/// Samples of a block.
+const BLOCK: usize = 64;
 
 /// Sums over a change that is 0 but for pieces: along a residual, of its squares, along the columns of `U`.
 #[derive(Clone)]
@@ -23,8 +29,15 @@ pub(super) struct Pieces {
     columns: DVector<f64>,
 }
 
+impl Pieces {
+    /// Adds twice the product of two changes of the same samples, of which each was added.
+    pub fn add_shared(&mut self, twice: f64) {
+        self.squares += twice;
+    }
+}
+
 impl std::ops::AddAssign for Pieces {
-    /// Of changes of different samples.
+    /// Of changes of different samples; see [`Pieces::add_shared`].
     fn add_assign(&mut self, other: Self) {
         self.along += other.along;
         self.squares += other.squares;
@@ -43,17 +56,19 @@ impl Noise {
     /// Of each sample's weight and the columns of `U`; `None` where their products are not finite.
     pub fn new(weight: Vec<f64>, columns: Vec<Vec<f64>>) -> Option<Self> {
         let n = columns.len();
+        let blocks: Vec<Vec<usize>> = columns.iter().map(|column| blocks(&weight, column)).collect();
         let mut inner = DMatrix::identity(n, n);
         for a in 0..n {
             for b in 0..=a {
-                let dot = weighted(&weight, &columns[a], &columns[b]);
+                let both = blocks[a].iter().filter(|block| blocks[b].binary_search(block).is_ok());
+                let dot = weighted_in(both, &weight, &columns[a], &columns[b]);
                 inner[(a, b)] += dot;
                 if a != b {
                     inner[(b, a)] += dot;
                 }
             }
         }
-        Some(Self { weight, columns, inner: root(inner)? })
+        Some(Self { weight, columns, blocks, inner: root(inner)? })
     }
 
     /// The same where fewer samples count.
@@ -71,8 +86,15 @@ impl Noise {
 
     /// How many times its variance is left per sample that counts, at least once.
     pub fn temper(&self, left: &[f64]) -> f64 {
-        let squares: f64 = self.weight.iter().zip(left).map(|(weight, left)| weight * left.powi(2)).sum();
-        (squares / self.count().max(1) as f64).max(1.0)
+        self.temper_of(left, 0..left.len())
+    }
+
+    /// The same over some samples.
+    pub fn temper_of(&self, left: &[f64], samples: impl Iterator<Item = usize>) -> f64 {
+        let counted = samples.map(|k| (self.weight[k], left[k])).filter(|(weight, _)| *weight > 0.0);
+        let sum = |(squares, count), (weight, left): (f64, f64)| (squares + weight * left.powi(2), count + 1.0);
+        let (squares, count) = counted.fold((0.0, 0.0), sum);
+        f64::max(squares / f64::max(count, 1.0), 1.0)
     }
 
     /// What is uncertain everywhere, per standard deviation.
@@ -81,12 +103,14 @@ impl Noise {
     }
 
     fn along(&self, column: &[f64]) -> DVector<f64> {
-        DVector::from_iterator(self.columns.len(), self.columns.iter().map(|u| weighted(&self.weight, u, column)))
+        let of = |(u, blocks): (&Vec<f64>, &Vec<usize>)| weighted_in(blocks.iter(), &self.weight, u, column);
+        DVector::from_iterator(self.columns.len(), self.columns.iter().zip(&self.blocks).map(of))
     }
 
     pub fn weigh(&self, column: Vec<f64>) -> Weighed {
         let along = self.along(&column);
-        let low = self.inner.l().solve_lower_triangular(&along).expect("no zero on the diagonal of a Cholesky factor");
+        let low =
+            self.inner.l_dirty().solve_lower_triangular(&along).expect("no zero on the diagonal of a Cholesky factor");
         Weighed { column, low }
     }
 
@@ -100,22 +124,38 @@ impl Noise {
         Pieces { along: 0.0, squares: 0.0, columns: DVector::zeros(self.columns.len()) }
     }
 
-    /// Adds a piece of a change, the samples from one on, to what was summed of it.
-    pub fn add(&self, sums: &mut Pieces, residual: &Weighed, from: usize, piece: &[f64]) {
+    /// Columns that are not 0 in all of some samples.
+    pub fn columns_of(&self, samples: Range<usize>) -> Vec<usize> {
+        let is_there = |k: &usize| self.columns[*k][samples.clone()].iter().any(|change| *change != 0.0);
+        (0..self.columns.len()).filter(is_there).collect()
+    }
+
+    /// Adds a piece of a change, the samples from one on in which these columns are not 0, to what was summed of it.
+    pub fn add(&self, sums: &mut Pieces, residual: &Weighed, (from, columns): (usize, &[usize]), piece: &[f64]) {
         let range = from..from + piece.len();
         let weight = &self.weight[range.clone()];
         sums.along += weighted(weight, &residual.column[range.clone()], piece);
         sums.squares += weighted(weight, piece, piece);
-        for (sum, column) in sums.columns.iter_mut().zip(&self.columns) {
-            *sum += weighted(weight, &column[range.clone()], piece);
+        for k in columns {
+            sums.columns[*k] += weighted(weight, &self.columns[*k][range.clone()], piece);
         }
+    }
+
+    /// `a' D^-1 b` of two changes of the samples from one on.
+    pub fn product(&self, from: usize, a: &[f64], b: &[f64]) -> f64 {
+        weighted(&self.weight[from..from + a.len()], a, b)
+    }
+
+    /// `r' C^-1 c` and `c' C^-1 c` of a residual and a change.
+    pub fn along_and_size(&self, change: &Pieces, residual: &Weighed) -> (f64, f64) {
+        let low = self.inner.l_dirty().solve_lower_triangular(&change.columns);
+        let low = low.expect("no zero on the diagonal of a Cholesky factor");
+        (change.along - residual.low.dot(&low), change.squares - low.norm_squared())
     }
 
     /// How much less a change leaves of a residual: `r' C^-1 r - (r - c)' C^-1 (r - c)`.
     pub fn gain(&self, change: &Pieces, residual: &Weighed) -> f64 {
-        let low = self.inner.l().solve_lower_triangular(&change.columns);
-        let low = low.expect("no zero on the diagonal of a Cholesky factor");
-        let (along, size) = (change.along - residual.low.dot(&low), change.squares - low.norm_squared());
+        let (along, size) = self.along_and_size(change, residual);
         2.0 * along - size
     }
 
@@ -135,7 +175,7 @@ impl Noise {
     }
 
     /// Covariance of some such numbers, in their variances, where the samples that count tell of them.
-    pub fn covariance(&self, numbers: std::ops::Range<usize>) -> DMatrix<f64> {
+    pub fn covariance(&self, numbers: Range<usize>) -> DMatrix<f64> {
         let units = DMatrix::from_fn(self.columns.len(), numbers.len(), |row, k| f64::from(row == numbers.start + k));
         self.inner.solve(&units).rows(numbers.start, numbers.len()).into_owned()
     }
@@ -179,6 +219,23 @@ fn root(mut inner: DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
     }
 }
 
+/// Blocks with a sample that counts in which a column is not 0.
+fn blocks(weight: &[f64], column: &[f64]) -> Vec<usize> {
+    let pairs = weight.chunks(BLOCK).zip(column.chunks(BLOCK)).enumerate();
+    let is_there =
+        |(weight, column): (&[f64], &[f64])| weight.iter().zip(column).any(|(w, change)| *w * *change != 0.0);
+    pairs.filter(|(_, pair)| is_there(*pair)).map(|(block, _)| block).collect()
+}
+
+/// [`weighted`] over some blocks.
+fn weighted_in<'b>(blocks: impl Iterator<Item = &'b usize>, weight: &[f64], a: &[f64], b: &[f64]) -> f64 {
+    let of = |block: &usize| {
+        let range = block * BLOCK..((block + 1) * BLOCK).min(weight.len());
+        weighted(&weight[range.clone()], &a[range.clone()], &b[range])
+    };
+    blocks.map(of).sum()
+}
+
 /// Several sums at a time: one alone waits for each of its additions.
 fn weighted(weight: &[f64], a: &[f64], b: &[f64]) -> f64 {
     const LANES: usize = 8;
@@ -220,8 +277,8 @@ mod tests {
         let (residual, change) = ([1.0, -2.0, 0.3], [0.2, -1.0, 0.1]);
         let whole = noise.weigh(residual.to_vec());
         let (mut sums, mut more) = (noise.nothing(), noise.nothing());
-        noise.add(&mut sums, &whole, 0, &change[..1]);
-        noise.add(&mut more, &whole, 1, &change[1..]);
+        noise.add(&mut sums, &whole, (0, &noise.columns_of(0..1)), &change[..1]);
+        noise.add(&mut more, &whole, (1, &noise.columns_of(1..3)), &change[1..]);
         sums += more;
         let left = noise.weigh(residual.iter().zip(&change).map(|(r, c)| r - c).collect());
         let expected = noise.dot(&whole, &whole) - noise.dot(&left, &left);

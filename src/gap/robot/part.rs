@@ -1,7 +1,7 @@
 //! Causes with their values, and the robot that has them.
 
 use super::attained::BELIEVED_SD;
-use super::bench::Bench;
+use super::bench::{Bench, Logs};
 use super::cause::{Cause, Change};
 use super::place::Place;
 use super::scatter::{Number, Scatter};
@@ -82,8 +82,8 @@ pub(super) fn changes(bench: &Bench<'_>, parts: &[Part]) -> Vec<Change> {
     parts.iter().map(|part| change(bench, part.cause, &part.place, &part.values)).collect()
 }
 
-/// Measured less what a robot reads with causes; `None` where it runs away.
-pub(super) fn left(bench: &Bench<'_>, scatter: &Scatter, parts: &[Part]) -> Option<Vec<f64>> {
-    let difference = bench.difference(scatter, &changes(bench, parts))?;
+/// Measured less what a robot reads with causes, as stated in logs that are not simulated; `None` where it runs away.
+pub(super) fn left(bench: &Bench<'_>, logs: Logs, scatter: &Scatter, parts: &[Part]) -> Option<Vec<f64>> {
+    let difference = bench.difference(logs, scatter, &changes(bench, parts))?;
     Some(bench.gap().iter().zip(&difference).map(|(gap, change)| gap - change).collect())
 }

@@ -1,7 +1,7 @@
-//! Hypotheses refitted in full: the whole robot is simulated anew at every trial point.
+//! Hypotheses refitted in full: the robot, or the limbs of it that have a cause, is simulated anew at every trial point.
 
 use super::attained::Attained;
-use super::bench::Bench;
+use super::bench::{Bench, Logs};
 use super::cause::Change;
 use super::noise::Weighed;
 use super::part::{LONGEST, Part, changes, free_values, left, stepped};
@@ -33,6 +33,8 @@ struct Effort {
     on_the_floor: usize,
     /// Clamped: points about which values and numbers then settle together.
     points: usize,
+    /// Clamped: the numbers of all limbs, and not of those only that have a cause.
+    on_all_limbs: bool,
 }
 
 impl Effort {
@@ -44,8 +46,8 @@ impl Effort {
 /// Points about which the robot's numbers alone are fitted at most.
 const POINTS: usize = 6;
 
-const ROUGHLY: Effort = Effort { clamped: 14, on_the_floor: 6, points: 1 };
-const IN_FULL: Effort = Effort { clamped: 26, on_the_floor: 24, points: 3 };
+const ROUGHLY: Effort = Effort { clamped: 14, on_the_floor: 6, points: 1, on_all_limbs: false };
+const IN_FULL: Effort = Effort { clamped: 26, on_the_floor: 24, points: 3, on_all_limbs: true };
 /// A leg that is let go goes far from what its numbers do to first order: so many times the points.
 const TIMES_LET_GO: usize = 3;
 /// The same with free play, of which every trial takes as long as dozens of others.
@@ -65,7 +67,11 @@ impl Hypothesis {
     pub fn given(bench: &Bench<'_>) -> Option<Self> {
         let residual = bench.gap();
         let attained = match bench.case.is_clamped() {
-            true => settled(bench, Vec::new(), vec![0.0; bench.numbers.len()], POINTS)?.attained,
+            true => {
+                let sizes = vec![0.0; bench.numbers.len()];
+                let stated = Attained { price: f64::INFINITY, residual: residual.clone(), sizes, offset: 0.0 };
+                settled(bench, Vec::new(), &stated, bench.limbs.all(), POINTS)?.attained
+            }
             false => to_first_order(bench, &residual),
         };
         Some(Self { parts: Vec::new(), attained, residual, free: Vec::new(), covariance: None })
@@ -74,7 +80,7 @@ impl Hypothesis {
     /// What settled beside a clamped trunk, with what was known of its values before.
     fn of(bench: &Bench<'_>, settled: Settled, known: Option<DMatrix<f64>>) -> Option<Self> {
         let Settled { parts, attained, covariance } = settled;
-        let residual = left(bench, &Scatter::none(bench.case.model()), &parts)?;
+        let residual = left(bench, Logs::All, &Scatter::none(bench.case.model()), &parts)?;
         let free = free_values(bench, &parts);
         Some(Self { parts, attained, residual, free, covariance: covariance.or(known) })
     }
@@ -105,30 +111,32 @@ impl Hypothesis {
 fn to_first_order(bench: &Bench<'_>, residual: &[f64]) -> Attained {
     let weighed = bench.noise.weigh(residual.to_vec());
     let price = bench.noise.dot(&weighed, &weighed);
-    Attained { price, residual: Unseen::of(bench).adapted(residual), sizes: Vec::new() }
+    Attained { price, residual: Unseen::of(bench).adapted(residual), sizes: Vec::new(), offset: 0.0 }
 }
 
-/// The hypothesis with the best values near those given; `None` where the robot runs away there, or it is too late to try.
-pub(super) fn refine(bench: &Bench<'_>, parts: Vec<Part>) -> Option<Hypothesis> {
-    refine_by(bench, parts, IN_FULL)
+/// The hypothesis with the best values near those of some parts, numbers of limbs without a cause near those of the robot as
+/// given; `None` where the robot runs away there, or it is too late to try.
+pub(super) fn refine(bench: &Bench<'_>, given: &Hypothesis, parts: Vec<Part>) -> Option<Hypothesis> {
+    refine_by(bench, given, parts, IN_FULL)
 }
 
 /// The same with a few trials only.
-pub(super) fn refine_roughly(bench: &Bench<'_>, parts: Vec<Part>) -> Option<Hypothesis> {
-    refine_by(bench, parts, ROUGHLY)
+pub(super) fn refine_roughly(bench: &Bench<'_>, given: &Hypothesis, parts: Vec<Part>) -> Option<Hypothesis> {
+    refine_by(bench, given, parts, ROUGHLY)
 }
 
 /// What was refined roughly, in full where that explains more.
-pub(super) fn refine_on(bench: &Bench<'_>, rough: Hypothesis) -> Hypothesis {
+pub(super) fn refine_on(bench: &Bench<'_>, given: &Hypothesis, rough: Hypothesis) -> Hypothesis {
+    let parts = rough.parts.clone();
     let fine = match bench.case.is_clamped() {
-        true => settled(bench, rough.parts.clone(), rough.attained.sizes.clone(), IN_FULL.points(bench))
+        true => settled(bench, parts, &rough.attained, bench.limbs.all(), IN_FULL.points(bench))
             .and_then(|settled| Hypothesis::of(bench, settled, rough.covariance.clone())),
-        false => refine(bench, rough.parts.clone()),
+        false => refine(bench, given, parts),
     };
     fine.filter(|fine| fine.loss() < rough.loss()).unwrap_or(rough)
 }
 
-fn refine_by(bench: &Bench<'_>, parts: Vec<Part>, effort: Effort) -> Option<Hypothesis> {
+fn refine_by(bench: &Bench<'_>, given: &Hypothesis, parts: Vec<Part>, effort: Effort) -> Option<Hypothesis> {
     if bench.deadline.leaves_out("fits of some likely causes") {
         return None;
     }
@@ -141,10 +149,10 @@ fn refine_by(bench: &Bench<'_>, parts: Vec<Part>, effort: Effort) -> Option<Hypo
         }
     }
     let none = Scatter::none(bench.case.model());
-    let left = |parts: &[Part]| left(bench, &none, parts);
-    let weighed = left(&parts)?;
+    let left = |logs: Logs, parts: &[Part]| left(bench, logs, &none, parts);
+    let weighed = left(Logs::Fitted, &parts)?;
     let noise = bench.noise.stiffer(bench.noise.temper(&weighed));
-    let residual = |parts: &[Part]| -> Option<Weighed> { Some(noise.weigh(left(parts)?)) };
+    let residual = |parts: &[Part]| -> Option<Weighed> { Some(noise.weigh(left(Logs::Fitted, parts)?)) };
     let hunts = parts.iter().any(|part| part.cause.is_play());
     let nudge = if bench.case.is_clamped() && !hunts { NUDGE_SMOOTH } else { NUDGE_ROUGH };
     let most = if bench.case.is_clamped() { effort.clamped } else { effort.on_the_floor };
@@ -211,9 +219,15 @@ fn refine_by(bench: &Bench<'_>, parts: Vec<Part>, effort: Effort) -> Option<Hypo
     }
     let covariance = curvature.try_inverse();
     if !bench.case.is_clamped() {
-        let attained = to_first_order(bench, &here.column);
-        return Some(Hypothesis { parts, attained, residual: here.column, free, covariance });
+        let residual = if bench.fits_see_all_logs() { here.column } else { left(Logs::All, &parts)? };
+        let attained = to_first_order(bench, &residual);
+        return Some(Hypothesis { parts, attained, residual, free, covariance });
     }
-    let settled = settled(bench, parts, vec![0.0; bench.numbers.len()], effort.points(bench))?;
+    let own = bench.limbs.of_places(parts.iter().map(|part| &part.place));
+    let mut from = given.attained.clone();
+    let own_sizes = from.sizes.iter_mut().zip(&bench.numbers).filter(|(_, number)| bench.limbs.have(&own, **number));
+    own_sizes.for_each(|(size, _)| *size = 0.0);
+    let limbs = if effort.on_all_limbs { bench.limbs.all() } else { own };
+    let settled = settled(bench, parts, &from, limbs, effort.points(bench))?;
     Hypothesis::of(bench, settled, covariance)
 }

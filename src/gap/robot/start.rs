@@ -27,6 +27,11 @@ impl Start {
         Self { values: values.to_vec(), zero: 0.0, sizes: 0, amplitude: [1.0, 1.0] }
     }
 
+    /// Whether the response grows about in proportion.
+    pub fn is_proportional(&self) -> bool {
+        self.amplitude != [1.0, 1.0]
+    }
+
     /// The values at an amplitude.
     pub fn at(&self, amplitude: f64) -> Vec<f64> {
         let mut values = self.values.clone();

@@ -1,16 +1,16 @@
 //! Promises about the parts of a robot's diagnosis, on logs of its own making.
 
 use super::attained::Attained;
-use super::bench::Bench;
+use super::bench::{Bench, Logs};
 use super::case::RobotCase;
 use super::cause::Cause;
 use super::diagnosis::GaitPhase;
 use super::hold_scan::hold_scan;
 use super::layout::period_s;
-use super::part::{Part, left};
+use super::part::{Part, changes, left};
 use super::phases::phases;
 use super::place::Place;
-use super::refine::refine;
+use super::refine::{Hypothesis, refine};
 use super::scatter::{FLOOR, Number, Scatter};
 use super::unseen::Unseen;
 use crate::deadline::Deadline;
@@ -59,7 +59,8 @@ fn a_delay_is_recovered_and_the_held_out_cycle_is_a_whole_one() {
     let joint = case.names.iter().position(|name| name == "lf3").unwrap();
     let cause = Cause::Effect(EffectId::Delay);
     let part = Part { cause, place: Place::joint(joint), values: vec![0.010] };
-    let late = refine(&bench, vec![part]).expect("it does not run away");
+    let given = Hypothesis::given(&bench).expect("it does not run away");
+    let late = refine(&bench, &given, vec![part]).expect("it does not run away");
     let (found, sd) = (late.parts[0].values[0], late.sd(0, 0).expect("determined"));
     assert!((found - 0.018).abs() < 5.0 * (0.01 * sd).max(1e-5), "{found} +- {sd} hundredths");
     let per_sample = late.loss() / bench.noise.count() as f64;
@@ -78,14 +79,37 @@ fn a_cause_and_numbers_that_are_off_are_found_together() {
     off.iter().for_each(|(number, sds)| scatter.put(*number, sds * bench.spreads.sd(*number)));
     let cause = Cause::Effect(EffectId::Delay);
     let part = |late_s: f64| Part { cause, place: Place::joint(knee), values: vec![late_s] };
-    let read = left(&bench, &scatter, &[part(0.018)]).expect("it does not run away");
+    let read = left(&bench, Logs::All, &scatter, &[part(0.018)]).expect("it does not run away");
     bench.measured.iter_mut().zip(read).for_each(|(measured, left)| *measured -= left);
-    let found = refine(&bench, vec![part(0.010)]).expect("it does not run away");
+    let given = Hypothesis::given(&bench).expect("it does not run away");
+    let found = refine(&bench, &given, vec![part(0.010)]).expect("it does not run away");
     let late_s = found.parts[0].values[0];
     assert!((late_s - 0.018).abs() < 1e-4, "{late_s} s");
     // Readings have no noise: the robot that they are of costs what its numbers do, and the best no more.
     let truth = off.iter().map(|(_, sds)| sds * sds).sum::<f64>();
     assert!(found.loss() < truth, "{} and not {truth}", found.loss());
+}
+
+/// Only the limb of which something else is true is simulated: what it reads is what it reads beside all others, whose
+/// reversals only cut its steps elsewhere.
+#[test]
+fn a_limb_alone_moves_as_beside_the_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = case_of(folder.path(), &spec("air", 0.002, 5e-4, "[[log]]\nfile = \"trot.csv\"\nduration = 3.0\n"));
+    let bench = Bench::new(&case, &Deadline::default()).unwrap();
+    let knee = case.names.iter().position(|name| name == "lf3").unwrap();
+    let mut scatter = Scatter::none(case.model());
+    scatter.put(Number::Viscous(knee), 2.0 * bench.spreads.sd(Number::Viscous(knee)));
+    let cause = Cause::Effect(EffectId::Delay);
+    let part = Part { cause, place: Place::joint(knee), values: vec![0.010] };
+    let changes = changes(&bench, &[part]);
+    assert_eq!(bench.limbs.touched(&scatter, &changes).len(), 1);
+    let alone = bench.difference(Logs::All, &scatter, &changes).expect("it does not run away");
+    let all = bench.difference_of(&bench.limbs.all(), Logs::All, (&scatter, &changes)).expect("it does not run away");
+    let rms = |column: &[f64]| (column.iter().map(|change| change * change).sum::<f64>() / column.len() as f64).sqrt();
+    let apart: Vec<f64> = alone.iter().zip(&all).map(|(alone, all)| alone - all).collect();
+    assert!(rms(&all) > 1e-3, "{} rad", rms(&all));
+    assert!(rms(&apart) < 5e-3 * rms(&all), "{} of {} rad", rms(&apart), rms(&all));
 }
 
 #[test]
@@ -121,7 +145,10 @@ fn numbers_that_move_far_and_close_nothing_are_as_believed() {
     let bench = Bench::new(&case, &Deadline::default()).unwrap();
     let knee = case.names.iter().position(|name| name == "lf3").unwrap();
     let moved = |number: &Number| if *number == Number::Coulomb(knee) { 4.0 } else { 0.0 };
-    let with = |residual: Vec<f64>| Attained { price: 0.0, residual, sizes: bench.numbers.iter().map(moved).collect() };
+    let with = |residual: Vec<f64>| {
+        let sizes = bench.numbers.iter().map(moved).collect();
+        Attained { price: 0.0, residual, sizes, offset: 0.0 }
+    };
     assert!(with(bench.gap()).is_believed(&bench));
     assert!(!with(vec![0.0; bench.gap().len()]).is_believed(&bench));
     // Half of a standard deviation more is friction within its belief, five are not.
@@ -157,7 +184,8 @@ fn a_landing_is_not_compared_and_numbers_that_only_imitate_what_was_fitted_stand
         let held = row.range.clone().find(|k| bench.layout.held[*k]).expect("some are") - row.range.start;
         assert!((t_s[first] - 3.0).abs() < 0.05 && (t_s[held] - 4.0).abs() < 0.05, "{} {}", t_s[first], t_s[held]);
     }
-    let drawn = bench.difference(&Scatter::drawn(case.model(), &[[0.0; 2]; 64], FLOOR, 1), &[]).expect("it walks");
+    let drawn =
+        bench.difference(Logs::All, &Scatter::drawn(case.model(), &[[0.0; 2]; 64], FLOOR, 1), &[]).expect("it walks");
     let adapted_of = |sign_of_held: f64| {
         let sign = |k: usize| if bench.layout.held[k] { sign_of_held } else { 1.0 };
         let residual: Vec<f64> = drawn.iter().enumerate().map(|(k, change)| sign(k) * change).collect();

@@ -1,7 +1,7 @@
 //! What was tried in full.
 
+use super::column::Column;
 use super::refine::Hypothesis;
-use super::screen::Column;
 
 /// Everything that was tried in full.
 pub(super) struct Attribution {
