@@ -2,7 +2,7 @@
 
 use super::case::RobotCase;
 use super::cause::Change;
-use super::forward::{Predicted, floor_of, predict};
+use super::forward::{Predicted, floor_of, of_those, predict};
 use super::glance::Walks;
 use super::layout::{Channel, FORWARD_SD_M, Layout, Row, less};
 use super::limbs::Limbs;
@@ -26,8 +26,8 @@ pub(super) struct Steps {
     pub fine: f64,
 }
 
-/// In the air joints are the same to 0.01 mrad at all these steps, and what a number changes of them to a thousandth of that;
-/// on the floor feet land a little differently.
+/// In the air joints are the same to 0.01 mrad at all these steps, and what a number changes of them is, to a
+/// thousandth; on the floor feet land a little differently.
 const CLAMPED: Steps = Steps { coarse: 4e-3, fine: 1e-3 };
 const ON_THE_FLOOR: Steps = Steps { coarse: 5e-4, fine: 2.5e-4 };
 /// A joint with free play hunts between its flanks many hundred times a second, which longer steps do not follow \[s\]; a
@@ -69,6 +69,7 @@ pub(super) struct Bench<'a> {
     pub given_logs: Vec<Predicted>,
     /// On the floor: where causes are screened.
     walks: Option<Walks>,
+    /// What is simulated together.
     pub limbs: Limbs,
     /// By joint of the robot.
     pub reach: Vec<Reach>,
@@ -249,9 +250,14 @@ impl<'a> Bench<'a> {
     fn asked(&self, logs: Logs) -> Vec<bool> {
         let mut asked = vec![logs == Logs::All; self.case.logs.len()];
         for row in &self.layout.rows {
-            asked[row.log] |= self.layout.held[row.range.clone()].iter().any(|held| !held);
+            asked[row.log] |= self.fits_see(row);
         }
         asked
+    }
+
+    /// Whether a row has samples that fits see.
+    pub fn fits_see(&self, row: &Row) -> bool {
+        self.layout.held[row.range.clone()].iter().any(|held| !held)
     }
 
     /// Measured less stated.
@@ -407,11 +413,8 @@ fn simulate_all(
     step_s: f64,
     until_s: Option<f64>,
 ) -> Option<Vec<Predicted>> {
-    let one = |(log, asked): (&super::case::CaseLog, &bool)| match asked {
-        true => predict(case, log, joints, of, step_s, until_s.unwrap_or(f64::INFINITY)).ok().flatten(),
-        false => Some(Predicted::nothing(case)),
-    };
-    case.logs.iter().zip(logs).map(one).collect()
+    let until_s = until_s.unwrap_or(f64::INFINITY);
+    of_those(case, &case.logs, logs, |log| predict(case, log, joints, of, step_s, until_s).ok().flatten())
 }
 
 /// Standard deviation of a reading: what the study says, or the roughness of what the study's robot leaves.

@@ -30,9 +30,6 @@ pub(super) fn rows(bench: &Bench<'_>, joints: Option<&[usize]>, change: &[f64]) 
         (Channel::Joint(joint), Some(joints)) => joints.contains(&joint),
         (_, joints) => joints.is_none(),
     };
-    let of = |(k, row): (usize, &super::layout::Row)| {
-        let is_seen = || bench.noise.weight[row.range.clone()].iter().any(|weight| *weight > 0.0);
-        (is_its(row.channel) && is_seen()).then(|| (k, change[row.range.clone()].to_vec()))
-    };
-    bench.layout.rows.iter().enumerate().filter_map(of).collect()
+    let seen = bench.layout.rows.iter().enumerate().filter(|(_, row)| is_its(row.channel) && bench.fits_see(row));
+    seen.map(|(k, row)| (k, change[row.range.clone()].to_vec())).collect()
 }

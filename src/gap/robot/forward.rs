@@ -25,7 +25,7 @@ pub(super) struct Predicted {
 
 impl Predicted {
     /// Of a log that is not simulated: it reads nothing.
-    pub fn nothing(case: &RobotCase) -> Self {
+    fn nothing(case: &RobotCase) -> Self {
         let none = vec![Vec::new(); case.names.len()];
         Self { reading_rad: none.clone(), rate_rad_s: none, base: Vec::new() }
     }
@@ -160,6 +160,17 @@ fn put(joints: &mut Joints, model: &Model, change: &Change) -> Result<(), Simula
         }
     }
     Ok(())
+}
+
+/// Those of some logs that are asked for, simulated; the others read nothing. `None` where one runs away.
+pub(super) fn of_those<L>(
+    case: &RobotCase,
+    logs: &[L],
+    asked: &[bool],
+    simulated: impl Fn(&L) -> Option<Predicted>,
+) -> Option<Vec<Predicted>> {
+    let one = |(log, asked): (&L, &bool)| if *asked { simulated(log) } else { Some(Predicted::nothing(case)) };
+    logs.iter().zip(asked).map(one).collect()
 }
 
 /// Simulates a log up to a time; `None` where the motion runs away. Beside a clamped trunk only limbs with some of the

@@ -5,7 +5,7 @@
 
 use super::case::{CaseLog, RobotCase};
 use super::cause::Change;
-use super::forward::{Predicted, predict};
+use super::forward::{of_those, predict};
 use super::layout::{Layout, less};
 use super::scatter::Scatter;
 
@@ -51,10 +51,9 @@ impl Walks {
         (changes, until_s): (&[Change], f64),
     ) -> Option<Vec<f64>> {
         let none = Scatter::none(case.model());
-        let walked = |((log, before), asked): (&(CaseLog, usize), &bool)| match asked {
-            true => Some(predict(case, log, None, (&none, changes), STEP_S, until_s).ok().flatten()?.after(*before)),
-            false => Some(Predicted::nothing(case)),
+        let walked = |(log, before): &(CaseLog, usize)| {
+            Some(predict(case, log, None, (&none, changes), STEP_S, until_s).ok().flatten()?.after(*before))
         };
-        Some(layout.predicted(case, &self.logs.iter().zip(asked).map(walked).collect::<Option<Vec<_>>>()?))
+        Some(layout.predicted(case, &of_those(case, &self.logs, asked, walked)?))
     }
 }

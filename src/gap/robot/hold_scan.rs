@@ -96,9 +96,8 @@ fn responses<'a>(bench: &'a Bench<'_>, joint: usize) -> Vec<Held<'a>> {
         });
         Some(Held { row, response, uncertain: bench.noise.columns_of(row.range.clone()) })
     };
-    let is_seen = |row: &&Row| bench.noise.weight[row.range.clone()].iter().any(|weight| *weight > 0.0);
-    let rows = bench.layout.rows.iter().filter(|row| row.channel == Channel::Joint(joint));
-    rows.filter(is_seen).filter_map(of).collect()
+    let rows = bench.layout.rows.iter().filter(|row| row.channel == Channel::Joint(joint) && bench.fits_see(row));
+    rows.filter_map(of).collect()
 }
 
 /// What holds gain on each joint, and on all of them.

@@ -112,6 +112,28 @@ fn a_limb_alone_moves_as_beside_the_others() {
     assert!(rms(&apart) < 5e-3 * rms(&all), "{} of {} rad", rms(&apart), rms(&all));
 }
 
+/// Errors of the long steps of a search cancel, and what jumps is followed by shorter ones.
+#[test]
+fn what_changes_make_is_the_same_at_steps_that_are_much_shorter() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = "[[log]]\nfile = \"trot.csv\"\ngait = \"trot-2hz\"\nduration = 4.0\n";
+    let case = case_of(folder.path(), &spec("air", 0.002, 5e-4, log));
+    let bench = Bench::new(&case, &Deadline::default()).unwrap();
+    let knee = case.names.iter().position(|name| name == "lf3").unwrap();
+    let none = Scatter::none(case.model());
+    let short = |changes: &[_]| bench.simulate(&none, changes, 1e-4, None).expect("it does not run away");
+    for (effect, value) in [(EffectId::Delay, 0.014), (EffectId::MotorGain, 0.5), (EffectId::TorqueLimit, 0.05)] {
+        let part = Part { cause: Cause::Effect(effect), place: Place::joint(knee), values: vec![value] };
+        let changes = changes(&bench, &[part]);
+        let searched = bench.difference(Logs::All, &none, &changes).expect("it does not run away");
+        let (there, here) = (short(&changes), short(&[]));
+        let apart: Vec<f64> = searched.iter().zip(there.iter().zip(&here)).map(|(d, (a, b))| d - (a - b)).collect();
+        let its: f64 = bench.rms_rad(knee, &apart);
+        assert!(bench.rms_rad(knee, &searched) > 2e-3, "{effect:?}");
+        assert!(its < 2e-4, "{effect:?}: {its} rad");
+    }
+}
+
 #[test]
 fn a_hold_of_any_time_is_scanned() {
     let folder = tempfile::tempdir().unwrap();
