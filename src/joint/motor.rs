@@ -273,9 +273,19 @@ impl<T: Real> Motor<T> {
     }
 
     /// Whether its torque is limited.
-    pub fn is_limited(&self) -> bool {
+    fn is_limited(&self) -> bool {
         let by_law = self.law.is_some_and(|law| law.torque_limit_nm.is_some());
         by_law || self.voltage().is_some() || self.torque_limit.is_some() || self.speed_line.is_some()
+    }
+
+    /// Whether less may arrive of an answer of the law than its gain makes of it.
+    pub(crate) fn bends(&self) -> bool {
+        self.dead_band.is_some() || self.is_limited()
+    }
+
+    /// How much less the law answers per angle and per rate.
+    pub(crate) fn answer_slopes(&self) -> (f64, f64) {
+        self.law.map_or((0.0, 0.0), |law| (law.kp_nm_rad, law.kd_nm_s_rad * self.derivative_share.re()))
     }
 
     /// Stiffness and damping that the law adds to the joint \[N m/rad, N m s/rad\], for the choice of the step.
@@ -290,8 +300,8 @@ impl<T: Real> Motor<T> {
             Driven::Held => (0.0, braking),
             Driven::ByLaw => {
                 let per_answer = gain * law.nm_per_answer();
-                let kd = law.kd_nm_s_rad * self.derivative_share.re();
-                (per_answer * law.kp_nm_rad, per_answer * kd + braking)
+                let (kp, kd) = self.answer_slopes();
+                (per_answer * kp, per_answer * kd + braking)
             }
         }
     }

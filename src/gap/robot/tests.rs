@@ -122,8 +122,14 @@ fn what_changes_make_is_the_same_at_steps_that_are_much_shorter() {
     let knee = case.names.iter().position(|name| name == "lf3").unwrap();
     let none = Scatter::none(case.model());
     let short = |changes: &[_]| bench.simulate(&none, changes, 1e-4, None).expect("it does not run away");
-    for (effect, value) in [(EffectId::Delay, 0.014), (EffectId::MotorGain, 0.5), (EffectId::TorqueLimit, 0.05)] {
-        let part = Part { cause: Cause::Effect(effect), place: Place::joint(knee), values: vec![value] };
+    for (effect, values) in [
+        (EffectId::Delay, vec![0.014]),
+        (EffectId::MotorGain, vec![0.5]),
+        (EffectId::TorqueLimit, vec![0.05]),
+        (EffectId::SpeedLimit, vec![3.0, 1.0]),
+        (EffectId::DeadBand, vec![0.04]),
+    ] {
+        let part = Part { cause: Cause::Effect(effect), place: Place::joint(knee), values };
         let changes = changes(&bench, &[part]);
         let searched = bench.difference(Logs::All, &none, &changes).expect("it does not run away");
         let (there, here) = (short(&changes), short(&[]));

@@ -39,12 +39,12 @@ impl JointDrive {
     /// What the encoder makes of a true angle, before noise and steps \[rad\].
     #[inline]
     pub fn reading_rad(&self, angle_rad: f64) -> f64 {
-        (angle_rad - self.zero_rad) * self.chain.sensor_gain
+        self.chain.reading_rad(0.0, angle_rad - self.zero_rad)
     }
 
     /// The true angle at which the encoder reads an angle \[rad\].
     pub fn true_rad(&self, reading_rad: f64) -> f64 {
-        reading_rad / self.chain.sensor_gain + self.zero_rad
+        self.chain.read_back(0.0, reading_rad, 0.0)[0] + self.zero_rad
     }
 
     /// Gives it a controller, whose torque may be limited \[N m\].

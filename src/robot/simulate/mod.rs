@@ -13,6 +13,7 @@
 //! and lets joints stick truly; the others are those of [`integrate`](crate::integrate), with friction made smooth and
 //! rates that their step cannot follow slowed down to what it can.
 
+mod bend;
 mod commands;
 mod error;
 mod events;
@@ -23,7 +24,6 @@ mod log;
 mod places;
 mod recording;
 mod run;
-mod saturate;
 mod scenario;
 mod sensor;
 mod setpoints;

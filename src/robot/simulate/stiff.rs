@@ -12,17 +12,17 @@
 //!
 //! so a step takes two evaluations of forward dynamics. A joint at rest is held by a damper so stiff that it creeps less
 //! than a millionth of what it would slip; where that damper would have to push harder than the breakaway friction, the
-//! joint slips instead. Motors that run into their limits are in `saturate`, what ends a step early is in `events`, free
+//! joint slips instead. Motors that run into limits and dead bands are in `bend`, what ends a step early is in `events`, free
 //! play in `side`.
 
+use super::bend::Bent;
 use super::following::Followers;
 use super::places::{add_velocity, shift, shift_mean};
 use super::run::{Carried, Method, diverged, suggestion};
-use super::saturate::Limited;
 use super::side::Side;
 use super::terms::{At, Slopes};
 use super::world::{Around, World};
-use super::{Diverged, External, JointDrive, Scenario};
+use super::{Diverged, External, Scenario};
 use crate::integrate::Counts;
 use crate::pendulum::{Command, LINK_SHARE};
 use crate::robot::{Input, State};
@@ -84,8 +84,8 @@ pub(super) struct Stiff<'a> {
     pub motor_nm: Vec<f64>,
     elastic_nm: Vec<f64>,
     pub driven: Vec<Slopes>,
-    /// Motors with limits.
-    pub limited: Vec<Option<Limited>>,
+    /// Motors of which less arrives than is asked for.
+    pub bent: Vec<Option<Bent>>,
     elastic: Vec<Slopes>,
     slopes: Vec<Slopes>,
     pub torque_nm: Vec<f64>,
@@ -131,7 +131,7 @@ impl<'a> Stiff<'a> {
             motor_nm: zeros.clone(),
             elastic_nm: zeros.clone(),
             driven: vec![Slopes::default(); n],
-            limited: vec![None; n],
+            bent: vec![None; n],
             elastic: vec![Slopes::default(); n],
             slopes: vec![Slopes::default(); n],
             torque_nm: zeros.clone(),
@@ -178,10 +178,10 @@ impl<'a> Stiff<'a> {
     /// A step of `h` into `next`; joints at rest that are pushed too hard begin to slip.
     pub(super) fn attempt(&mut self, now: &Carried, commands: &[Command<f64>], h: f64) {
         for _ in 0..PASSES {
-            self.first_stage(now, h);
-            let saturated = self.saturate(now, h);
-            let broke_away = !saturated && self.break_away(now, h);
-            if !self.part(now, h) && !broke_away && !saturated {
+            self.first_stage(now, commands, h);
+            let bends = self.bend(now, commands, h);
+            let broke_away = !bends && self.break_away(now, h);
+            if !self.part(now, h) && !broke_away && !bends {
                 break;
             }
         }
@@ -213,20 +213,16 @@ impl<'a> Stiff<'a> {
             }
             let motor_nm = drive.motor_nm(commands[j], at);
             self.motor_nm[j] = motor_nm;
-            self.limited[j] = Limited::of(drive, commands[j], at).filter(|_| self.side_of[j].is_none());
-            self.driven[j] = drive.straight_slopes(commands[j], self.limited[j].is_some()).unwrap_or_else(|| {
-                let here_nm = self.limited[j].map_or(motor_nm, |limited| limited.asked_nm());
-                JointDrive::motor_slopes(commands[j], at, here_nm, |at| match self.limited[j] {
-                    Some(_) => drive.unlimited_nm(commands[j], at),
-                    None => drive.motor_nm(commands[j], at),
-                })
-            });
+            self.bent[j] = Bent::of(drive, commands[j], at, self.bent[j]).filter(|_| self.side_of[j].is_none());
+            if self.bent[j].is_none() {
+                self.driven[j] = drive.motor_slopes(commands[j], at, motor_nm);
+            }
             self.elastic_nm[j] = drive.elastic_nm(at.angle_rad, at.rate_rad_s);
             self.elastic[j] = drive.elastic_slopes(at.angle_rad, at.rate_rad_s);
         }
     }
 
-    fn first_stage(&mut self, now: &Carried, h: f64) {
+    fn first_stage(&mut self, now: &Carried, commands: &[Command<f64>], h: f64) {
         let gh = self.tuning.gamma * h;
         for (j, drive) in self.scenario.joints.drives().iter().enumerate() {
             let at = Self::at(now, j);
@@ -243,8 +239,8 @@ impl<'a> Stiff<'a> {
             let (motor_nm, gravity_nm) = (self.motor_nm[j], self.here.gravity_nm[j]);
             let (mut torque_nm, mut slopes) = (self.elastic_nm[j], self.elastic[j]);
             if apart.is_none() {
-                let (motor_nm, driven) = match self.limited[j] {
-                    Some(limited) => limited.torque_and_slopes(drive, at, self.driven[j]),
+                let (motor_nm, driven) = match self.bent[j] {
+                    Some(bent) => (bent.nm(drive, commands[j], at), bent.slopes()),
                     None => (motor_nm, self.driven[j]),
                 };
                 slopes = slopes.plus(driven);
@@ -340,7 +336,7 @@ impl<'a> Stiff<'a> {
             let share = if side.is_some() { LINK_SHARE } else { 1.0 };
             match side {
                 None => {
-                    torque_nm += self.limited[j].map_or(motor_nm, |limited| limited.later_nm(drive, commands[j], at));
+                    torque_nm += self.bent[j].map_or(motor_nm, |bent| bent.nm(drive, commands[j], at));
                 }
                 Some(side) => {
                     let gravity_nm = self.there.gravity_nm[j];

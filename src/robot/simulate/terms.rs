@@ -14,14 +14,13 @@ pub(super) struct At {
     pub integral_rad_s: f64,
 }
 
-const MORE_THAN_ANY_MOTOR_NM: f64 = 1e12;
 /// Nudges for slopes of what bends; the stages are straight lines between their kinks.
 const ANGLE_NUDGE_RAD: f64 = 1e-6;
 const RATE_NUDGE_RAD_S: f64 = 1e-6;
 const TIME_NUDGE_S: f64 = 1e-6;
 
 /// Slopes of the torque without friction.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Slopes {
     /// `-d tau / d q`, not below 0 \[N m/rad\].
     pub stiffness: f64,
@@ -40,12 +39,9 @@ impl JointDrive {
 
     /// The answer of the law, before gain and limits; zero where the motor is off.
     pub(super) fn asked(&self, command: Command<f64>, at: At) -> f64 {
-        let Some(setpoint) = command.setpoint(at.t_s) else { return 0.0 };
-        let rate_rad_s = at.rate_rad_s * self.chain.sensor_gain;
-        self.chain
-            .motor
-            .as_ref()
-            .map_or(0.0, |motor| motor.command(setpoint, self.reading_rad(at.angle_rad), rate_rad_s, at.integral_rad_s))
+        let Some((setpoint, motor)) = command.setpoint(at.t_s).zip(self.chain.motor.as_ref()) else { return 0.0 };
+        let [reading_rad, reading_rad_s] = self.chain.reading(at.t_s, at.angle_rad - self.zero_rad, at.rate_rad_s);
+        motor.command(setpoint, reading_rad, reading_rad_s, at.integral_rad_s)
     }
 
     /// Setpoint less reading \[rad\].
@@ -54,55 +50,57 @@ impl JointDrive {
         command.error_rad(&self.chain, t_s, angle_rad - self.zero_rad)
     }
 
-    /// Whether a law that acts continuously may ask for more than the motor has.
-    pub(super) fn may_saturate(&self, command: Command<f64>) -> bool {
-        matches!(command, Command::Pid { .. }) && self.chain.motor.as_ref().is_some_and(Motor::is_limited)
+    /// Whether less may arrive than a law asks for that acts continuously.
+    pub(super) fn may_bend(&self, command: Command<f64>) -> bool {
+        matches!(command, Command::Pid { .. }) && self.chain.motor.as_ref().is_some_and(Motor::bends)
     }
 
-    /// Torque that the motor would deliver had it no limits \[N m\].
-    pub(super) fn unlimited_nm(&self, command: Command<f64>, at: At) -> f64 {
-        self.chain.motor.as_ref().map_or(0.0, |motor| motor.unlimited_nm(self.asked(command, at), at.rate_rad_s))
+    /// Slopes of a torque of the motor that is `motor_nm` there.
+    pub(super) fn motor_slopes(&self, command: Command<f64>, at: At, motor_nm: f64) -> Slopes {
+        let Some(motor) = &self.chain.motor else { return Slopes::default() };
+        let straight = (!motor.bends()).then(|| motor.stiffness_and_damping(command.driven()));
+        self.slopes(command, at, straight, motor_nm, |at| self.motor_nm(command, at)).kept()
     }
 
-    /// All that the motor has in a direction \[N m\], with its sign.
-    pub(super) fn most_nm(&self, direction: f64, rate_rad_s: f64) -> f64 {
-        self.chain.delivered_nm(direction * MORE_THAN_ANY_MOTOR_NM, rate_rad_s)
+    /// Slopes of an answer of the law that is `asked` there, be they of what resists or not.
+    pub(super) fn slopes_of_answer(&self, command: Command<f64>, at: At, asked: f64) -> Slopes {
+        let law = self.chain.motor.as_ref().filter(|_| matches!(command, Command::Pid { .. }));
+        let straight = Some(law.map_or((0.0, 0.0), Motor::answer_slopes));
+        self.slopes(command, at, straight, asked, |at| self.asked(command, at))
     }
 
-    /// How that falls with speed.
-    pub(super) fn most_slopes(&self, direction: f64, rate_rad_s: f64) -> Slopes {
-        let by = self.most_nm(direction, rate_rad_s + RATE_NUDGE_RAD_S) - self.most_nm(direction, rate_rad_s);
-        Slopes { damping: -by / RATE_NUDGE_RAD_S, ..Slopes::default() }.kept()
+    /// Slopes of what is `value` there: those that are told, where what is read and asked for is straight, or else by nudges.
+    fn slopes(
+        &self,
+        command: Command<f64>,
+        at: At,
+        straight: Option<(f64, f64)>,
+        value: f64,
+        of: impl Fn(At) -> f64,
+    ) -> Slopes {
+        let chain = &self.chain;
+        let is_read_as_it_is = chain.reads_true() && !chain.has_laws();
+        let setpoint_rad_s = match command {
+            Command::Pid { curve: Some(_), .. } => None,
+            Command::Pid { slope_rad_s, .. } => Some(slope_rad_s),
+            Command::Off | Command::Torque(_) | Command::Held { .. } => Some(0.0),
+        };
+        if let (Some((stiffness, damping)), Some(setpoint_rad_s)) =
+            (straight.filter(|_| is_read_as_it_is), setpoint_rad_s)
+        {
+            return Slopes { stiffness, damping, per_time: stiffness * setpoint_rad_s };
+        }
+        Self::nudged(command, at, value, of)
     }
 
-    /// Slopes of a torque of the motor that is `motor_nm` there, by nudges.
-    pub(super) fn motor_slopes(command: Command<f64>, at: At, motor_nm: f64, torque_nm: impl Fn(At) -> f64) -> Slopes {
-        let by = |at: At| torque_nm(at) - motor_nm;
+    /// The same by nudges.
+    pub(super) fn nudged(command: Command<f64>, at: At, value: f64, of: impl Fn(At) -> f64) -> Slopes {
+        let by = |at: At| of(at) - value;
         Slopes {
             stiffness: -by(At { angle_rad: at.angle_rad + ANGLE_NUDGE_RAD, ..at }) / ANGLE_NUDGE_RAD,
             damping: -by(At { rate_rad_s: at.rate_rad_s + RATE_NUDGE_RAD_S, ..at }) / RATE_NUDGE_RAD_S,
             per_time: if command.is_still() { 0.0 } else { by(At { t_s: at.t_s + TIME_NUDGE_S, ..at }) / TIME_NUDGE_S },
         }
-        .kept()
-    }
-
-    /// Slopes of the motor's torque where that is a straight line in angle, rate and time, limits aside that are told
-    /// to be; `None` where something bends it.
-    pub(super) fn straight_slopes(&self, command: Command<f64>, is_limit_aside: bool) -> Option<Slopes> {
-        let chain = &self.chain;
-        let Some(motor) = &chain.motor else { return Some(Slopes::default()) };
-        let is_read_as_it_is = chain.sensor_gain == 1.0 && chain.eccentric.is_none() && chain.sensor_delay_s.is_none();
-        let is_bent = chain.has_laws() || motor.dead_band.is_some() || motor.is_limited() && !is_limit_aside;
-        if is_bent || !is_read_as_it_is {
-            return None;
-        }
-        let setpoint_rad_s = match command {
-            Command::Pid { curve: Some(_), .. } => return None,
-            Command::Pid { slope_rad_s, .. } => slope_rad_s,
-            Command::Off | Command::Torque(_) | Command::Held { .. } => 0.0,
-        };
-        let (stiffness, damping) = motor.stiffness_and_damping(command.driven());
-        Some(Slopes { stiffness, damping, per_time: stiffness * setpoint_rad_s }.kept())
     }
 
     /// Slopes of springs and stops.
@@ -136,7 +134,7 @@ impl JointDrive {
 
 impl Slopes {
     /// Only what resists is taken along implicitly.
-    fn kept(self) -> Self {
+    pub(super) fn kept(self) -> Self {
         Self { stiffness: self.stiffness.max(0.0), damping: self.damping.max(0.0), ..self }
     }
 
