@@ -69,18 +69,6 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &dyn Progress) -> R
     Ok(diagnosis)
 }
 
-/// What is asked of a joint of a robot.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(in crate::gap) enum Look {
-    /// Its numbers alone, and nothing beside them: the robot may need other things than causes of joints.
-    Glance,
-    /// Its numbers alone: the whole robot needs no causes of joints.
-    NeedsNoCause,
-    /// Its causes.
-    #[default]
-    Causes,
-}
-
 /// What the robot says beside a joint's own logs.
 #[derive(Default)]
 pub(super) struct Beside<'a> {
@@ -90,8 +78,8 @@ pub(super) struct Beside<'a> {
     pub whole: Option<WholeLeft>,
     /// Its causes as the whole robot has them, where that explains all joints.
     pub at_best: &'a [AtBest],
-    /// What is asked of it.
-    pub look: Look,
+    /// Whether the whole robot needs no causes of joints, so that none are looked for.
+    pub needs_no_cause: bool,
 }
 
 /// The same of a joint of a robot.
@@ -102,11 +90,11 @@ pub(super) fn diagnose_from(
     progress: &dyn Progress,
 ) -> Result<Diagnosis, GapError> {
     let stage = |stage| progress.go_on(Step::stage(stage));
-    let Beside { described, whole, at_best, look } = beside;
+    let Beside { described, whole, at_best, needs_no_cause } = beside;
     let evidence = evidence_of(case, options, whole)?;
     let demands = Arc::clone(&evidence.demands);
     let effects = considered(&evidence, options);
-    let candidates = if look == Look::Causes { &effects } else { &[][..] };
+    let candidates = if needs_no_cause { &[][..] } else { &effects };
     let (evidence, attribution) = attributed(evidence, candidates, progress)?;
     if !attribution.calibrated.criterion().is_finite() {
         return Err(GapError::Diverged);
@@ -118,39 +106,37 @@ pub(super) fn diagnose_from(
     if let Some(described) = described {
         described.begin(&mut gap);
     }
-    let (a, decision) = (&attribution, &decision);
-    let weighed =
-        Weighed { options, evidence: &evidence, a, decision, effects: &effects, is_glance: look == Look::Glance };
+    let weighed = Weighed { options, evidence: &evidence, a: &attribution, decision: &decision, effects: &effects };
     stage(DETECTABLE)?;
     let detectable = weighed.detectable();
     let (parameters, effect_parameters) = weighed.numbers(at_best);
-    let law = law_found(&case.joint.name, &evidence, &held, &attribution, decision);
+    let law = law_found(&case.joint.name, &evidence, &held, &attribution, &decision);
     let differs = weighed.differs();
-    let causes = causes(&evidence, &held, &attribution, decision, &effect_parameters);
+    let causes = causes(&evidence, &held, &attribution, &decision, &effect_parameters);
     let (beliefs, undetermined) = (weighed.around().beliefs(), weighed.around().undetermined(&evidence));
     let moved = weighed.moved().and_then(|name| parameters.iter().find(|number| number.name == name));
     let parts = (&effect_parameters[..], &causes[..]);
-    let mut sentence = sentence(&case.joint.name, decision, &gap, moved, parts, law.as_ref(), described.is_some());
+    let mut sentence = sentence(&case.joint.name, &decision, &gap, moved, parts, law.as_ref(), described.is_some());
     sentence += &weighed.further(&gap, &beliefs, &differs);
-    let mut ranking = ranking(&evidence, &held, &attribution, decision, &gap);
+    let mut ranking = ranking(&evidence, &held, &attribution, &decision, &gap);
     if let [(effect, numbers)] = &effect_parameters[..] {
         let own = ranking.iter_mut().filter(|candidate| candidate.effect == *effect);
         own.for_each(|candidate| candidate.parameters.clone_from(numbers));
     }
     stage("what would tell more")?;
     let next = weighed.next_experiment();
-    let standing = standing(decision);
+    let standing = standing(&decision);
     let twins = weighed.twins(progress)?;
     let (probability, mut probability_source) = probability_of(&standing, twins.as_ref());
     stage("where the gap lies")?;
-    let (location, torques) = place(&evidence, &attribution, decision, law.as_ref());
-    let mut traces = traces(&evidence, &attribution, decision, torques);
+    let (location, torques) = place(&evidence, &attribution, &decision, law.as_ref());
+    let mut traces = traces(&evidence, &attribution, &decision, torques);
     if let Some(described) = described {
         described.show(&mut traces);
     }
-    let mut notes = notes(&evidence, &attribution, decision, &differs);
+    let mut notes = notes(&evidence, &attribution, &decision, &differs);
     let mut doubts = case.doubts();
-    if look != Look::Glance && !options.deadline.leaves_aside("slips in the study that simulations show") {
+    if !options.deadline.leaves_aside("slips in the study that simulations show") {
         let (given_rad, floor_rad, deadline) = (gap.before, gap.floor, &options.deadline);
         let simulated = Simulated { causes: &causes, beliefs: &beliefs, given_rad, floor_rad, deadline };
         doubts.extend(simulated.doubts(case));
@@ -163,7 +149,7 @@ pub(super) fn diagnose_from(
         notes.insert(0, spent.words());
     }
     if is_finished {
-        share_out(&mut ranking, decision, probability);
+        share_out(&mut ranking, &decision, probability);
     } else {
         probability_source = NO_PROBABILITY.to_owned();
     }
@@ -219,8 +205,6 @@ struct Weighed<'a> {
     decision: &'a Decision<'a>,
     /// Effects that may be named.
     effects: &'a [EffectId],
-    /// Whether nothing is asked for beside the numbers.
-    is_glance: bool,
 }
 
 impl<'a> Weighed<'a> {
@@ -233,7 +217,7 @@ impl<'a> Weighed<'a> {
 
     /// The smallest size of each effect that these logs would have shown.
     fn detectable(&self) -> Vec<Detectable> {
-        if self.is_glance || self.options.deadline.leaves_aside(DETECTABLE) {
+        if self.options.deadline.leaves_aside(DETECTABLE) {
             return Vec::new();
         }
         let around = self.around();
@@ -251,8 +235,7 @@ impl<'a> Weighed<'a> {
     /// Numbers of the joint, and of the effects of the answer.
     fn numbers(&self, at_best: &[AtBest]) -> (Vec<Estimate>, Vec<(EffectId, Vec<Number>)>) {
         let around = self.around();
-        let is_brief = self.is_glance || self.options.deadline.leaves_aside(UNNAMED);
-        let beside: &[EffectId] = if is_brief { &[] } else { self.effects };
+        let beside: &[EffectId] = if self.options.deadline.leaves_aside(UNNAMED) { &[] } else { self.effects };
         let (parameters, mut effect_parameters) = numbers_beside(self.evidence, around, beside);
         tell(at_best, around, &mut effect_parameters);
         let has_gain = |effects: &[EffectId]| effects.contains(&EffectId::MotorGain);
@@ -272,8 +255,7 @@ impl<'a> Weighed<'a> {
         // Causes that hold in some logs only may stand for a number that differs.
         let restricted = self.a.best.model.only().iter().any(Option::is_some);
         let may_differ = !self.is_explained() || restricted;
-        let is_asked = may_differ && !self.is_glance;
-        match is_asked && !self.options.deadline.leaves_out("numbers that differ between logs") {
+        match may_differ && !self.options.deadline.leaves_out("numbers that differ between logs") {
             true => differing(self.evidence, self.a),
             false => Vec::new(),
         }
@@ -304,8 +286,7 @@ impl<'a> Weighed<'a> {
     /// The experiment that would tell apart what stands equally well.
     fn next_experiment(&self) -> Option<Next> {
         let rivals = rivals(self.a, self.decision);
-        let is_asked = !rivals.is_empty() && !self.is_glance;
-        match !is_asked || self.options.deadline.leaves_aside("the next experiment") {
+        match rivals.is_empty() || self.options.deadline.leaves_aside("the next experiment") {
             true => None,
             false => next(self.evidence, self.a, self.decision.answer, &rivals),
         }

@@ -3,7 +3,6 @@
 use super::along::Along;
 use super::followed::SimulatedMotion;
 use super::setup::{ClampedCaseError, ClampedSetup};
-use crate::gap::diagnose::Look;
 use crate::gap::hypothesis::evidence::WholeLeft;
 use crate::gap::verdict::told::AtBest;
 use crate::identify::Case;
@@ -23,8 +22,6 @@ pub struct ClampedCase {
     pub groups: BTreeMap<String, Vec<String>>,
     /// What the reader has to know of how the case was made.
     pub notes: Vec<String>,
-    /// Numbers of the whole robot as stated, simulated at its best; none where it cannot be.
-    pub(in crate::gap) at_best: Vec<FoundNumber>,
 }
 
 /// One joint of a robot as a case of the bench.
@@ -40,8 +37,8 @@ pub struct ClampedJoint {
     pub(in crate::gap) whole: Option<WholeLeft>,
     /// Its causes as that has them, where it explains all joints.
     pub(in crate::gap) at_best: Vec<AtBest>,
-    /// What is asked of it.
-    pub(in crate::gap) look: Look,
+    /// Whether the whole robot needs no causes of joints.
+    pub(in crate::gap) needs_no_cause: bool,
 }
 
 impl ClampedCase {
@@ -87,7 +84,7 @@ impl ClampedCase {
                 as_described: None,
                 whole: None,
                 at_best: Vec::new(),
-                look: Look::default(),
+                needs_no_cause: false,
             });
         }
         let mut notes = Vec::new();
@@ -99,7 +96,7 @@ impl ClampedCase {
             notes.push(format!("{}: {}.", log.file.display(), log.notes.join("; ")));
         }
         notes.extend(description.left_out.iter().cloned());
-        Ok(Self { robot: description.name.clone(), joints, groups: setup.groups(), notes, at_best: Vec::new() })
+        Ok(Self { robot: description.name.clone(), joints, groups: setup.groups(), notes })
     }
 }
 

@@ -5,7 +5,7 @@ use super::body::BodyCause;
 use super::case::{ClampedCase, ClampedJoint};
 use super::pooled::{PooledNumber, one_size, pooled};
 use crate::deadline::{Deadline, Spent};
-use crate::gap::diagnose::{Beside, Look, diagnose_from, flattered};
+use crate::gap::diagnose::{Beside, diagnose_from, flattered};
 use crate::gap::hypothesis::held_out::closed;
 use crate::gap::verdict::as_given::AsGiven;
 use crate::gap::verdict::sentence::{REFITTED, number_words, words};
@@ -142,11 +142,11 @@ pub(in crate::gap) fn diagnose_joints(
         let first = described.iter().find(|first| first.joint == joint.name);
         let first = first.and_then(|first| first.diagnosis.as_ref()).map(AsGiven::of);
         let first = first.or_else(|| joint.as_described.as_ref().and_then(AsGiven::simulated));
-        let (described, look) = (first.as_ref(), joint.look);
-        let beside = Beside { described, whole: joint.whole, at_best: &joint.at_best, look };
+        let (described, needs_no_cause) = (first.as_ref(), joint.needs_no_cause);
+        let beside = Beside { described, whole: joint.whole, at_best: &joint.at_best, needs_no_cause };
         let found = match diagnose_from(&joint.case, &own, beside, &counted) {
             Ok(mut diagnosis) => {
-                diagnosis.notes.extend((look == Look::NeedsNoCause).then(|| NEEDS_NO_CAUSE.to_owned()));
+                diagnosis.notes.extend(needs_no_cause.then(|| NEEDS_NO_CAUSE.to_owned()));
                 Ok(Some(diagnosis))
             }
             Err(GapError::NeverMoved) => Ok(None),

@@ -13,10 +13,9 @@ use crate::gap::clamped::{
     BodyCause, BodyName, ClampedCase, ClampedDiagnosis, ClampedJoint, ClampedSetup, JointAnswer, concluded,
     concluded_of, diagnose_clamped, diagnose_joints,
 };
-use crate::gap::diagnose::Look;
 use crate::gap::verdict::decide::leaves_something;
 use crate::gap::verdict::recalibrated::Refitted;
-use crate::gap::whole::{BodyAtBest, PlacedCause, body_at_best, numbers_alone_leave_noise, placed_causes};
+use crate::gap::whole::{BodyAtBest, body_at_best, numbers_alone_leave_noise, placed_causes};
 use crate::gap::{Diagnosis, GapOptions, Verdict};
 use crate::joint::EffectId;
 use crate::progress::{Progress, Step};
@@ -55,12 +54,11 @@ fn searched_within(
     options: &GapOptions,
     progress: &dyn Progress,
 ) -> Result<(ClampedCase, ClampedDiagnosis), TorqueError> {
-    let (case, masses) = weighed_case(setup, &[], options, progress)?;
-    let (case, glance) = at_a_glance(setup, (case, &masses), options, progress)?;
-    let bodies_were_tried = match glance {
-        Glance::Answers(found) => return Ok((case, *found)),
-        Glance::Leaves { bodies_were_tried } => bodies_were_tried,
-    };
+    let (case, masses) = weighed_case(setup, options, progress)?;
+    let (case, found) = at_a_glance(setup, (case, &masses), options, progress)?;
+    if let Some(found) = found {
+        return Ok((case, found));
+    }
     let are_chosen = !masses.is_empty();
     let first = diagnose_clamped(&case, options, progress)?.with_weighed(masses);
     let (case, mut first) = followed(setup, options, progress, (case, first))?;
@@ -74,8 +72,7 @@ fn searched_within(
         return Ok((case, first));
     }
     progress.go_on(Step::stage("payload and masses"))?;
-    let least = least(bodies_were_tried || needs_only_numbers(&case, &first));
-    let Some(asked) = asked_for(setup, &case, &first, least, options)? else { return Ok((case, first)) };
+    let Some(asked) = asked_for(setup, &case, &first, options)? else { return Ok((case, first)) };
     if let Some(better) = with_body(setup, (&case, &first), &asked, options, progress)? {
         return Ok(better);
     }
@@ -89,14 +86,6 @@ fn searched_within(
     Ok((case, first))
 }
 
-/// What a robot shows before causes of joints are looked for.
-enum Glance {
-    /// It needs none.
-    Answers(Box<ClampedDiagnosis>),
-    /// It leaves something, with any body beside numbers where these were tried.
-    Leaves { bodies_were_tried: bool },
-}
-
 /// The robot where no causes of joints are needed, so that none are looked for: with numbers alone, or with a body in place that
 /// the torques ask for rather than for such causes, it leaves only noise of every joint, simulated as a whole. No answer elsewhere.
 fn at_a_glance(
@@ -104,37 +93,31 @@ fn at_a_glance(
     (case, masses): (ClampedCase, &[FoundNumber]),
     options: &GapOptions,
     progress: &dyn Progress,
-) -> Result<(ClampedCase, Glance), TorqueError> {
-    let looked_at = |case: ClampedCase, look: Look| {
-        let joints = case.joints.into_iter().map(|joint| ClampedJoint { look, ..joint });
+) -> Result<(ClampedCase, Option<ClampedDiagnosis>), TorqueError> {
+    let needs_no_cause = |case: ClampedCase, is: bool| {
+        let joints = case.joints.into_iter().map(|joint| ClampedJoint { needs_no_cause: is, ..joint });
         ClampedCase { joints: joints.collect(), ..case }
     };
-    let case = looked_at(case, Look::Glance);
+    let case = needs_no_cause(case, true);
     let first = diagnose_clamped(&case, options, progress)?.with_weighed(masses.to_vec());
     if numbers_alone_leave_noise(setup, &first, &options.deadline) {
-        let case = looked_at(case.clone(), Look::NeedsNoCause);
-        let first = diagnose_clamped(&case, options, progress)?.with_weighed(masses.to_vec());
-        let (along, found) = followed(setup, options, progress, (case, first))?;
+        let (along, found) = followed(setup, options, progress, (case.clone(), first.clone()))?;
         // Who says that nothing explains the rest has to have looked.
         if !found.found().any(is_unexplained) {
             let found = if masses.is_empty() { found } else { found.chosen_by_held_out(OTHER_MASSES) };
-            return Ok((along, Glance::Answers(Box::new(found))));
+            return Ok((along, Some(found)));
         }
     }
-    let case = looked_at(case, Look::Causes);
+    let case = needs_no_cause(case, false);
     if !options.considers_bodies() || !first.found().any(is_unexplained) || options.deadline.leaves_out(BODIES) {
-        return Ok((case, Glance::Leaves { bodies_were_tried: false }));
+        return Ok((case, None));
     }
     progress.go_on(Step::stage("payload and masses"))?;
-    let is_settled = needs_only_numbers(&case, &first);
-    let asked = asked_for(setup, &case, &first, least(is_settled), options)?;
-    let leaves = Glance::Leaves { bodies_were_tried: !is_settled };
-    let Some(asked) = asked.filter(|asked| asked.explains && asked.body.saved >= MARGIN) else {
-        return Ok((case, leaves));
-    };
+    let asked = asked_for(setup, &case, &first, options)?.filter(|asked| asked.explains && asked.body.saved >= MARGIN);
+    let Some(asked) = asked else { return Ok((case, None)) };
     Ok(match with_body(setup, (&case, &first), &asked, options, progress)? {
-        Some((with_it, found)) => (with_it, Glance::Answers(Box::new(found))),
-        None => (case, leaves),
+        Some((with_it, found)) => (with_it, Some(found)),
+        None => (case, None),
     })
 }
 
@@ -147,19 +130,11 @@ struct Asked {
     explains: bool,
 }
 
-/// What bodies have to save to be worth a look: where numbers alone explain everything, or every body was tried beside them, only
-/// those that torques ask for are.
-fn least(is_settled: bool) -> f64 {
-    if is_settled { MARGIN } else { f64::NEG_INFINITY }
-}
-
-/// The body that joints ask for along their measured motion, if any, as the whole robot has it; of those that save at least so
-/// much.
+/// The body that joints ask for along their measured motion, if any, as the whole robot has it.
 fn asked_for(
     setup: &ClampedSetup,
     case: &ClampedCase,
     first: &ClampedDiagnosis,
-    least: f64,
     options: &GapOptions,
 ) -> Result<Option<Asked>, TorqueError> {
     let late_s: BTreeMap<String, f64> = first.found().filter_map(|d| Some((d.joint.clone(), late_s(d)?))).collect();
@@ -172,8 +147,10 @@ fn asked_for(
     if founds.is_empty() {
         return Ok(None);
     }
+    // Where numbers alone explain everything only what torques ask for is worth a look.
+    let least = if needs_only_numbers(case, first) { MARGIN } else { f64::NEG_INFINITY };
     let bodies = find(setup, &moving, &founds, &[], &options.withheld_bodies(), least, &options.deadline)?;
-    Ok(best_of(setup, bodies, (case, first), options))
+    Ok(best_of(setup, bodies, first, options))
 }
 
 /// The robot diagnosed with a body in place; `None` where that is worth no more than what was found before.
@@ -186,12 +163,12 @@ fn with_body(
 ) -> Result<Option<(ClampedCase, ClampedDiagnosis)>, TorqueError> {
     let Asked { body, numbers, explains } = asked;
     let changed = setup.with_change(body.link, &body.change)?;
-    let (mut with_it, masses) = weighed_case(&changed, numbers, options, progress)?;
+    let (mut with_it, masses) = weighed_case(&changed, options, progress)?;
     let carriers: Vec<&str> =
         setup.description.carriers(body.link).iter().map(|at| setup.description.joints[at.0].name.as_str()).collect();
     let carries = |joint: &ClampedJoint| carriers.contains(&joint.name.as_str());
     for joint in &mut with_it.joints {
-        joint.look = if *explains { Look::NeedsNoCause } else { Look::Causes };
+        joint.needs_no_cause = *explains;
         if let Some(own) = case.joints.iter().find(|own| own.name == joint.name && carries(own)) {
             joint.as_described = Some(own.as_described.as_ref().unwrap_or(&own.case).clone());
         }
@@ -206,7 +183,7 @@ fn with_body(
     let leaves_none = !again.iter().any(|joint| joint.diagnosis.as_ref().is_some_and(is_unexplained));
     if *explains && !leaves_none {
         // Who says that nothing explains the rest has to have looked.
-        with_it.joints.iter_mut().for_each(|joint| joint.look = Look::Causes);
+        with_it.joints.iter_mut().for_each(|joint| joint.needs_no_cause = false);
         again = told(&with_it)?;
     }
     let own = |joint: &JointAnswer| again.iter().find(|own| own.joint == joint.joint).unwrap_or(joint).clone();
@@ -259,20 +236,18 @@ fn tell_of_whole(own: &mut Diagnosis, numbers: &[FoundNumber]) {
 fn best_of(
     setup: &ClampedSetup,
     bodies: Vec<BodyCause>,
-    (case, first): (&ClampedCase, &ClampedDiagnosis),
+    first: &ClampedDiagnosis,
     options: &GapOptions,
 ) -> Option<Asked> {
     let causes = placed_causes(first);
-    let simulated = |body: &BodyCause, causes: &[PlacedCause]| {
-        body_at_best(setup, body, causes, &case.at_best, first, &options.deadline)
-    };
     let at_best = |body: &BodyCause| {
-        let alone = simulated(body, &[]);
+        let alone = body_at_best(setup, body, &[], first, &options.deadline);
         let is_asked = body.saved >= MARGIN;
         if alone.as_ref().is_some_and(|alone| alone.explains) || !is_asked {
             return alone.filter(|alone| alone.explains);
         }
-        let beside = (!causes.is_empty()).then(|| simulated(body, &causes)).flatten();
+        let beside =
+            (!causes.is_empty()).then(|| body_at_best(setup, body, &causes, first, &options.deadline)).flatten();
         // Beside causes it explains nothing alone.
         let beside = beside.map(|beside| BodyAtBest { explains: false, ..beside });
         alone.into_iter().chain(beside).min_by(|a, b| a.left_rad.total_cmp(&b.left_rad))

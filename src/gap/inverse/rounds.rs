@@ -47,11 +47,10 @@ pub(super) fn followed(
         let whole = &robot.whole;
         let weighed = if robot.explains { whole.numbers_but_causes() } else { whole.masses() };
         let again = ClampedCase::as_found(setup, &masses, whole)?.map(|mut again| {
-            again.at_best.clone_from(&case.at_best);
             for (joint, before) in again.joints.iter_mut().zip(&case.joints) {
                 joint.as_described.clone_from(&before.as_described);
                 joint.whole = before.whole;
-                joint.look = before.look;
+                joint.needs_no_cause = before.needs_no_cause;
                 joint.at_best.clone_from(&before.at_best);
             }
             again

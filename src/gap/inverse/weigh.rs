@@ -34,11 +34,9 @@ const LEAST: f64 = 0.05;
 /// Times that logs are weighed by what they leave.
 const SETTLES: usize = 4;
 
-/// The case of a robot, with masses that all joints ask for where recalibrated joints predict better so; numbers of the whole robot
-/// are looked for from some on.
+/// The case of a robot, with masses that all joints ask for where recalibrated joints predict better so.
 pub(super) fn weighed_case(
     setup: &ClampedSetup,
-    from: &[FoundNumber],
     options: &GapOptions,
     progress: &dyn Progress,
 ) -> Result<(ClampedCase, Vec<FoundNumber>), TorqueError> {
@@ -52,7 +50,7 @@ pub(super) fn weighed_case(
     };
     let left_as_described = left(&described);
     let share = |case: &ClampedCase| mean_share(&left(case), &left_as_described);
-    let whole = as_stated_at_best(setup, from, &options.deadline);
+    let whole = as_stated_at_best(setup, &options.deadline);
     let along = |whole: &Settled| Ok::<_, ClampedCaseError>((ClampedCase::settled(setup, whole)?, whole.masses()));
     // Of an arm that is not as it is simulated, masses bend to what is missing.
     let leaves_no_more = |whole: &&Settled| {
@@ -72,7 +70,6 @@ pub(super) fn weighed_case(
             (case, masses)
         }
     };
-    case.at_best = whole.as_ref().map(|whole| whole.numbers.clone()).unwrap_or_default();
     for joint in &mut case.joints {
         let left_rad = whole.as_ref().and_then(|whole| whole.left_rad(&joint.name));
         joint.whole = left_rad.map(|rad| WholeLeft { bare_rad: rad, found_rad: rad });

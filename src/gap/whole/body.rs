@@ -4,7 +4,7 @@
 use super::common::explains;
 use super::numbers::{found_robot, of_body};
 use super::robot::PlacedCause;
-use super::settled::{Settled, each, settled_alike};
+use super::settled::{Settled, settled};
 use super::unknown::is_body;
 use crate::deadline::Deadline;
 use crate::gap::Number;
@@ -25,21 +25,19 @@ pub(in crate::gap) struct BodyAtBest {
     pub explains: bool,
 }
 
-/// A body where the whole robot is at its best with it beside causes, looked for from other numbers `from` on; `None` where that
-/// cannot be simulated. `diagnosis` knows the joints' noise.
+/// A body where the whole robot is at its best with it beside causes; `None` where that cannot be simulated. `diagnosis`
+/// knows the joints' noise.
 pub(in crate::gap) fn body_at_best(
     setup: &ClampedSetup,
     body: &BodyCause,
     causes: &[PlacedCause],
-    from: &[FoundNumber],
     diagnosis: &ClampedDiagnosis,
     deadline: &Deadline,
 ) -> Option<BodyAtBest> {
     let mut numbers = found_robot(setup, None).ok()?.numbers;
     let of_torques = of_body(body, &setup.description);
     numbers.push(of_torques.clone());
-    let from = [std::slice::from_ref(&of_torques), from].concat();
-    let whole = settled_alike(setup, (&numbers, &from), causes, each(causes.len()), deadline)?;
+    let whole = settled(setup, &numbers, causes, deadline)?;
     let is_own = |number: &&FoundNumber| number.key == of_torques.key && number.name == of_torques.name;
     let own = whole.numbers.iter().find(is_own)?;
     if whole.left_rad.is_empty() {

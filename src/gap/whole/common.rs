@@ -236,7 +236,7 @@ impl<'a> Look<'a> {
     ) -> Option<Settled> {
         let mut alike = each(own.len());
         alike.push((own.len()..own.len() + common.len()).collect());
-        settled_alike(self.setup, (numbers, numbers), &[own, &common].concat(), alike, deadline)
+        settled_alike(self.setup, numbers, &[own, &common].concat(), alike, deadline)
     }
 
     /// The robot at its best with one of the causes that were found on the joint of which most is left, in squares of its noise.

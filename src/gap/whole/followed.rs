@@ -5,7 +5,7 @@ use super::common::{explains, in_common, misfit};
 use super::numbers::found_robot;
 use super::parts::{append, parts};
 use super::robot::{Stretch, WholeRobot, placed_causes};
-use super::settled::{Settled, settled, settled_alike};
+use super::settled::{Settled, settled};
 use super::simulated::simulated;
 use crate::deadline::Deadline;
 use crate::gap::Diagnosis;
@@ -169,13 +169,9 @@ fn numbers_at_best(setup: &ClampedSetup, diagnosis: &ClampedDiagnosis, deadline:
     settled(setup, &found.numbers, &[], deadline)
 }
 
-/// The whole robot as stated, at its best; looked for from numbers on, where there are any.
-pub(in crate::gap) fn as_stated_at_best(
-    setup: &ClampedSetup,
-    from: &[FoundNumber],
-    deadline: &Deadline,
-) -> Option<Settled> {
-    settled_alike(setup, (&found_robot(setup, None).ok()?.numbers, from), &[], Vec::new(), deadline)
+/// The whole robot as stated, at its best.
+pub(in crate::gap) fn as_stated_at_best(setup: &ClampedSetup, deadline: &Deadline) -> Option<Settled> {
+    settled(setup, &found_robot(setup, None).ok()?.numbers, &[], deadline)
 }
 
 fn of_settled(setup: &ClampedSetup, whole: &Settled) -> Vec<Option<SimulatedMotion>> {

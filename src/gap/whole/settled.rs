@@ -24,7 +24,7 @@ const POINTS: usize = 5;
 const STEPS: usize = 4;
 /// A step that gains less than this share is the last of a point, and a point that does is the last.
 const WORTH_A_STEP: f64 = 0.1;
-const DONE: f64 = 2e-2;
+const DONE: f64 = 5e-3;
 /// A robot that leaves so many times the noise and gains less than the share is not this one.
 const HOPELESS: f64 = 5.0;
 const GETS_THERE: f64 = 0.5;
@@ -87,7 +87,7 @@ pub(in crate::gap) fn settled(
     causes: &[PlacedCause],
     deadline: &Deadline,
 ) -> Option<Settled> {
-    settled_alike(setup, (numbers, numbers), causes, each(causes.len()), deadline)
+    settled_alike(setup, numbers, causes, each(causes.len()), deadline)
 }
 
 /// Each of so many causes with values of its own.
@@ -95,11 +95,10 @@ pub(super) fn each(causes: usize) -> Vec<Vec<usize>> {
     (0..causes).map(|cause| vec![cause]).collect()
 }
 
-/// The same where those of the causes that are `alike` have the same values, from numbers on that may be others than those about
-/// which is believed what is.
+/// The same where those of the causes that are `alike` have the same values.
 pub(super) fn settled_alike(
     setup: &ClampedSetup,
-    (numbers, from): (&[FoundNumber], &[FoundNumber]),
+    numbers: &[FoundNumber],
     causes: &[PlacedCause],
     alike: Vec<Vec<usize>>,
     deadline: &Deadline,
@@ -108,7 +107,7 @@ pub(super) fn settled_alike(
         return None;
     }
     let bench = Bench::new(setup, numbers, causes, alike)?;
-    let mut here = bench.with(from, None)?;
+    let mut here = bench.with(numbers, None)?;
     for _ in 0..POINTS {
         if deadline.leaves_out("the whole robot at its best") {
             break;
@@ -288,7 +287,7 @@ duration = 6.0
         let mut stated = WholeRobot::of(&setup, &numbers, &[]).unwrap();
         let from = bench.beginnings(&mut stated, &logs, f64::INFINITY);
         let stated = bench.left(&mut stated, &logs, &from, f64::INFINITY).unwrap();
-        let best = as_stated_at_best(&setup, &[], &Deadline::default()).unwrap();
+        let best = as_stated_at_best(&setup, &Deadline::default()).unwrap();
         for (row, (joint, left_rad)) in stated.iter().zip(&best.left_rad) {
             let noise_rad = 0.0004_f64.hypot(0.0003 / 12f64.sqrt());
             assert!(*left_rad < 1.1 * noise_rad, "{joint}: {left_rad}");
