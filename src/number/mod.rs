@@ -32,7 +32,7 @@ pub struct WithUncertainty {
 /// Writes an estimate and its interval with two significant digits of the interval's half-width.
 ///
 /// Of an asymmetric interval the narrower side counts, so that both ends stay apart from the estimate, but no more
-/// than two digits finer than the wider side asks for. Plain decimals are used from 1e-4 to 1e5, for zero, and
+/// than three digits finer than the wider side asks for. Plain decimals are used from 1e-4 to 1e5, for zero, and
 /// where six decimals are enough; an exponent shared by all three numbers elsewhere. Without a usable width the estimate
 /// gets four digits; what is not a number reads `unknown`.
 ///
@@ -106,7 +106,7 @@ fn narrow_width(value: f64, low: f64, high: f64) -> Option<f64> {
     }
     let wide = sides.iter().copied().filter(usable).fold(0.0, f64::max);
     let narrow = sides.iter().copied().filter(usable).fold(f64::INFINITY, f64::min);
-    Some(narrow.max(1e-2 * wide)).filter(usable)
+    Some(narrow.max(1e-3 * wide)).filter(usable)
 }
 
 /// Decimal exponent of a number once it is rounded to so many significant digits; 0 for zero.
@@ -195,7 +195,7 @@ mod tests {
     #[test]
     fn asymmetric_intervals_keep_both_ends_apart_from_the_estimate() {
         assert_eq!(shown(1.0, 0.01, 100.0), "1.00 [0.01, 100.00]");
-        assert_eq!(shown(0.001, 0.001 - 1e-9, 0.002), "0.001000 [0.001000, 0.002000]");
+        assert_eq!(shown(0.001, 0.001 - 1e-9, 0.002), "0.0010000 [0.0010000, 0.0020000]");
         // the estimate outside its own interval: half of the whole width counts
         assert_eq!(shown(3.0, 0.0, 2.0), "3.0 [0.0, 2.0]");
     }
