@@ -45,10 +45,12 @@ impl Line {
 /// A motor whose torque bends, in one step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bent {
+    /// Answer and rate at the step's start.
+    here: [f64; 2],
     /// How the law's answer changes with angle, rate and time.
     of_answer: Slopes,
     line: Line,
-    /// Answer and rate at the implicit stage of the pass before, and the torque that these came of.
+    /// Answer and rate at the implicit stage of the attempt's pass before, and the torque that these came of.
     before: Option<([f64; 2], f64)>,
 }
 
@@ -57,13 +59,24 @@ impl Bent {
     pub fn of(drive: &JointDrive, command: Command<f64>, at: At, before: Option<Self>) -> Option<Self> {
         drive.may_bend(command).then(|| {
             let asked = drive.asked(command, at);
-            let line = before.map_or_else(|| Line::tangent(drive, [asked, at.rate_rad_s]), |before| before.line);
-            Self { of_answer: drive.slopes_of_answer(command, at, asked), line, before: None }
+            let here = [asked, at.rate_rad_s];
+            let line = before.map_or_else(|| Line::tangent(drive, here), |before| before.line);
+            Self { here, of_answer: drive.slopes_of_answer(command, at, asked), line, before: None }
         })
     }
 
-    /// Torque on the line \[N m\].
-    pub fn nm(&self, drive: &JointDrive, command: Command<f64>, at: At) -> f64 {
+    /// Forgets the passes of a step of another length, of which answer and rate follow the torque otherwise.
+    pub fn attempt(&mut self) {
+        self.before = None;
+    }
+
+    /// Torque on the line at the step's start \[N m\].
+    pub fn first_nm(&self) -> f64 {
+        self.line.nm(self.here)
+    }
+
+    /// Torque on the line later in the step \[N m\].
+    pub fn later_nm(&self, drive: &JointDrive, command: Command<f64>, at: At) -> f64 {
         self.line.nm([drive.asked(command, at), at.rate_rad_s])
     }
 

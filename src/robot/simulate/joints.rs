@@ -36,7 +36,7 @@ impl JointDrive {
         Self { chain, zero_rad: 0.0, spring, stops: Vec::new(), is_rigid: false, loose_kg_m2 }
     }
 
-    /// What the encoder makes of a true angle, before noise and steps \[rad\].
+    /// What the encoder makes of a true angle, before noise and steps \[rad\]; on a tree none changes with time.
     #[inline]
     pub fn reading_rad(&self, angle_rad: f64) -> f64 {
         self.chain.reading_rad(0.0, angle_rad - self.zero_rad)

@@ -177,8 +177,9 @@ impl<'a> Stiff<'a> {
 
     /// A step of `h` into `next`; joints at rest that are pushed too hard begin to slip.
     pub(super) fn attempt(&mut self, now: &Carried, commands: &[Command<f64>], h: f64) {
+        self.bent.iter_mut().flatten().for_each(Bent::attempt);
         for _ in 0..PASSES {
-            self.first_stage(now, commands, h);
+            self.first_stage(now, h);
             let bends = self.bend(now, commands, h);
             let broke_away = !bends && self.break_away(now, h);
             if !self.part(now, h) && !broke_away && !bends {
@@ -222,7 +223,7 @@ impl<'a> Stiff<'a> {
         }
     }
 
-    fn first_stage(&mut self, now: &Carried, commands: &[Command<f64>], h: f64) {
+    fn first_stage(&mut self, now: &Carried, h: f64) {
         let gh = self.tuning.gamma * h;
         for (j, drive) in self.scenario.joints.drives().iter().enumerate() {
             let at = Self::at(now, j);
@@ -240,7 +241,7 @@ impl<'a> Stiff<'a> {
             let (mut torque_nm, mut slopes) = (self.elastic_nm[j], self.elastic[j]);
             if apart.is_none() {
                 let (motor_nm, driven) = match self.bent[j] {
-                    Some(bent) => (bent.nm(drive, commands[j], at), bent.slopes()),
+                    Some(bent) => (bent.first_nm(), bent.slopes()),
                     None => (motor_nm, self.driven[j]),
                 };
                 slopes = slopes.plus(driven);
@@ -336,7 +337,7 @@ impl<'a> Stiff<'a> {
             let share = if side.is_some() { LINK_SHARE } else { 1.0 };
             match side {
                 None => {
-                    torque_nm += self.bent[j].map_or(motor_nm, |bent| bent.nm(drive, commands[j], at));
+                    torque_nm += self.bent[j].map_or(motor_nm, |bent| bent.later_nm(drive, commands[j], at));
                 }
                 Some(side) => {
                     let gravity_nm = self.there.gravity_nm[j];
