@@ -7,6 +7,7 @@
 //! joints are where they were measured.
 
 use super::{Link, Real};
+use std::ops::Mul;
 use std::sync::Arc;
 
 /// What a joint carries at one instant, relative to its nominal link.
@@ -123,8 +124,13 @@ impl Carriage {
 }
 
 impl<T: Real> Link<T> {
-    /// The link with what is carried at an instant.
-    pub(super) fn carrying(self, now: &CarriedNow<T>) -> Self {
+    /// The link with what is carried at an instant, which may be a plain number where the instant is one.
+    #[inline(always)]
+    pub(super) fn carrying<S>(self, now: &CarriedNow<S>) -> Self
+    where
+        T: Mul<S, Output = T>,
+        S: Copy,
+    {
         self.scaled(now.inertia, now.gravity)
     }
 }

@@ -100,6 +100,11 @@ impl<T: Real> Chain<T> {
     pub fn link_at(&self, t_s: T) -> (Link<T>, T) {
         match &self.carriage {
             None => (self.link, T::nought()),
+            // What is not fitted does not carry its derivatives along.
+            Some(carriage) if t_s.is_constant() => {
+                let now = carriage.at(t_s.re());
+                (self.link.carrying(&now), self.link.inertia_kg_m2 * now.pushed_rad_s2)
+            }
             Some(carriage) => {
                 let now = carriage.at(t_s);
                 (self.link.carrying(&now), self.link.inertia_kg_m2 * now.pushed_rad_s2)
@@ -190,6 +195,14 @@ impl<T: Real> Chain<T> {
     #[inline(always)]
     fn is_elastic(&self) -> bool {
         self.spring.is_some() || self.stop.is_some() || self.has_laws()
+    }
+
+    /// Torque of all that acts on a resting link beside motor and friction, and gravity's share \[N m\].
+    #[inline]
+    pub(crate) fn acting_at_rest_nm(&self, t_s: T, angle_rad: T) -> [T; 2] {
+        let at = [t_s, angle_rad, T::nought()];
+        let (acting_nm, gravity_nm) = self.with_link(t_s, |link, pushed_nm| self.beside_drive_nm(link, pushed_nm, at));
+        [acting_nm, gravity_nm]
     }
 
     /// Net torque on a resting joint without friction \[N m\] at an angle, for a motor torque.
@@ -298,6 +311,19 @@ impl<T: Real> Chain<T> {
         let described = self.carriage.as_ref().map_or(0.0, Carriage::stiffness_nm_rad);
         let [by_laws, _] = self.stiffness_and_damping_of_laws(driven, 0.0);
         ((self.link.peak_gravity_nm() + kp + spring + described + by_laws) / self.inertia_kg_m2().re()).sqrt()
+    }
+
+    /// What of a slipping joint's acceleration is linear in its angle and rate at an instant, friction's curves and gravity
+    /// aside: stiffness \[1/s^2\] and decay \[1/s\], neither below zero.
+    pub(crate) fn stiffness_and_decay(&self, t_s: f64, driven: Driven) -> [f64; 2] {
+        let carried = self.carriage.as_ref().map_or(1.0, |carriage| carriage.at(t_s).inertia);
+        let inertia = self.link.inertia_kg_m2.re() * carried + self.armature_kg_m2.re();
+        let (kp, kd) = self.stiffness_and_damping(driven);
+        let gain = self.sensor_gain.re();
+        let described = self.carriage.as_ref().map_or(0.0, Carriage::stiffness_nm_rad);
+        let spring = self.spring.as_ref().map_or(0.0, |spring| spring.stiffness_nm_rad.re());
+        let damping = kd * gain + self.friction.viscous_nm_s_rad.re();
+        [kp * gain + described + spring, damping].map(|slope| slope.max(0.0) / inertia)
     }
 
     /// The step \[s\] that keeps the fourth-order Runge-Kutta error far below a sensor step.

@@ -2,6 +2,7 @@
 
 use super::Real;
 use crate::number::math;
+use std::ops::Mul;
 
 /// Inertia and gravity torque of everything that turns with the joint (3.10, 3.12).
 ///
@@ -45,8 +46,12 @@ impl<T: Real> Link<T> {
     }
 
     /// The link with its inertia times a factor, and its gravity as a vector times another: length and direction.
-    pub(super) fn scaled(self, inertia: T, gravity: [T; 2]) -> Self {
-        let [cos, sin] = gravity;
+    #[inline(always)]
+    pub(super) fn scaled<S>(self, inertia: S, [cos, sin]: [S; 2]) -> Self
+    where
+        T: Mul<S, Output = T>,
+        S: Copy,
+    {
         Self {
             inertia_kg_m2: self.inertia_kg_m2 * inertia,
             sine_nm: self.sine_nm * cos - self.cosine_nm * sin,

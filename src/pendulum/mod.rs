@@ -12,6 +12,7 @@ mod extensive;
 mod history;
 #[cfg(test)]
 mod law_tests;
+mod leap;
 mod one_body;
 mod play;
 mod profile;

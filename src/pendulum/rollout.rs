@@ -1,6 +1,7 @@
 //! A joint let go, driven or held: its motion from a start to the end of a log, with true sticking.
 //!
-//! Between events the joint obeys (3.12) with friction of one sign, which is smooth, and is integrated by Runge-Kutta 4.
+//! Between events the joint obeys (3.12) with friction of one sign, which is smooth, and is integrated by Runge-Kutta 4, or
+//! where a controller holds it in the leaps of an exponential method.
 //! Events are located inside the step: a speed that passes through zero (the joint sticks or turns back), a sticking
 //! joint that breaks away, the release of a held joint. Event times carry derivatives.
 

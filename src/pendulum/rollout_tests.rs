@@ -1,9 +1,11 @@
 use super::*;
-use crate::joint::{Dual, EffectForm, EffectId, Friction, Link, Motor, Stribeck};
+use crate::joint::{Contact, Dual, EffectForm, EffectId, Friction, FrictionTerm, Link, Motor, Stribeck};
 use crate::log::Hold;
 use crate::log::MotorSpec;
 use approx::assert_relative_eq;
 use proptest::prelude::*;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 const G: f64 = 9.81;
 
@@ -353,4 +355,73 @@ proptest! {
             last = energy;
         }).expect("does not diverge");
     }
+}
+
+/// Asks how often friction is asked for.
+struct Asked(Arc<AtomicUsize>);
+
+impl FrictionTerm<f64> for Asked {
+    fn resistance_nm(&self, _: &Contact<f64>) -> f64 {
+        self.0.fetch_add(1, Ordering::Relaxed);
+        0.0
+    }
+
+    fn slope_nm_s_rad(&self, _: f64, _: f64) -> f64 {
+        0.0
+    }
+}
+
+/// A sine that a servo follows, and how often friction is asked for on the way.
+fn followed(mut c: Chain<f64>, kp_nm_rad: f64, refinement: f64) -> (Vec<f64>, usize) {
+    let t = times(400, 0.02);
+    let setpoint: Vec<f64> = t.iter().map(|t| 0.4 * (5.0 * t).sin() + if *t > 4.0 { 0.2 } else { 0.0 }).collect();
+    let input = Input::Position { setpoint_rad: &setpoint, hold: Hold::Step, on: None };
+    let asked = Arc::new(AtomicUsize::new(0));
+    c.friction.terms.push(Box::new(Asked(Arc::clone(&asked))));
+    c.motor = Some(Motor::new(MotorSpec::pd(kp_nm_rad, 0.0)));
+    let q = angles(&c, input, &t, free(0.1), refinement);
+    (q, asked.load(Ordering::Relaxed))
+}
+
+/// What stiffens a joint costs no steps, and is followed as steps do that are sixteen times shorter than the rule asks for.
+#[test]
+fn leaps_of_a_held_joint_cost_little_and_lose_nothing() {
+    let mut curved = chain(0.004, 0.1, 0.02, 0.15);
+    curved.friction.stribeck = Some(Stribeck { static_nm: 0.03, speed_rad_s: 0.5, curve: Default::default() });
+    // Thick friction on next to no inertia; a servo that swings; friction that bends; a heavy load.
+    let joints = [(chain(1.2e-3, 0.02, 0.02, 0.6), 18.0), (chain(0.01, 0.05, 0.05, 0.06), 12.0), (curved, 15.0)];
+    for (c, kp_nm_rad) in joints.into_iter().chain([(chain(0.02, 0.4, 0.1, 0.3), 18.0)]) {
+        let inertia = c.inertia_kg_m2();
+        let copy = |c: &Chain<f64>| {
+            let friction = Friction {
+                terms: Vec::new(),
+                ..Friction::coulomb_viscous(c.friction.coulomb_nm, c.friction.viscous_nm_s_rad)
+            };
+            Chain::new(c.link, Friction { stribeck: c.friction.stribeck, ..friction }, None)
+        };
+        let [(leaps, few), (_, more), (fine, _)] = [0.4, 1.0, 16.0].map(|by| followed(copy(&c), kp_nm_rad, by));
+        let apart = largest_difference(&leaps, &fine);
+        assert!(apart < 2e-5, "{inertia} kg m^2: {apart} rad");
+        // Four for a leap, the looks at where the joint turns back, and leaps that bend too much.
+        assert!(few < 400 * 14 && more > 3 * few, "{inertia} kg m^2: {few} of {more}");
+    }
+}
+
+/// Thick friction on little inertia follows a ramp at once: its speed falls to nothing and is there again within a sample.
+#[test]
+fn a_joint_that_stops_within_a_leap_and_goes_on_is_seen_to_stop() {
+    let t = times(400, 0.02);
+    let mut c = chain(1.2e-3, 0.0, 0.02, 0.6);
+    c.motor = Some(Motor::new(MotorSpec::pd(18.0, 0.0)));
+    let rates = [0.0, 1.0, -0.4, 2.0, 0.3, -1.5, 0.05];
+    let setpoint: Vec<f64> = (0..t.len())
+        .scan(0.0, |at, k| {
+            *at += 0.02 * rates[k / 3 % rates.len()] + if k % 7 == 0 { -0.01 } else { 0.0 };
+            Some(*at)
+        })
+        .collect();
+    let input = Input::Position { setpoint_rad: &setpoint, hold: Hold::Linear, on: None };
+    let [leaps, fine] = [0.4, 16.0].map(|refinement| angles(&c, input, &t, free(0.05), refinement));
+    let apart = largest_difference(&leaps, &fine);
+    assert!(apart < 2e-5, "{apart} rad");
 }
