@@ -72,7 +72,7 @@ fn searched_within(
         return Ok((case, first));
     }
     progress.go_on(Step::stage("payload and masses"))?;
-    let Some(asked) = asked_for(setup, &case, &first, options)? else { return Ok((case, first)) };
+    let Some(asked) = asked_for(setup, &case, &first, Worth::Always, options)? else { return Ok((case, first)) };
     if let Some(better) = with_body(setup, (&case, &first), &asked, options, progress)? {
         return Ok(better);
     }
@@ -113,7 +113,8 @@ fn at_a_glance(
         return Ok((case, None));
     }
     progress.go_on(Step::stage("payload and masses"))?;
-    let asked = asked_for(setup, &case, &first, options)?.filter(|asked| asked.explains && asked.body.saved >= MARGIN);
+    let asked = asked_for(setup, &case, &first, Worth::IfAsked, options)?;
+    let asked = asked.filter(|asked| asked.explains && asked.body.saved >= MARGIN);
     let Some(asked) = asked else { return Ok((case, None)) };
     Ok(match with_body(setup, (&case, &first), &asked, options, progress)? {
         Some((with_it, found)) => (with_it, Some(found)),
@@ -130,11 +131,20 @@ struct Asked {
     explains: bool,
 }
 
+/// When bodies are worth simulations of the whole robot.
+#[derive(Clone, Copy, PartialEq)]
+enum Worth {
+    /// Where torques ask for any of them.
+    IfAsked,
+    Always,
+}
+
 /// The body that joints ask for along their measured motion, if any, as the whole robot has it.
 fn asked_for(
     setup: &ClampedSetup,
     case: &ClampedCase,
     first: &ClampedDiagnosis,
+    worth: Worth,
     options: &GapOptions,
 ) -> Result<Option<Asked>, TorqueError> {
     let late_s: BTreeMap<String, f64> = first.found().filter_map(|d| Some((d.joint.clone(), late_s(d)?))).collect();
@@ -150,7 +160,8 @@ fn asked_for(
     // Where numbers alone explain everything only what torques ask for is worth a look.
     let least = if needs_only_numbers(case, first) { MARGIN } else { f64::NEG_INFINITY };
     let bodies = find(setup, &moving, &founds, &[], &options.withheld_bodies(), least, &options.deadline)?;
-    Ok(best_of(setup, bodies, first, options))
+    let is_asked = bodies.iter().any(|body| body.saved >= MARGIN);
+    Ok((is_asked || worth == Worth::Always).then(|| best_of(setup, bodies, first, options)).flatten())
 }
 
 /// The robot diagnosed with a body in place; `None` where that is worth no more than what was found before.

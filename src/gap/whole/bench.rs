@@ -182,49 +182,9 @@ impl<'a> Bench<'a> {
     fn point(&self, sizes: Vec<f64>, from: Option<&Beginnings>) -> Option<Point> {
         let sd = vec![1.0; sizes.len()];
         let (numbers, causes) = self.robot(&sizes, &sd);
-        let mut robot = WholeRobot::of(self.setup, &numbers, &causes).ok()?;
         let until_s = SIMULATED_S / self.logs.len() as f64;
-        let from = from.cloned().unwrap_or_else(|| self.beginnings(&mut robot, &self.logs, until_s));
-        let left = self.left(&mut robot, &self.logs, &from, until_s)?;
+        let (from, left) = along(self.setup, (&numbers, &causes), &self.logs, from, until_s)?;
         Some(Point { sizes, left, from, sd })
-    }
-
-    /// Where a robot follows each part of logs best from which begins up to so long after their start \[s\].
-    pub fn beginnings(&self, robot: &mut WholeRobot, logs: &[&RobotLog], until_s: f64) -> Beginnings {
-        let mut of_log = |log: &&RobotLog| {
-            let (until_s, parts) = (log.t_s[0] + until_s, parts(log));
-            let those = parts.iter().take_while(|part| part.t_s[0] <= until_s);
-            those.map(|part| robot.beginning(self.setup, part)).collect()
-        };
-        logs.iter().map(&mut of_log).collect()
-    }
-
-    /// Measured less simulated of every joint of logs, up to so long after their start \[rad, s\].
-    pub fn left(
-        &self,
-        robot: &mut WholeRobot,
-        logs: &[&RobotLog],
-        from: &Beginnings,
-        until_s: f64,
-    ) -> Option<Vec<Vec<f64>>> {
-        let mut left: Vec<Vec<f64>> = Vec::new();
-        for (log, from) in logs.iter().zip(from) {
-            let until_s = log.t_s[0] + until_s;
-            let mut of_log: Vec<Vec<f64>> = Vec::new();
-            let parts = parts(log);
-            for (part, from) in parts.iter().zip(from) {
-                let stretch = Stretch::searched(mean_period_s(&part.t_s), until_s);
-                let recording = robot.motion(self.setup, part, from, &stretch).ok()?;
-                let samples = part.t_s.partition_point(|t| *t <= until_s);
-                let of_joint = |(joint, read): (&JointColumns, Vec<f64>)| {
-                    joint.q_rad.iter().zip(read).take(samples).map(|(measured, read)| measured - read).collect()
-                };
-                let read = robot.read(&recording, part).ok()?;
-                append(&mut of_log, part.joints.iter().zip(read).map(of_joint).collect());
-            }
-            left.extend(of_log);
-        }
-        left.iter().flatten().all(|left: &f64| left.is_finite()).then_some(left)
     }
 
     /// One over the variance of each row: what it leaves is taken as its noise.
@@ -278,6 +238,40 @@ impl<'a> Bench<'a> {
             })
         })
     }
+}
+
+/// Where a robot with numbers and causes begins each part of logs, unless that is given, and measured less simulated of every
+/// joint of them, up to so long after their start \[rad, s\]; `None` where it runs away.
+pub(super) fn along(
+    setup: &ClampedSetup,
+    (numbers, causes): (&[FoundNumber], &[PlacedCause]),
+    logs: &[&RobotLog],
+    from: Option<&Beginnings>,
+    until_s: f64,
+) -> Option<(Beginnings, Vec<Vec<f64>>)> {
+    let of_log = |(at, log): (usize, &&RobotLog)| {
+        let mut robot = WholeRobot::of(setup, numbers, causes).ok()?;
+        let (mut begins, mut left) = (Vec::new(), Vec::new());
+        let until_s = log.t_s[0] + until_s;
+        let parts = parts(log);
+        for (k, part) in parts.iter().take_while(|part| part.t_s[0] <= until_s).enumerate() {
+            let begin = from.map_or_else(|| robot.beginning(setup, part), |from| from[at][k].clone());
+            let stretch = Stretch::searched(mean_period_s(&part.t_s), until_s);
+            let recording = robot.motion(setup, part, &begin, &stretch).ok()?;
+            let samples = part.t_s.partition_point(|t| *t <= until_s);
+            let of_joint = |(joint, read): (&JointColumns, Vec<f64>)| {
+                joint.q_rad.iter().zip(read).take(samples).map(|(measured, read)| measured - read).collect()
+            };
+            let read = robot.read(&recording, part).ok()?;
+            append(&mut left, part.joints.iter().zip(read).map(of_joint).collect());
+            begins.push(begin);
+        }
+        Some((begins, left))
+    };
+    let all: Vec<(Vec<Beginning>, Vec<Vec<f64>>)> = logs.par_iter().enumerate().map(of_log).collect::<Option<_>>()?;
+    let (begins, left): (Beginnings, Vec<Vec<Vec<f64>>>) = all.into_iter().unzip();
+    let left = left.concat();
+    left.iter().flatten().all(|left: &f64| left.is_finite()).then_some((begins, left))
 }
 
 /// Rows times rows, each with its weight.

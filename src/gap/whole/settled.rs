@@ -5,9 +5,9 @@
 //! Along the measured motion alone the joints' pushes on one another are known no better than the readings' second
 //! derivatives and the described masses: a joint that no cause explains there may be explained here.
 
-use super::bench::{Bench, Point, driven};
+use super::bench::{Bench, Point, along, driven};
 use super::noise::{LEAST_NOISE_RAD, mean_square};
-use super::robot::{PlacedCause, WholeRobot};
+use super::robot::PlacedCause;
 use super::unknown::Quantity;
 use crate::deadline::Deadline;
 use crate::fit::correlation_length;
@@ -154,12 +154,10 @@ impl Bench<'_> {
         let times = self.correlation(here).sqrt();
         let sd: Vec<f64> = here.sd.iter().map(|sd| (times * sd).min(1.0)).collect();
         let (numbers, causes) = self.robot(&here.sizes, &sd);
-        let mut robot = WholeRobot::of(self.setup, &numbers, &causes).ok()?;
         let held_out = driven(self.setup, |role| role == Role::Validate);
         let mut rows: [Vec<(&str, Vec<f64>)>; 2] = Default::default();
         for (rows, logs) in rows.iter_mut().zip([&held_out, &self.logs]) {
-            let from = self.beginnings(&mut robot, logs, f64::INFINITY);
-            let left = self.left(&mut robot, logs, &from, f64::INFINITY)?;
+            let (_, left) = along(self.setup, (&numbers, &causes), logs, None, f64::INFINITY)?;
             let joints = logs.iter().flat_map(|log| &log.joints).zip(left);
             rows.extend(joints.filter(|(joint, _)| moves(joint)).map(|(joint, left)| (joint.name.as_str(), left)));
         }
@@ -189,6 +187,7 @@ fn moves(joint: &JointColumns) -> bool {
 mod tests {
     use super::*;
     use crate::gap::whole::as_stated_at_best;
+    use crate::gap::whole::robot::WholeRobot;
     use crate::synth::{AnySpec, make_described};
 
     const ARM: &str = r#"<robot name="arm"><link name="base"/>
@@ -272,8 +271,7 @@ duration = 6.0
             assert_eq!(read.len(), 200);
             assert!((read[100] - joint.q_rad[100]).abs() < 2e-3, "{}: {}", read[100], joint.q_rad[100]);
         }
-        let from = bench.beginnings(&mut robot, &[&log], f64::INFINITY);
-        let left = bench.left(&mut robot, &[&log], &from, f64::INFINITY).unwrap();
+        let (_, left) = along(&setup, (&numbers, &[]), &[&log], None, f64::INFINITY).unwrap();
         assert!(left.iter().all(|row| row.len() == 200 && row[100].abs() < 2e-3));
     }
 
@@ -284,9 +282,7 @@ duration = 6.0
         let logs = driven(&setup, |role| role == Role::Validate);
         let bench = Bench::new(&setup, &[], &[], Vec::new()).unwrap();
         let (numbers, _) = bench.robot(&vec![0.0; bench.unknowns.len()], &vec![1.0; bench.unknowns.len()]);
-        let mut stated = WholeRobot::of(&setup, &numbers, &[]).unwrap();
-        let from = bench.beginnings(&mut stated, &logs, f64::INFINITY);
-        let stated = bench.left(&mut stated, &logs, &from, f64::INFINITY).unwrap();
+        let (_, stated) = along(&setup, (&numbers, &[]), &logs, None, f64::INFINITY).unwrap();
         let best = as_stated_at_best(&setup, &Deadline::default()).unwrap();
         for (row, (joint, left_rad)) in stated.iter().zip(&best.left_rad) {
             let noise_rad = 0.0004_f64.hypot(0.0003 / 12f64.sqrt());
