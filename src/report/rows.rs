@@ -69,9 +69,38 @@ pub(super) fn shorten(text: &str, most: usize) -> String {
     format!("{head}\u{2026}{tail}")
 }
 
+/// Names without the end that all of them have, from its first `_`, `-`, `.` or `/` on: `hip_joint` and `knee_joint` as `hip` and
+/// `knee`.
+pub(super) fn without_common_end<'a>(names: &[&'a str]) -> Vec<&'a str> {
+    let [first, others @ ..] = names else { return Vec::new() };
+    let alike = |other: &str| first.bytes().rev().zip(other.bytes().rev()).take_while(|(a, b)| a == b).count();
+    let shared = others.iter().map(|other| alike(other)).min().unwrap_or(0);
+    let end = first.as_bytes()[first.len() - shared..].iter().position(|byte| b"_-./".contains(byte));
+    let kept = end.map_or(0, |at| shared - at);
+    let shorter = names.iter().map(|name| name.len() - kept);
+    match shorter.clone().all(|length| length > 0) {
+        true => names.iter().zip(shorter).map(|(name, length)| &name[..length]).collect(),
+        false => names.to_vec(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_end_that_all_names_have_tells_none_of_them_apart() {
+        assert_eq!(
+            without_common_end(&["RR_hip_joint", "RR_calf_joint", "FL_calf_joint"]),
+            ["RR_hip", "RR_calf", "FL_calf"]
+        );
+        assert_eq!(without_common_end(&["left_knee", "right_knee"]), ["left", "right"]);
+        for names in [vec!["lf1", "rf1"], vec!["_joint", "hip_joint"], vec!["only_joint"], vec!["knäl", "hüftgeläl"]]
+        {
+            assert_eq!(without_common_end(&names), names);
+        }
+        assert!(without_common_end(&[]).is_empty());
+    }
 
     fn row(status: ParameterStatus) -> ParameterRow {
         ParameterRow {

@@ -3,7 +3,7 @@
 use super::cause::Cause;
 use super::diagnosis::{Found, RobotGap};
 use crate::gap::verdict::sentence::{REFITTED, closing, far, moved, them, words as effect_words};
-use crate::gap::{BeliefFound, Verdict};
+use crate::gap::{BeliefFound, Number, Verdict};
 use crate::number::{mrad, quantity};
 
 /// Words for a cause.
@@ -30,11 +30,18 @@ fn place(found: &Found) -> String {
 }
 
 fn sized(found: &Found) -> String {
-    let number = found
-        .parameters
-        .first()
-        .map_or(String::new(), |n| format!(" ({} = {})", n.name, quantity(n.value, n.interval, &n.unit)));
-    format!("{}{}{number}", words(found.cause), place(found))
+    told(found, |n| n.interval)
+}
+
+/// The same of what does not explain the gap: how well its size is known holds only where nothing is left.
+fn roughly(found: &Found) -> String {
+    told(found, |_| None)
+}
+
+fn told(found: &Found, interval: impl Fn(&Number) -> Option<[f64; 2]>) -> String {
+    let number = found.parameters.first();
+    let number = number.map(|n| format!(" ({} = {})", n.name, quantity(n.value, interval(n), &n.unit)));
+    format!("{}{}{}", words(found.cause), place(found), number.unwrap_or_default())
 }
 
 /// What is said of a robot.
@@ -91,7 +98,7 @@ pub(super) fn sentence(said: &Said<'_>, gap: &RobotGap) -> String {
         }
         _ => {
             let nearest = partial.map_or(String::new(), |found| {
-                format!(" What comes closest is {}; {}.", sized(found), closing(figures, REFITTED, &them(1, false)))
+                format!(" What comes closest is {}; {}.", roughly(found), closing(figures, REFITTED, &them(1, false)))
             });
             let far = far(broken).unwrap_or_default();
             format!(

@@ -14,6 +14,7 @@ use crate::report::plot::canvas::{
 };
 use crate::report::plot::heat::{Heat, HeatCell, NO_VALUE, draw_cell, heat, tint};
 use crate::report::robot_gap::words::joints_and_phases;
+use crate::report::rows::without_common_end;
 
 /// Height of a joint's cells, and the room between those of two legs \[px\].
 const ROW: f64 = 30.0;
@@ -138,8 +139,11 @@ pub(super) fn on_robot(diagnosis: &RobotDiagnosis, robot: &Sketch) -> Result<Str
             root.draw(&Circle::new(at, px(radius + 1.0), filled(INK, 1.0)))?;
             root.draw(&Circle::new(at, px(radius), filled(colour, 1.0)))?;
         }
-        for strip in &strips {
-            draw_strip(root, &map, strip, diagnosis.location.joints.contains(&strip.joint.name))?;
+        let names: Vec<&str> = strips.iter().map(|strip| strip.joint.name.as_str()).collect();
+        let has_room = names.iter().all(|name| Look::default().width(name) <= NAMES - 20.0);
+        let names = if has_room { names } else { without_common_end(&names) };
+        for (strip, name) in strips.iter().zip(names) {
+            draw_strip(root, &map, (strip, name), diagnosis.location.joints.contains(&strip.joint.name))?;
         }
         for is_left in [true, false] {
             let first = strips.iter().filter(|strip| strip.is_left == is_left).map(|strip| strip.y);
@@ -197,10 +201,10 @@ fn strips<'a>(
     strips
 }
 
-fn draw_strip(root: &Area<'_>, map: &Map<'_>, strip: &Strip<'_>, is_blamed: bool) -> Drawn {
+fn draw_strip(root: &Area<'_>, map: &Map<'_>, (strip, name): (&Strip<'_>, &str), is_blamed: bool) -> Drawn {
     let (x, anchor) = if strip.is_left { (NAMES, HPos::Right) } else { (width() - NAMES, HPos::Left) };
     let look = Look { bold: is_blamed, colour: if is_blamed { AFTER } else { INK }, anchor, ..Look::default() };
-    text(root, (x, strip.y), &look.fit(&strip.joint.name, NAMES - 20.0), look)?;
+    text(root, (x, strip.y), &look.fit(name, NAMES - 20.0), look)?;
     let width = cell_x(map, true, 1.0) - cell_x(map, true, 0.0);
     for (column, phase) in map.phases.iter().enumerate() {
         let corner = [cell_x(map, strip.is_left, column as f64), strip.y - 0.5 * ROW + 1.0];
