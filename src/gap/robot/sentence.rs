@@ -3,7 +3,7 @@
 use super::cause::Cause;
 use super::diagnosis::{Found, RobotGap};
 use crate::gap::verdict::sentence::{REFITTED, closing, far, moved, them, words as effect_words};
-use crate::gap::{BeliefFound, Number, Verdict};
+use crate::gap::{BeliefFound, Verdict};
 use crate::number::{mrad, quantity};
 
 /// Words for a cause.
@@ -29,18 +29,12 @@ fn place(found: &Found) -> String {
     }
 }
 
-fn sized(found: &Found) -> String {
-    told(found, |n| n.interval)
-}
-
-/// The same of what does not explain the gap: how well its size is known holds only where nothing is left.
-fn roughly(found: &Found) -> String {
-    told(found, |_| None)
-}
-
-fn told(found: &Found, interval: impl Fn(&Number) -> Option<[f64; 2]>) -> String {
+/// Cause, place and size. How well a size is known holds only where nothing is left: of what does not explain the gap it is not
+/// said.
+fn sized(found: &Found, explains: bool) -> String {
     let number = found.parameters.first();
-    let number = number.map(|n| format!(" ({} = {})", n.name, quantity(n.value, interval(n), &n.unit)));
+    let number =
+        number.map(|n| format!(" ({} = {})", n.name, quantity(n.value, n.interval.filter(|_| explains), &n.unit)));
     format!("{}{}{}", words(found.cause), place(found), number.unwrap_or_default())
 }
 
@@ -78,9 +72,9 @@ pub(super) fn sentence(said: &Said<'_>, gap: &RobotGap) -> String {
             mrad(gap.floor)
         ),
         (Verdict::Effect | Verdict::Calibration, Some(first)) => {
-            let mut text = format!("{robot}: the gap is {}", sized(first));
+            let mut text = format!("{robot}: the gap is {}", sized(first, true));
             if let Some(second) = second {
-                text += &format!(", together with {}", sized(second));
+                text += &format!(", together with {}", sized(second, true));
             }
             let causes = 1 + usize::from(second.is_some());
             text += &format!("; {}.", closing(figures, REFITTED, &them(causes, false)));
@@ -98,7 +92,11 @@ pub(super) fn sentence(said: &Said<'_>, gap: &RobotGap) -> String {
         }
         _ => {
             let nearest = partial.map_or(String::new(), |found| {
-                format!(" What comes closest is {}; {}.", roughly(found), closing(figures, REFITTED, &them(1, false)))
+                format!(
+                    " What comes closest is {}; {}.",
+                    sized(found, false),
+                    closing(figures, REFITTED, &them(1, false))
+                )
             });
             let far = far(broken).unwrap_or_default();
             format!(
