@@ -23,6 +23,14 @@ const NUDGE: f64 = 0.05;
 /// To first order a change is at most so many times what it was told at.
 const LARGEST: f64 = 10.0;
 
+/// To which sides numbers are changed for what they do: to both where it matters which of them do nothing together, to one
+/// where a robot is so far from its logs that it is only asked whether it comes nearer.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Sides {
+    Both,
+    One,
+}
+
 /// Where each part of each log begins.
 pub(super) type Beginnings = Vec<Vec<Beginning>>;
 
@@ -195,7 +203,7 @@ impl<'a> Bench<'a> {
     }
 
     /// The robot made linear about a point.
-    pub fn slopes(&self, here: &Point) -> Option<Slopes> {
+    pub fn slopes(&self, here: &Point, sides: Sides) -> Option<Slopes> {
         let n = self.unknowns.len();
         let column = |k: usize| -> Option<Vec<Vec<f64>>> {
             let nudged = |by: f64| {
@@ -204,10 +212,11 @@ impl<'a> Bench<'a> {
                 Some(self.point(sizes, Some(&here.from))?.left)
             };
             let down = here.sizes[k] - NUDGE;
-            let low = if self.unknowns[k].within(down) > down { 0.0 } else { -NUDGE };
-            let (less, more) = (nudged(low)?, nudged(NUDGE)?);
-            let rows = less.iter().zip(more);
-            Some(rows.map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b) / (NUDGE - low)).collect()).collect())
+            let is_both = sides == Sides::Both && self.unknowns[k].within(down) <= down;
+            let less = if is_both { Some(nudged(-NUDGE)?) } else { None };
+            let (less, apart) = less.as_ref().map_or((&here.left, NUDGE), |less| (less, 2.0 * NUDGE));
+            let rows = less.iter().zip(nudged(NUDGE)?);
+            Some(rows.map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b) / apart).collect()).collect())
         };
         let columns: Vec<Option<Vec<Vec<f64>>>> = (0..n).into_par_iter().map(column).collect();
         let weights = self.weights(&here.left);

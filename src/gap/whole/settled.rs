@@ -5,7 +5,7 @@
 //! Along the measured motion alone the joints' pushes on one another are known no better than the readings' second
 //! derivatives and the described masses: a joint that no cause explains there may be explained here.
 
-use super::bench::{Bench, Point, along, driven};
+use super::bench::{Bench, Point, Sides, along, driven};
 use super::noise::{LEAST_NOISE_RAD, mean_square};
 use super::robot::PlacedCause;
 use super::unknown::Quantity;
@@ -112,7 +112,8 @@ pub(super) fn settled_alike(
         if deadline.leaves_out("the whole robot at its best") {
             break;
         }
-        let Some(slopes) = bench.slopes(&here) else { break };
+        let sides = if bench.is_hopeless(&here) { Sides::One } else { Sides::Both };
+        let Some(slopes) = bench.slopes(&here, sides) else { break };
         let before = slopes.price(&here);
         for _ in 0..STEPS {
             let Some((there, gained)) = bench.stepped(&here, &slopes) else { break };
