@@ -332,7 +332,15 @@ pub(crate) const NOT_HELD_OUT: &str =
 /// How parts of a log were held out that stands alone.
 pub(crate) const PARTS_IN_TURN: &str = "each part of the only log predicted by a fit to its other parts";
 
+/// How logs were held out of which the study holds none out, or none that shows the joint moving.
+pub(crate) const LOGS_IN_TURN: &str = "each log predicted by a fit to all others";
+
 impl Gap {
+    /// Whether its figures are of fitted logs, or parts of the only one, each predicted by the others.
+    pub(crate) fn is_in_turn(&self) -> bool {
+        self.is_of_parts() || self.held_out == LOGS_IN_TURN
+    }
+
     /// Whether its figures are of parts of the only log, each predicted by the others.
     pub(crate) fn is_of_parts(&self) -> bool {
         self.held_out == PARTS_IN_TURN

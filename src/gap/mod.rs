@@ -34,7 +34,7 @@ pub use diagnosis::{
     Answer, Candidate, CauseShare, Confusion, Detectable, Diagnosis, Gap, GapOptions, LawFound, LogGap, LogTraces,
     MapCell, Next, Number, Phase, ProfileBin, ResidualTorque, Variable, Verdict, Where,
 };
-pub(crate) use diagnosis::{NOT_HELD_OUT, PARTS_IN_TURN};
+pub(crate) use diagnosis::{LOGS_IN_TURN, NOT_HELD_OUT, PARTS_IN_TURN};
 pub use hypothesis::logs::{By, LogSet};
 pub(crate) use hypothesis::model::GapModel;
 pub(crate) use hypothesis::reach::reach_of;

@@ -188,7 +188,8 @@ pub(in crate::gap) fn concluded(
         let own = joints.iter().filter(|joint| joint.diagnosis.as_ref().is_some_and(|d| is_so(&d.gap)));
         own.map(|joint| joint.joint.as_str()).collect::<Vec<&str>>()
     };
-    let (chosen, fitted) = (those(|gap| !gap.outer && gap.is_held_out()), those(|gap| !gap.is_held_out()));
+    let (fitted, in_turn) = (those(|gap| !gap.is_held_out()), those(Gap::is_in_turn));
+    let chosen = those(|gap| !gap.outer && gap.is_held_out() && !gap.is_in_turn());
     if !fitted.is_empty() {
         notes.push(format!(
             "{}: these figures are from logs that were fitted with the others, as these do not show by themselves what all logs do: \
@@ -196,12 +197,16 @@ pub(in crate::gap) fn concluded(
             fitted.join(", ")
         ));
     }
-    if !chosen.is_empty() {
+    if !in_turn.is_empty() {
         notes.push(format!(
-            "{}: these figures are from logs that also helped to choose the answer, or were held out only in turn; each \
-             joint's own report says which.",
-            chosen.join(", ")
+            "{}: no log that is held out shows these move, so their figures are of the fitted ones, each predicted by a fit to \
+             the others.",
+            in_turn.join(", ")
         ));
+    }
+    if !chosen.is_empty() {
+        notes
+            .push(format!("{}: these figures are from logs that also helped to choose the answer.", chosen.join(", ")));
     }
     let robot = robot.to_owned();
     ClampedDiagnosis { robot, answer, gap, bodies, weighed: Vec::new(), causes, pooled, joints, notes, budget: None }

@@ -170,3 +170,15 @@ fn figures_of_logs_that_chose_masses_or_bodies_are_not_called_outer() {
         assert!(notes.len() == 1 && notes[0].contains("had a say"), "{notes:?}");
     }
 }
+
+#[test]
+fn joints_that_rest_in_held_out_logs_are_said_to_have_figures_of_other_logs() {
+    let joint = |(name, how): (&str, &str)| {
+        let mut own = of_another_gain(name);
+        (own.gap.outer, own.gap.held_out) = (false, how.to_owned());
+        JointAnswer { joint: name.to_owned(), diagnosis: Some(own) }
+    };
+    let joints = [("wrist", crate::gap::LOGS_IN_TURN), ("elbow", "as the study says")].map(joint).to_vec();
+    let notes = concluded("arm", &Default::default(), joints, Vec::new(), None, Vec::new()).notes;
+    assert!(notes.len() == 2 && notes[0].starts_with("wrist: no log") && notes[1].starts_with("elbow: "), "{notes:?}");
+}

@@ -5,7 +5,7 @@ use super::evidence::Evidence;
 use super::folds::Folds;
 use super::trial::{Trial, loss, predicted};
 use crate::fit::Budget;
-use crate::gap::{NOT_HELD_OUT, PARTS_IN_TURN};
+use crate::gap::{LOGS_IN_TURN, NOT_HELD_OUT, PARTS_IN_TURN};
 use crate::identify::Experiment;
 use crate::number::math;
 use rand::{Rng, SeedableRng};
@@ -47,13 +47,13 @@ impl HeldOut {
         if let Some(from) = evidence.pooled_from {
             return Self { experiments: all[from..].to_vec(), how: NOT_HELD_OUT, from: From::Pooled(from) };
         }
-        let how = if all.len() == 1 { PARTS_IN_TURN } else { "each log predicted by a fit to all others" };
+        let how = if all.len() == 1 { PARTS_IN_TURN } else { LOGS_IN_TURN };
         Self { experiments: all.clone(), how, from: From::InTurn }
     }
 
     /// The fitted logs, each predicted by the others, or the parts of the only one.
     pub fn in_turn(evidence: &Evidence) -> Self {
-        Self { experiments: evidence.fit.clone(), how: "each log predicted by a fit to all others", from: From::InTurn }
+        Self { experiments: evidence.fit.clone(), how: LOGS_IN_TURN, from: From::InTurn }
     }
 
     /// Whether no choice was made on these logs.

@@ -21,4 +21,4 @@ pub use numbers::{FoundRobot, found_robot};
 pub use robot::{PlacedCause, WholeRobot, placed_causes};
 pub(in crate::gap) use settled::Settled;
 pub(crate) use simulated::predicted_csv;
-pub use simulated::{AtOdds, LeftOut, Whole, WholeJoint, WholeMotion, simulated};
+pub use simulated::{LeftOut, Whole, WholeJoint, WholeMotion, simulated};

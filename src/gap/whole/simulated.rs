@@ -11,9 +11,6 @@ use std::fmt::Write as _;
 const WORSE: f64 = 1.1;
 const WORSE_RAD: f64 = 1e-3;
 
-/// Errors that are so many times as large are far apart.
-const FAR_APART: f64 = 3.0;
-
 /// How far the whole robot is off on held-out logs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Whole {
@@ -31,40 +28,6 @@ pub struct Whole {
     pub robot: FoundRobot,
     /// The first log that is shown.
     pub shown: WholeMotion,
-}
-
-/// A joint of which the whole robot leaves another error than its own simulation does.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AtOdds<'a> {
-    /// The joint's name.
-    pub joint: &'a str,
-    /// By itself, along the measured motion of the others \[rad\].
-    pub alone_rad: f64,
-    /// With all joints simulated at once \[rad\].
-    pub at_once_rad: f64,
-    /// Its sensor's noise \[rad\].
-    pub noise_rad: f64,
-}
-
-impl Whole {
-    /// Joints of which the two simulations of held-out logs leave errors that are far apart, where these are more than noise:
-    /// what is said of such a joint rests on one of them.
-    pub fn at_odds<'a>(&'a self, diagnosis: &ClampedDiagnosis) -> Vec<AtOdds<'a>> {
-        let is_left_out = |joint: &str| self.left_out.iter().any(|left| left.joint.as_deref() == Some(joint));
-        let told = self.joints.iter().filter(|own| !is_left_out(&own.joint));
-        told.filter_map(|own| {
-            let alone = diagnosis.found().find(|alone| alone.joint == own.joint && alone.gap.is_held_out())?;
-            let (alone_rad, at_once_rad, noise_rad) = (alone.gap.after, own.after, alone.gap.floor);
-            let at_odds = AtOdds { joint: &own.joint, alone_rad, at_once_rad, noise_rad };
-            are_far_apart(alone_rad, at_once_rad, noise_rad).then_some(at_odds)
-        })
-        .collect()
-    }
-}
-
-/// Whether one of two errors is many times the other, and many times the noise.
-fn are_far_apart(a: f64, b: f64, noise: f64) -> bool {
-    a.max(b) > FAR_APART * a.min(b).max(noise)
 }
 
 /// Readings of a log's joints in its order, at its samples \[rad\].
@@ -278,13 +241,6 @@ mod tests {
         let (stated, found) = (FoundRobot::default(), FoundRobot { numbers: found, cannot_say: Vec::new() });
         let before = told(&[], &[]).unwrap();
         kept(&before, &stated, found, causes, &|number| !number.key.is_of_joint(), &told)
-    }
-
-    #[test]
-    fn errors_are_far_apart_beyond_noise_and_either_way() {
-        assert!(are_far_apart(8.7e-3, 1e-8, 1e-4) && are_far_apart(1e-8, 8.7e-3, 1e-4));
-        assert!(!are_far_apart(2e-3, 1e-3, 1e-4), "twice is not far");
-        assert!(!are_far_apart(2e-3, 1e-8, 1e-3), "both may be noise");
     }
 
     #[test]

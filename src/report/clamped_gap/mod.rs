@@ -16,7 +16,7 @@ pub use text::clamped_gap_text;
 use super::{Animation, GapReport, LogHealthRow, Provenance, percent_of_answer};
 use crate::gap::clamped::{ClampedCase, ClampedDiagnosis, ClampedSetup};
 use crate::gap::inverse::{ClampedFound, TorqueDiagnosis, TorqueTraces};
-use crate::gap::whole::{AtOdds, FoundRobot, LeftOut, Whole, found_robot, simulated};
+use crate::gap::whole::{FoundRobot, LeftOut, Whole, found_robot, simulated};
 use crate::gap::{BeliefFound, Diagnosis, GapOptions, LogGap, Verdict};
 use crate::report::by_joint::by_joint;
 use crate::report::data_health::health_rows_of_joint;
@@ -76,7 +76,6 @@ impl ClampedGapReport {
         let whole = simulated(setup, &diagnosis);
         if let Ok(whole) = &whole {
             diagnosis.answer.sentence += &whole_words(whole, &diagnosis);
-            diagnosis.notes.extend(at_odds(whole, &diagnosis));
         }
         let found = match &whole {
             Ok(whole) => whole.robot.clone(),
@@ -251,26 +250,6 @@ fn whole_words(whole: &Whole, diagnosis: &ClampedDiagnosis) -> String {
         );
     }
     text
-}
-
-/// On which joints two simulations disagree.
-fn at_odds(whole: &Whole, diagnosis: &ClampedDiagnosis) -> Option<String> {
-    let of = |own: AtOdds<'_>| {
-        let said = |off_rad: f64| match off_rad <= own.noise_rad {
-            true => "within its noise".to_owned(),
-            false => format!("{} off", crate::report::number::mrad(off_rad)),
-        };
-        format!("{} ({} by itself, {} at once)", own.joint, said(own.alone_rad), said(own.at_once_rad))
-    };
-    let all: Vec<String> = whole.at_odds(diagnosis).into_iter().map(of).collect();
-    (!all.is_empty()).then(|| {
-        format!(
-            "Two simulations of the held-out logs with what was found disagree, that of a joint by itself along the measured \
-             motion of the others and that of all joints at once: {}. Whether such a joint sticks, or how its neighbours push \
-             it, is not the same in both, so lean little on what is said of it.",
-            all.join(", ")
-        )
-    })
 }
 
 /// Reports with a folder of its own for each.
