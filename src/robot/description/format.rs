@@ -4,6 +4,7 @@ use super::error::DescriptionError;
 use super::{Description, MOST_JOINTS, mjcf, urdf, xml};
 use crate::geometry::RobotTables;
 use crate::log::LogError;
+use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -33,6 +34,9 @@ impl Format {
     /// What is no XML is left to the reader of TOML, and what is wrong with it.
     fn of_bytes(bytes: &[u8]) -> Result<Self, String> {
         let start = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
+        if start.is_empty() {
+            return Err("the file is empty, expected a robot as URDF, MJCF or TOML".into());
+        }
         if start.starts_with(b"#usda") || start.starts_with(b"PXR-USDC") {
             return Err("this is USD, which is not supported; export the robot as URDF or MJCF".into());
         }
@@ -78,11 +82,15 @@ fn root_tag(mut text: &str) -> &str {
 
 fn bytes(file: &Path) -> Result<Vec<u8>, DescriptionError> {
     let unread = |source| LogError::Read { file: file.to_path_buf(), source };
-    if std::fs::metadata(file).map_err(unread)?.len() > LARGEST {
+    let mut bytes = Vec::new();
+    // A device has no length that could be asked for.
+    let opened = std::fs::File::open(file).map_err(unread)?;
+    opened.take(LARGEST + 1).read_to_end(&mut bytes).map_err(unread)?;
+    if bytes.len() as u64 > LARGEST {
         let what = format!("larger than {} MiB, expected a robot description", LARGEST >> 20);
         return Err(DescriptionError::Whole { file: file.to_path_buf(), what });
     }
-    Ok(std::fs::read(file).map_err(unread)?)
+    Ok(bytes)
 }
 
 /// The text of an XML file, and a warning where it had to be guessed at.
@@ -137,6 +145,7 @@ mod tests {
         assert!(of("<mujocoinclude/>").unwrap_err().contains("give the file that does"));
         assert!(of("<sdf version='1.7'/>").unwrap_err().contains("SDF"));
         assert!(of("<xacro:macro/>").unwrap_err().contains("xacro FILE > robot.urdf"));
+        assert!(of(" \n").unwrap_err().contains("the file is empty"));
         assert!(of("<!-- nothing").unwrap_err().contains("expected <robot>"));
         assert!(of("<html>").unwrap_err().contains("<html>"));
     }

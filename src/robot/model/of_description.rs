@@ -43,7 +43,7 @@ impl Model {
         let root = tree.base_link().map(|link| &description.links[link.0]).or_else(still);
         let root = root.map_or_else(|| "world".to_owned(), |link| link.name.clone());
         let names = names(description, &jointed, &root);
-        let joint = |(index, body): (usize, &Jointed)| joint(&description.joints[body.joint.0], body, index, &names);
+        let joint = |(index, body): (usize, &Jointed)| joint(description, body, index, &names);
         let mut tables = RobotTables {
             name: robot.clone(),
             root,
@@ -143,7 +143,12 @@ fn names(description: &Description, jointed: &[Jointed], root: &str) -> Vec<Stri
     std::iter::once(root.to_owned()).chain(jointed.iter().map(name)).collect()
 }
 
-fn joint(mover: &Mover, body: &Jointed, index: usize, names: &[String]) -> Joint {
+/// A joint; its software holds setpoints where it may go, and where its servo's control may.
+fn joint(description: &Description, body: &Jointed, index: usize, names: &[String]) -> Joint {
+    let mover = &description.joints[body.joint.0];
+    let servo = description.actuators.iter().filter(|servo| servo.joint == body.joint).find_map(Actuator::as_servo);
+    let ranges = [mover.limit_rad, servo.and_then(|servo| servo.control_range)];
+    let software_rad = ranges.into_iter().flatten().reduce(|a, b| [a[0].max(b[0]), a[1].min(b[1])]);
     let spring =
         JointSpring { stiffness_nm_rad: mover.stiffness[0], damping_nm_s_rad: 0.0, rest_rad: mover.spring_rest_rad };
     Joint {
@@ -157,7 +162,7 @@ fn joint(mover: &Mover, body: &Jointed, index: usize, names: &[String]) -> Joint
         in_child_m: Vector3::zeros(),
         phi_rad: Vector3::zeros(),
         hardware_rad: mover.limit_rad,
-        software_rad: mover.limit_rad,
+        software_rad,
         speed_rad_s: mover.rate_limit_rad_s.filter(|rate| *rate > 0.0),
         spring: (spring.stiffness_nm_rad > 0.0).then_some(spring),
     }
@@ -242,6 +247,16 @@ mod tests {
         let file = folder.path().join("arm.xml");
         fs::write(&file, text).unwrap();
         Description::read(&file).unwrap()
+    }
+
+    #[test]
+    fn setpoints_are_held_where_a_servos_control_may_go() {
+        let range = |servo: &str| {
+            let model = Model::of_description(&described(&ARM.replace(r#"<position joint="c""#, servo))).unwrap();
+            model.joints()[model.joint("c").unwrap().index()].software_rad
+        };
+        assert_eq!(range(r#"<position joint="c""#), None);
+        assert_eq!(range(r#"<position joint="c" ctrlrange="-.4 .8""#), Some([-0.4, 0.2]));
     }
 
     #[test]

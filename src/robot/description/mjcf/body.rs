@@ -37,7 +37,7 @@ pub(super) struct Content<'e> {
 impl Reader<'_> {
     /// Reads all bodies, parents first, depth first. The answer is the suffixes that replicas gave to names.
     pub fn bodies(&mut self, root: &Element) -> Result<Vec<String>, DescriptionError> {
-        let (mut names, mut left) = (Names::default(), MOST_ELEMENTS);
+        let (mut names, mut left) = (Names::of(root), MOST_ELEMENTS);
         let mut open: Vec<(&Element, Scope<'_>, Option<LinkId>)> = Vec::new();
         for world in root.all("worldbody") {
             let mut content = Content::default();
@@ -129,7 +129,8 @@ impl Reader<'_> {
         let euler = replicate.exactly::<3>("euler")?.unwrap_or_default().map(|angle| self.compiler.angle(angle));
         let digits = (count as usize).to_string().len();
         let mut place = Translation3::identity();
-        for copy in 0..count as usize {
+        let is_empty = replicate.children.is_empty();
+        for copy in 0..if is_empty { 0 } else { count as usize } {
             let turned = self.compiler.sequence.rotation(euler.map(|angle| angle * copy as f64));
             let suffix = format!("{}{copy:0digits$}{}", replicate.text("sep").unwrap_or_default(), scope.suffix);
             names.suffixes.push(suffix.clone());
@@ -178,10 +179,13 @@ impl Reader<'_> {
         }
         let support = match parent {
             _ if !content.joints.is_empty() => Support::Moves,
-            Some(parent) if !self.stands(parent) => Support::Part,
+            Some(parent) if !self.stands(parent) => Support::Part(parent),
             _ => Support::Stands,
         };
         let inertia = self.inertia(body, content, support)?;
+        if self.named.keep_apart(body, &name) {
+            self.unfused.push(id);
+        }
         let colliders = self.colliders(content)?;
         let pose = scope.pose * pose(body, &self.compiler)?;
         self.into.links.push(Link { name, is_named, parent, pose, joints, inertia, colliders });

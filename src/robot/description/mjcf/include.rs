@@ -37,7 +37,9 @@ fn expand(main: &Path, element: &mut Element, files: &mut Vec<PathBuf>) -> Resul
 
 /// The root element of the file that an `<include>` names: beside the main file, else beside the including one.
 fn open(main: &Path, include: &Element, files: &mut Vec<PathBuf>) -> Result<Element, DescriptionError> {
-    let name = Path::new(include.needed("file")?);
+    // Files that were written on Windows.
+    let name = include.needed("file")?.replace('\\', "/");
+    let name = Path::new(&name);
     let beside = |file: &Path| file.parent().map_or_else(|| name.to_path_buf(), |folder| folder.join(name));
     let (first, second) = (beside(main), beside(&include.at.file));
     let path = if first.is_file() || !second.is_file() { first } else { second };

@@ -7,6 +7,7 @@ use super::geom::{Weight, weight};
 use super::orientation::{ORIENTATIONS, pose};
 use crate::robot::description::error::DescriptionError;
 use crate::robot::description::inertia::RigidInertia;
+use crate::robot::description::parts::LinkId;
 use crate::robot::description::xml::Element;
 use nalgebra::{Matrix3, Vector3};
 
@@ -15,8 +16,8 @@ use nalgebra::{Matrix3, Vector3};
 pub(super) enum Support {
     /// It has joints, or is free.
     Moves,
-    /// It has none, and what carries it moves.
-    Part,
+    /// It has none, and this carries it, which moves.
+    Part(LinkId),
     /// It has none, nor has anything that carries it: its weight moves nothing.
     Stands,
 }
@@ -74,11 +75,25 @@ impl Reader<'_> {
         }
         // Geoms that weigh nothing say nothing.
         let weighed = sum.filter(|sum| sum.mass_kg > WEIGHTLESS_KG);
-        if self.compiler.is_fusing && support == Support::Part && weighed.is_none() && stated.is_some() {
-            let what = "inertiafromgeom=\"true\" with fusestatic, which loses an <inertial> of a body without joints";
+        let is_by_inertial = weighed.is_none() && stated.is_some();
+        if let Support::Part(carrier) = support
+            && self.compiler.is_fusing
+            && (is_by_inertial || weighed.is_some() && self.is_by_inertial(carrier))
+        {
+            let what = "inertiafromgeom=\"true\" with fusestatic, which loses an <inertial> where bodies without joints are fused";
             return Err(body.unsupported(what, "set inertiafromgeom=\"auto\""));
         }
+        if is_by_inertial {
+            self.by_inertial.push(LinkId(self.into.links.len()));
+        }
         Ok(self.bounded(weighed.or(stated), unsaid_m))
+    }
+
+    /// Whether a link, or what it is fused to, weighs what its `<inertial>` says though geoms were asked.
+    fn is_by_inertial(&self, link: LinkId) -> bool {
+        let own = &self.into.links[link.0];
+        let above = own.parent.filter(|_| own.joints.is_empty());
+        self.by_inertial.contains(&link) || above.is_some_and(|above| self.is_by_inertial(above))
     }
 }
 

@@ -3,6 +3,7 @@
 use super::compiler::Compiler;
 use crate::robot::description::error::DescriptionError;
 use crate::robot::description::parts::{JointKind, LinkId, Mover};
+use crate::robot::description::urdf::UNLIMITED;
 use crate::robot::description::xml::Element;
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
@@ -60,7 +61,11 @@ pub(super) fn range(
     limited: &str,
     compiler: &Compiler,
 ) -> Result<Option<[f64; 2]>, DescriptionError> {
-    let ends = of.exactly::<2>(range)?;
+    let is_reached = |ends: &[f64; 2]| ends.iter().any(|end| end.abs() < UNLIMITED);
+    let ends = of.limits::<2>(range, UNLIMITED)?;
+    if ends.as_ref().is_some_and(|ends| !is_reached(ends)) {
+        return Ok(None);
+    }
     let words = [("true", Some(true)), ("false", Some(false)), ("auto", None)];
     match (of.word(limited, &words)?.flatten(), ends) {
         (Some(false), _) | (None, None) => Ok(None),

@@ -18,6 +18,7 @@ mod include;
 mod inertial;
 mod joint;
 mod known;
+mod named;
 mod naming;
 mod option;
 mod orientation;
@@ -28,9 +29,10 @@ mod unread;
 
 use super::error::DescriptionError;
 use super::xml::Element;
-use super::{Description, Format};
+use super::{Description, Format, LinkId};
 use compiler::Compiler;
 use defaults::Classes;
+use named::NamedBodies;
 use std::path::Path;
 
 /// What MuJoCo reads beside this and what changes no motion of the tree.
@@ -56,6 +58,12 @@ const SILENT: &[&str] = &[
 struct Reader<'a> {
     compiler: Compiler,
     classes: Classes,
+    /// Bodies that other elements name.
+    named: NamedBodies,
+    /// Those that are fused to nothing though they have no joints.
+    unfused: Vec<LinkId>,
+    /// Those that weigh what their `<inertial>` says though geoms were asked.
+    by_inertial: Vec<LinkId>,
     into: &'a mut Description,
 }
 
@@ -84,9 +92,10 @@ pub(super) fn read(file: &Path, root: Element) -> Result<Description, Descriptio
     option::unread(&root, &mut description.warnings)?;
     let compiler = Compiler::read(&root)?;
     let classes = Classes::read(&root)?;
-    let mut reader = Reader { compiler, classes, into: &mut description };
+    let (named, unfused, by_inertial) = (NamedBodies::of(&root), Vec::new(), Vec::new());
+    let mut reader = Reader { compiler, classes, named, unfused, by_inertial, into: &mut description };
     let replicated = reader.bodies(&root)?;
-    reader.totals(&root)?;
+    reader.totals();
     reader.tendons(&root)?;
     reader.equalities(&root)?;
     reader.actuators(&root, &replicated)?;

@@ -9,6 +9,8 @@ use std::collections::HashSet;
 pub(super) struct Names {
     bodies: HashSet<String>,
     joints: HashSet<String>,
+    /// What the file has somewhere, replicas aside: nothing is invented that comes later.
+    reserved: HashSet<String>,
     invented: [usize; 2],
     made: usize,
     /// What replicas added to names, in the order in which they came.
@@ -16,6 +18,20 @@ pub(super) struct Names {
 }
 
 impl Names {
+    /// Of a file whose names are given before any is invented.
+    pub fn of(root: &Element) -> Self {
+        let mut names = Self::default();
+        names.reserve(root);
+        names
+    }
+
+    fn reserve(&mut self, element: &Element) {
+        if matches!(element.tag.as_str(), "body" | "joint") {
+            self.reserved.extend(given(element, ""));
+        }
+        element.children.iter().for_each(|child| self.reserve(child));
+    }
+
     /// The name of a body, and whether the file gives it.
     pub fn of_body(&mut self, body: &Element, suffix: &str) -> Result<(String, bool), DescriptionError> {
         self.made += 1;
@@ -26,7 +42,7 @@ impl Names {
             };
         }
         self.invented[0] += 1;
-        Ok((fresh(&mut self.bodies, format!("body_{}", self.made)), false))
+        Ok((fresh(&mut self.bodies, &self.reserved, format!("body_{}", self.made)), false))
     }
 
     /// The name of a joint of a body.
@@ -38,7 +54,7 @@ impl Names {
             };
         }
         self.invented[1] += 1;
-        Ok(fresh(&mut self.joints, format!("{body}_joint")))
+        Ok(fresh(&mut self.joints, &self.reserved, format!("{body}_joint")))
     }
 
     /// That names were invented.
@@ -54,11 +70,11 @@ fn given(element: &Element, suffix: &str) -> Option<String> {
     element.text("name").filter(|name| !name.is_empty()).map(|name| format!("{name}{suffix}"))
 }
 
-/// A name that is not taken.
-fn fresh(taken: &mut HashSet<String>, name: String) -> String {
+/// A name that is not taken, nor will be.
+fn fresh(taken: &mut HashSet<String>, reserved: &HashSet<String>, name: String) -> String {
     let mut found = name.clone();
     let mut number = 2;
-    while !taken.insert(found.clone()) {
+    while reserved.contains(&found) || !taken.insert(found.clone()) {
         found = format!("{name}_{number}");
         number += 1;
     }

@@ -8,8 +8,9 @@ use nalgebra::{Isometry3, Matrix3, Quaternion, Rotation3, Translation3, Unit, Un
 
 /// The attributes that turn something; at most one may stand on an element.
 pub(super) const ORIENTATIONS: &[&str] = &["quat", "axisangle", "xyaxes", "zaxis", "euler"];
-/// A vector shorter than this has no direction.
+/// A vector shorter than this has no direction; a direction is along z, up or down, where it is no further off.
 const NOTHING: f64 = 1e-14;
+const ALONG_Z: f64 = 1e-7;
 
 /// `eulerseq`: axes in turn, about the turned frame (small letters) or the fixed one (capitals).
 #[derive(Clone, Copy, Debug)]
@@ -91,11 +92,13 @@ pub(super) fn rotation(of: &Element, compiler: &Compiler) -> Result<UnitQuaterni
     }
 }
 
-/// The smallest turn of z to a direction; about x where that is -z.
+/// The smallest turn of z to a direction; about x where that is -z, nearly.
 pub(super) fn from_z(to: &Unit<Vector3<f64>>) -> UnitQuaternion<f64> {
     let across = Vector3::z().cross(to);
-    let axis = Unit::try_new(across, NOTHING).unwrap_or_else(Vector3::x_axis);
-    UnitQuaternion::from_axis_angle(&axis, math::atan2(across.norm(), to.z))
+    match Unit::try_new(across, ALONG_Z) {
+        Some(axis) => UnitQuaternion::from_axis_angle(&axis, math::atan2(across.norm(), to.z)),
+        None => UnitQuaternion::from_axis_angle(&Vector3::x_axis(), math::atan2(0.0, to.z)),
+    }
 }
 
 #[cfg(test)]
@@ -119,5 +122,8 @@ mod tests {
             let to = Unit::new_normalize(Vector3::from(to));
             assert!((from_z(&to) * Vector3::z() - to.into_inner()).norm() < 1e-14);
         }
+        // MuJoCo 4.0.0 turns about x, where the smallest turn is about y.
+        let nearly = Unit::new_normalize(Vector3::new(-8.742e-8, 0.0, -1.0));
+        assert!((from_z(&nearly) * Vector3::y() + Vector3::y()).norm() < 1e-14);
     }
 }

@@ -306,7 +306,7 @@ fn what_fusing_does_to_others_is_refused() {
             r#"<mujoco><compiler fusestatic="true" settotalmass="5"/><worldbody>{world}</worldbody></mujoco>"#
         ))
     };
-    assert!(total(r#"mocap="true""#).is_err());
+    near([link(&total(r#"mocap="true""#).unwrap(), "a").inertia.mass_kg], &[2.5]);
     near([link(&total("").unwrap(), "a").inertia.mass_kg], &[5.0]);
     let part = r#"<body><inertial pos="0 0 0" mass="2" diaginertia=".1 .1 .1"/></body>"#;
     let weighed = |from: &str| {
@@ -316,6 +316,75 @@ fn what_fusing_does_to_others_is_refused() {
         ))
     };
     assert!(weighed("true").is_err() && weighed("auto").is_ok());
+    let carrier = |from: &str| {
+        let stated = r#"<inertial pos=".1 .2 .3" mass="1" diaginertia="1 2 2.5"/>"#;
+        let world = format!(r#"<body name="a">{J}{stated}<body>{G}</body></body>"#);
+        read(&format!(
+            r#"<mujoco><compiler fusestatic="true" inertiafromgeom="{from}"/><worldbody>{world}</worldbody></mujoco>"#
+        ))
+    };
+    assert!(carrier("true").is_err() && carrier("auto").is_ok());
+}
+
+/// Masses by MuJoCo 4.0.0.
+#[test]
+fn what_others_name_is_not_fused() {
+    let masses = |own: &str, inside: &str, after: &str| {
+        let stands = format!(r#"<body name="s" {own}><geom size=".1" mass="5"/><site name="t"/>{inside}</body>"#);
+        let world = format!(r#"{stands}<body name="a">{J}{G}</body>"#);
+        let text = format!(r#"<mujoco><compiler fusestatic="true"/><worldbody>{world}</worldbody>{after}</mujoco>"#);
+        read(&text).unwrap().total_mass_kg()
+    };
+    let fused =
+        ["", r#"<sensor><gyro site="t"/></sensor>"#, r#"<sensor><framepos objtype="site" objname="t"/></sensor>"#];
+    fused.iter().for_each(|after| near([masses("", "", after)], &[1.0]));
+    let apart = [
+        r#"<contact><exclude body1="a" body2="s"/></contact>"#,
+        r#"<sensor><framepos objtype="xbody" objname="s"/></sensor>"#,
+        r#"<sensor><force site="t"/></sensor>"#,
+        r#"<sensor><subtreecom body="s"/></sensor>"#,
+    ];
+    apart.iter().for_each(|after| near([masses("", "", after)], &[6.0]));
+    near([masses(r#"fuse="false""#, "", "")], &[6.0]);
+    // What is fused to it is not fused to the world.
+    let inside = r#"<body name="u"><geom size=".1" mass="7"/></body>"#;
+    near([masses("", inside, apart[0])], &[13.0]);
+    near([masses("", inside, r#"<contact><exclude body1="a" body2="u"/></contact>"#)], &[8.0]);
+    let tensor = r#"<body name="p"><inertial pos="0 0 0" mass="0" diaginertia="1 1 1"/></body>"#;
+    let named = r#"<contact><exclude body1="a" body2="p"/></contact>"#;
+    let world = format!(r#"<body name="a">{J}{G}{tensor}</body>"#);
+    near([about_joint(r#"<compiler fusestatic="true"/>"#, &world, named)], &[1.014]);
+}
+
+#[test]
+fn no_name_is_invented_that_the_file_has_further_on() {
+    let made = robot(
+        "",
+        r#"<body><joint/><geom size=".1"/><body name="body_1"><joint/><geom size=".1"/>
+        <body name="c"><joint name="body_1_joint"/><geom size=".1"/></body></body></body>"#,
+    );
+    let names: Vec<&str> = made.joints.iter().map(|joint| joint.name.as_str()).collect();
+    assert_eq!(made.links[0].name, "body_1_2");
+    assert_eq!(names, ["body_1_2_joint", "body_1_joint_2", "body_1_joint"]);
+}
+
+#[test]
+fn an_infinite_limit_is_none() {
+    let limit = |range: &str| {
+        let body = format!(r#"<body><joint name="j" range="{range}"/><geom size=".1"/></body>"#);
+        joint(&robot(r#"<compiler angle="radian"/>"#, &body), "j").limit_rad
+    };
+    assert_eq!(limit("-inf inf"), None);
+    assert_eq!(limit("-1 inf"), Some([-1.0, 1e9]));
+    let nan = r#"<body><joint range="-1 nan"/><geom size=".1"/></body>"#;
+    assert!(read(&format!("<mujoco><worldbody>{nan}</worldbody></mujoco>")).is_err());
+}
+
+#[test]
+fn empty_replicas_of_replicas_end() {
+    let many =
+        r#"<replicate count="1000"><replicate count="200000"/></replicate><body><joint/><geom size=".1"/></body>"#;
+    assert_eq!(robot("", many).links.len(), 1);
 }
 
 #[test]

@@ -2,27 +2,12 @@
 
 use super::Reader;
 use super::inertial::WEIGHTLESS_KG;
-use crate::robot::description::error::DescriptionError;
 use crate::robot::description::inertia::RigidInertia;
-use crate::robot::description::xml::Element;
+use crate::robot::description::parts::LinkId;
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 
 /// Relative error of moments that were moved and found again.
 const ROUNDING: f64 = 1e-12;
-/// What keeps MuJoCo from fusing a body that stands on the world: elements and attributes that name bodies.
-const NAMING: &[&str] = &["connect", "weld", "exclude", "adhesion", "force", "torque"];
-
-/// Whether anything in a file may keep a body from being fused.
-fn names_bodies(element: &Element) -> bool {
-    let attribute = |name: &str, value: &str| element.text(name).is_some_and(|own| own.trim() == value);
-    NAMING.contains(&element.tag.as_str())
-        || attribute("mocap", "true")
-        || attribute("fuse", "false")
-        || element.text("target").is_some()
-        || element.text("objtype").is_some_and(|kind| kind.contains("body"))
-        || element.children.iter().any(names_bodies)
-}
-
 impl Reader<'_> {
     /// `boundmass`, `boundinertia`: nothing lighter; `balanceinertia`: a tensor that no body has becomes its mean.
     ///
@@ -49,19 +34,14 @@ impl Reader<'_> {
     }
 
     /// `fusestatic`: what stands on the world becomes world and weighs nothing, and what is weightless on another body adds
-    /// nothing to it; `settotalmass`: all scaled to a sum.
-    pub(super) fn totals(&mut self, root: &Element) -> Result<(), DescriptionError> {
-        if self.compiler.is_fusing && self.compiler.total_mass_kg.is_some() && names_bodies(root) {
-            let hint = "which bodies are fused is not followed here; set fusestatic=\"false\"";
-            return Err(root.unsupported("settotalmass beside fusestatic where bodies are named", hint));
-        }
+    /// nothing to it, unless anything names it; `settotalmass`: all scaled to a sum.
+    pub(super) fn totals(&mut self) {
         let free = self.into.free_joint.as_ref().map(|free| free.link.0);
         if self.compiler.is_fusing {
             let mut is_still: Vec<bool> = Vec::with_capacity(self.into.links.len());
             for (index, link) in self.into.links.iter_mut().enumerate() {
-                let stands = link.parent.is_none_or(|parent| is_still[parent.0]);
-                is_still.push(stands && link.joints.is_empty() && free != Some(index));
-                let is_part = link.joints.is_empty() && free != Some(index);
+                let is_part = link.joints.is_empty() && free != Some(index) && !self.unfused.contains(&LinkId(index));
+                is_still.push(is_part && link.parent.is_none_or(|parent| is_still[parent.0]));
                 if is_still[index] || is_part && link.inertia.mass_kg < WEIGHTLESS_KG {
                     link.inertia = RigidInertia::default();
                 }
@@ -73,6 +53,5 @@ impl Reader<'_> {
                 link.inertia = link.inertia.scaled(total / sum);
             }
         }
-        Ok(())
     }
 }

@@ -1,6 +1,6 @@
 //! `<joint>`: what it joins, how it moves, what limits it, what it follows.
 
-use super::{UNLIMITED, expect_elements, number, numbers, one, origin, plain};
+use super::{UNLIMITED, expect_elements, limit, number, numbers, one, origin, plain};
 use crate::robot::description::error::DescriptionError;
 use crate::robot::description::parts::JointKind;
 use crate::robot::description::xml::Element;
@@ -97,27 +97,27 @@ fn moves(joint: &Element, kind: JointKind, warnings: &mut Vec<String>) -> Result
     };
     let (mut limit_rad, mut effort_nm, mut rate_limit_rad_s) = (None, None, None);
     match one(joint, "limit", warnings) {
-        Some(limit) => {
-            limit.expect_attributes(
+        Some(limits) => {
+            limits.expect_attributes(
                 &["lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"],
                 warnings,
             );
-            let ends = [number(limit, "lower")?.unwrap_or(0.0), number(limit, "upper")?.unwrap_or(0.0)];
             let is_reached = |most: &f64| *most < UNLIMITED;
-            effort_nm = number(limit, "effort")?.filter(is_reached);
+            effort_nm = limit(limits, "effort")?.filter(is_reached);
             if effort_nm.is_some_and(|effort_nm| effort_nm < 0.0) {
-                warnings.push(limit.say(format!("{}: an effort below 0", joint.label())));
+                warnings.push(limits.say(format!("{}: an effort below 0", joint.label())));
             }
-            rate_limit_rad_s = number(limit, "velocity")?.filter(is_reached);
+            rate_limit_rad_s = limit(limits, "velocity")?.filter(is_reached);
             if kind != JointKind::Continuous {
+                let ends = [limit(limits, "lower")?.unwrap_or(0.0), limit(limits, "upper")?.unwrap_or(0.0)];
                 if ends[0] > ends[1] {
                     let what = "lower is above upper; taken as without limits";
-                    warnings.push(limit.say(format!("{}: {what}", joint.label())));
+                    warnings.push(limits.say(format!("{}: {what}", joint.label())));
                 } else if ends[0] == ends[1] {
-                    warnings.push(limit.say(format!("{}: by its limits it cannot move", joint.label())));
+                    warnings.push(limits.say(format!("{}: by its limits it cannot move", joint.label())));
                 }
-                let limits = |[low, high]: &[f64; 2]| low <= high && (*low > -UNLIMITED || *high < UNLIMITED);
-                limit_rad = Some(ends).filter(limits);
+                let limit = |[low, high]: &[f64; 2]| low <= high && (*low > -UNLIMITED || *high < UNLIMITED);
+                limit_rad = Some(ends).filter(limit);
             }
         }
         None if kind != JointKind::Continuous => warnings.push(joint.say("no <limit>; taken as without limits")),

@@ -86,6 +86,12 @@ fn number(element: &Element, name: &str) -> Result<Option<f64>, DescriptionError
     Ok(numbers::<1>(element, name)?.map(|[number]| number))
 }
 
+/// A limit; [`UNLIMITED`] where it is infinite or beyond that.
+fn limit(element: &Element, name: &str) -> Result<Option<f64>, DescriptionError> {
+    plain(element, name)?;
+    Ok(element.limits::<1>(name, UNLIMITED)?.map(|[limit]| limit))
+}
+
 /// The first child with a tag; says so where there are more.
 fn one<'a>(element: &'a Element, tag: &'a str, warnings: &mut Vec<String>) -> Option<&'a Element> {
     if let Some(second) = element.all(tag).nth(1) {

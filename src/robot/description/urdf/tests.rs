@@ -58,6 +58,21 @@ fn limits_and_friction_are_those_of_the_kind() {
 }
 
 #[test]
+fn an_infinite_limit_is_none() {
+    let limits = r#"<limit lower="-inf" upper="inf" effort="inf" velocity="Infinity"/>"#;
+    let made = joint("revolute", limits);
+    let own = &made.joints[0];
+    assert_eq!((own.limit_rad, own.effort_nm, own.rate_limit_rad_s), (None, None, None));
+    let one_sided = joint("revolute", r#"<limit lower="-1" upper="inf" effort="5" velocity="2"/>"#);
+    assert_eq!(one_sided.joints[0].limit_rad, Some([-1.0, 1e9]));
+    // What does not count may be left empty.
+    assert_eq!(
+        joint("continuous", r#"<limit lower="" upper="" effort="5" velocity="2"/>"#).joints[0].effort_nm,
+        Some(5.0)
+    );
+}
+
+#[test]
 fn what_is_written_twice_or_misspelt_is_said_and_the_first_counts() {
     let made =
         joint("continuous", r#"<axis xyz="0 1 0"/><axis xyz="1 0 0"/><origin xyz="1 0 0"/><origin xyz="2 0 0"/>"#);

@@ -15,6 +15,16 @@ impl Element {
         }
     }
 
+    /// So many limits, if the attribute is there; those that are infinite are `far`.
+    pub fn limits<const N: usize>(&self, name: &str, far: f64) -> Result<Option<[f64; N]>, DescriptionError> {
+        let words = self.text(name).map(|text| text.split_ascii_whitespace().map(str::parse::<f64>));
+        let numbers = words.and_then(|words| words.collect::<Result<Vec<f64>, _>>().ok()).unwrap_or_default();
+        match <[f64; N]>::try_from(numbers) {
+            Ok(ends) if ends.iter().all(|end| !end.is_nan()) => Ok(Some(ends.map(|end| end.clamp(-far, far)))),
+            _ => self.exactly::<N>(name),
+        }
+    }
+
     /// So many numbers, if the attribute is there.
     pub fn exactly<const N: usize>(&self, name: &str) -> Result<Option<[f64; N]>, DescriptionError> {
         let Some(numbers) = self.numbers(name)? else { return Ok(None) };
