@@ -1,7 +1,7 @@
 //! What a log is like before anything is fitted: sampling, quantisation, noise, held phase, rest.
 
 use super::health_correlation::{at_rest, correlation, lasts_s};
-use super::health_motion::{reversals, top_speed_rad_s, wraps_at_s};
+use super::health_motion::{Spikes, reversals, top_speed_rad_s, wraps_at_s};
 use super::health_noise::reading_floor_rad;
 use super::health_saturation::{Stuck, stuck, torque_plateau};
 use super::health_stamps::{
@@ -82,6 +82,8 @@ pub struct Health {
     pub torque_plateau: Option<(f64, f64)>,
     /// The reading stands at its end while the setpoint goes on.
     pub stuck: Option<Stuck>,
+    /// Single readings that jump and come back.
+    pub spikes: Option<Spikes>,
     /// When the reading first jumps by a turn from one sample to the next \[s\]; `None`: it does not.
     pub wraps_at_s: Option<f64>,
 }
@@ -162,6 +164,7 @@ pub fn health(log: &Log, sensor: &SensorSpec, mode: DriveMode) -> Health {
             .as_ref()
             .filter(|_| !is_input)
             .and_then(|asked| stuck(t, q, asked, band_rad.max(0.01 * (high - low)))),
+        spikes: Spikes::of(t, q, floor_rad),
         wraps_at_s: wraps_at_s(t, q, period_s),
     }
 }
@@ -178,6 +181,7 @@ impl Health {
                 "the reading jumps by a turn at {at_s:.3} s: the angle is wrapped; unwrap it (numpy.unwrap) before anything is fitted"
             ));
         }
+        doubts.extend(self.spikes.map(|spikes| spikes.words()));
         if self.stale_share > WORTH_A_REMARK {
             let percent = 100.0 * self.stale_share;
             doubts.push(format!("{percent:.0} % of the readings in motion repeat the one before: they come late"));

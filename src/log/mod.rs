@@ -73,6 +73,7 @@ pub use day::Day;
 pub use error::{CellFault, FileKind, LogError, UnitFault};
 pub use format::Format;
 pub use health::{Health, health};
+pub use health_motion::Spikes;
 pub use health_saturation::{Holds, Stuck};
 pub use health_stamps::SetpointStamps;
 pub(crate) use inputs::read_each_log;

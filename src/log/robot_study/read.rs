@@ -159,6 +159,16 @@ pub(crate) struct Sections {
 type RawSections<'a> =
     (Option<&'a RawFriction>, Option<&'a RawControl>, Option<&'a Spanned<RawFloor>>, Option<&'a RawRobotSensor>);
 
+/// How the robot is held. Studies with a clamped base have a reader of their own.
+fn scenario(document: &Document<'_>, given: &Option<Spanned<String>>) -> Result<RobotScenario, LogError> {
+    const EXPECTED: &str = "\"air\", \"floor\" or \"drop\" for a robot that walks, \"fixed\" where its base is clamped";
+    let key = "[robot] scenario";
+    let given = given.as_ref().ok_or_else(|| document.missing(key, EXPECTED))?;
+    let known = RobotScenario::WORDS.iter().find(|(word, _)| *word == given.get_ref().trim());
+    let unknown = || document.wrong(key, given.span(), format!("{:?}", given.get_ref()), EXPECTED);
+    known.map(|(_, scenario)| *scenario).ok_or_else(unknown)
+}
+
 /// Checks everything but the logs.
 pub(crate) fn robot_sections(
     document: &Document<'_>,
@@ -172,7 +182,7 @@ pub(crate) fn robot_sections(
     }
     let folder = document.file.parent().unwrap_or(Path::new(""));
     let model_path = (model.get_ref() != EMBEDDED).then(|| folder.join(model.get_ref()));
-    let scenario = document.needed_word("[robot] scenario", &robot.scenario, &RobotScenario::WORDS)?;
+    let scenario = scenario(document, &robot.scenario)?;
     let drop_height = document.number("[robot] drop_height", &robot.drop_height, HEIGHT)?;
     let is_on_floor = scenario == RobotScenario::Floor;
     if let Some(height) = robot.drop_height.as_ref().filter(|_| !is_on_floor) {

@@ -135,7 +135,10 @@ fn each_fault_is_one_error_that_names_the_key() {
         (swap("schema = 1", ""), "key `schema` is missing"),
         (swap("schema = 1", "schema = 2"), "key `schema`: found 2"),
         (swap("model = \"ers7\"", ""), "key `[robot] model` is missing"),
-        (swap("\"floor\"", "\"flor\""), "key `[robot] scenario`: found \"flor\", expected \"air\" or \"floor\""),
+        (
+            swap("\"floor\"", "\"flor\""),
+            "key `[robot] scenario`: found \"flor\", expected \"air\", \"floor\" or \"drop\" for a robot that walks, \"fixed\"",
+        ),
         (swap("\"floor\"", "\"air\""), "key `[robot] drop_height`: found it in scenario = \"air\""),
         (swap("drop_height = 0.03", "drop_height = 20"), "key `[robot] drop_height`: found 20"),
         (swap("[0.001, 0.007, 0.010]", "[0.001, 0.007]"), "key `[friction] coulomb`: found 2 numbers"),
