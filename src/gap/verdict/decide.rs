@@ -38,6 +38,8 @@ const TOLD_APART_Z: f64 = 2.0;
 const EQUAL_SHARE: f64 = 0.02;
 /// Standard deviations from which on the drive's gain has clearly moved.
 const GAIN_SD: f64 = 1.5;
+/// Numbers that moved by less have not where the joint as given is no more than an encoder's step off.
+const MOVED_SD: f64 = 1.0;
 
 /// Whether an RMS is more than noise of this size, where no cause improves anything.
 pub fn leaves_something(rms_rad: f64, noise_rad: f64) -> bool {
@@ -295,7 +297,7 @@ impl<'a> Judge<'a, '_> {
         let (rich, simple) = (&self.a.calibrated, &self.a.given);
         let gained = self.deviance(simple) - self.deviance(rich);
         let matters = self.a.excess(self.evidence, simple) - self.a.excess(self.evidence, rich) > MATTERS;
-        if !matters || !(gained > RECALIBRATES) {
+        if !matters || !(gained > RECALIBRATES) || !self.exceeds_a_step(simple) && !has_moved(rich) {
             return false;
         }
         let of = |t: &Trial| self.held.residuals(self.evidence, t);
@@ -357,6 +359,12 @@ fn complexity(effect: EffectId) -> (usize, bool) {
 fn is_beyond_belief(trial: &Trial, number: usize) -> bool {
     let name = &trial.model.parameters()[number].name;
     trial.beliefs().iter().any(|belief| belief.name == *name && belief.is_finding())
+}
+
+/// Whether any number was moved at all, as far as that is believed of it.
+fn has_moved(trial: &Trial) -> bool {
+    let numbers = trial.model.parameters().iter().zip(&trial.found.values).take(BASELINE);
+    numbers.filter(|(number, _)| !number.fixed).any(|(number, value)| number.moved(*value).abs() > MOVED_SD)
 }
 
 /// The number that was moved by most of its standard deviations. The drive's gain is one only from a clear move on: that

@@ -31,20 +31,27 @@ const SHARE: f64 = 1.0 / 3.0;
 
 /// With what the question begins where a link hangs.
 const HANGS: &str = "Does the link hang straight down at 0 rad in these logs?";
-/// What the first sentence of an answer says of it.
-const ELSEWHERE: &str = "or the link hangs elsewhere than at 0 rad";
+/// And where readings stand off setpoints.
+const SAME_ZERO: &str = "Do readings and setpoints count from the same zero?";
+/// What the first sentence of an answer says of each.
+const ASKED: [(&str, &str); 2] = [
+    (HANGS, "or the link hangs elsewhere than at 0 rad"),
+    (SAME_ZERO, "or readings and setpoints count from different zeros"),
+];
 
-/// An answer's sentences, of which the first asks whether the link hangs elsewhere, where that is among the doubts: a spring or
-/// another moment that is found may be no more than that. `is_named`: a cause is named, and the question stands behind it.
+/// An answer's sentences, of which the first asks whether the link hangs elsewhere, or readings have another zero than setpoints,
+/// where that is among the doubts: a spring or another moment that is found may be no more than that. `is_named`: a cause is
+/// named, and the question stands behind it.
 pub(in crate::gap) fn asking(sentence: &str, doubts: &[String], is_named: bool) -> String {
-    if !doubts.iter().any(|doubt| doubt.starts_with(HANGS)) {
+    let is_asked = |question: &str| doubts.iter().any(|doubt| doubt.starts_with(question));
+    let Some((_, elsewhere)) = ASKED.into_iter().find(|(question, _)| is_asked(question)) else {
         return sentence.to_owned();
-    }
+    };
     let first = sentence.find(". ").unwrap_or(sentence.trim_end_matches('.').len());
     if let Some(at) = sentence[..first].find("; ").filter(|_| is_named) {
-        return format!("{}, {ELSEWHERE} (see the question below){}", &sentence[..at], &sentence[at..]);
+        return format!("{}, {elsewhere} (see the question below){}", &sentence[..at], &sentence[at..]);
     }
-    format!("{}; {ELSEWHERE}: see the question below{}", &sentence[..first], &sentence[first..])
+    format!("{}; {elsewhere}: see the question below{}", &sentence[..first], &sentence[first..])
 }
 
 /// What simulations made of a study.
@@ -68,7 +75,7 @@ impl Simulated<'_> {
             return Vec::new();
         }
         let torque = self.torque().and_then(|share| other_gain(case, share));
-        torque.into_iter().chain(self.other_rest(case)).collect()
+        torque.into_iter().chain(self.other_rest(case)).chain(self.other_zero(case)).collect()
     }
 
     /// What is found of a number as a share of what is believed.
@@ -124,6 +131,41 @@ impl Simulated<'_> {
         let finds_its_link = moment_sd(&here) > FAR_SD && moment_sd(&there) < NEAR_SD && refitted[0] <= refitted[1];
         (finds_its_link || is_far_better(refitted)).then(|| question(best.rest_rad, "with refitted numbers", refitted))
     }
+}
+
+impl Simulated<'_> {
+    /// Readings that stand off those of the model all along, where a servo holds these at its setpoints.
+    fn other_zero(&self, case: &Case) -> Option<String> {
+        let is_held = case.items.iter().all(|item| item.entry.drive == DriveMode::Position);
+        let nominal = case.joint.nominal?;
+        if self.given_rad <= OFF * self.floor_rad || !is_held {
+            return None;
+        }
+        let mut evidence = Evidence::of(case, nominal)?.coarse();
+        evidence.deadline = self.deadline.clone();
+        let given = Trial::as_given(&evidence, &evidence.baseline());
+        let means: Vec<f64> = given.fit.iter().filter(|log| !log.is_empty()).map(|log| mean(log)).collect();
+        let off_rad = mean(&means);
+        let squares =
+            |log: &Vec<f64>| log.iter().map(|above| [above * above, (above - off_rad).powi(2)]).collect::<Vec<_>>();
+        let both: Vec<[f64; 2]> = given.fit.iter().flat_map(squares).collect();
+        let [here, there] = [0, 1].map(|k| (both.iter().map(|pair| pair[k]).sum::<f64>() / both.len() as f64).sqrt());
+        let is_everywhere = means.iter().all(|own| (own - off_rad).abs() < SHARE * off_rad.abs());
+        (is_everywhere && is_far_better([there, here])).then(|| {
+            format!(
+                "{SAME_ZERO} The readings stand {} {} what the model reads as given, all \
+                 along; without that it would be off by {} in place of {}: state `zero` of q in [columns] if they do not.",
+                mrad(off_rad.abs()),
+                if off_rad > 0.0 { "below" } else { "above" },
+                mrad(there),
+                mrad(here)
+            )
+        })
+    }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
 /// By how many of its standard deviations a moment was moved.
@@ -331,5 +373,21 @@ mod tests {
         }
         let doubts = check(&case).unwrap().doubts;
         assert!(matches!(&doubts[..], [only] if only.contains("At rest = 3.14 rad")), "{doubts:?}");
+    }
+
+    #[test]
+    fn readings_that_stand_off_their_setpoints_all_along_are_questioned() {
+        let mut case = case(DRIVEN);
+        let asks = |case: &Case| {
+            let doubts = check(case).unwrap().doubts;
+            doubts.into_iter().find(|doubt| doubt.contains("count from the same zero"))
+        };
+        assert_eq!(asks(&case), None);
+        for e in case.items.iter_mut().flat_map(|item| &mut item.experiments) {
+            e.measured_rad.iter_mut().for_each(|reading| *reading += 0.3);
+            e.start.angle_rad += 0.3;
+        }
+        let doubt = asks(&case).expect("no servo holds a joint so far off");
+        assert!(doubt.contains("above what the model reads"), "{doubt}");
     }
 }
