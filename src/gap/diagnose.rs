@@ -20,7 +20,7 @@ use super::verdict::law_found::{law_found, law_hinted};
 use super::verdict::next::next;
 use super::verdict::numbers::{UNNAMED, numbers, numbers_beside};
 use super::verdict::place::place;
-use super::verdict::rates::{Rates, probability, share_out, standing};
+use super::verdict::rates::{probability_of, share_out, standing};
 use super::verdict::sentence::{armature_words, far, followed, law_words, sentence};
 use super::verdict::told::{AtBest, tell};
 use super::verdict::twins::{Measured, measure};
@@ -72,13 +72,16 @@ pub fn diagnose(case: &Case, options: &GapOptions, progress: &dyn Progress) -> R
 /// What the robot says beside a joint's own logs.
 #[derive(Default)]
 pub(super) struct Beside<'a> {
-    /// What the joint is as given, where it carries bodies which are other than described: that of the robot as described.
+    /// What the joint is as given where that is not what its case makes of it: that of the robot as described.
     pub described: Option<&'a AsGiven>,
+    /// Whether it carries bodies which are other than described.
+    pub has_bodies: bool,
     /// What the whole robot leaves of it.
     pub whole: Option<WholeLeft>,
     /// Its causes as the whole robot has them, where that explains all joints.
     pub at_best: &'a [AtBest],
-    /// Whether the whole robot needs no causes of joints, so that none are looked for.
+    /// Whether the whole robot may need no causes of joints, so that none are looked for: a joint of which more than noise is
+    /// left then is looked at again, and only its numbers are told.
     pub needs_no_cause: bool,
 }
 
@@ -90,8 +93,9 @@ pub(super) fn diagnose_from(
     progress: &dyn Progress,
 ) -> Result<Diagnosis, GapError> {
     let stage = |stage| progress.go_on(Step::stage(stage));
-    let Beside { described, whole, at_best, needs_no_cause } = beside;
-    let evidence = evidence_of(case, options, whole)?;
+    let Beside { described, has_bodies, whole, at_best, needs_no_cause } = beside;
+    let mut evidence = evidence_of(case, options, whole)?;
+    evidence.numbers_alone = needs_no_cause;
     let demands = Arc::clone(&evidence.demands);
     let effects = considered(&evidence, options);
     let candidates = if needs_no_cause { &[][..] } else { &effects };
@@ -106,7 +110,9 @@ pub(super) fn diagnose_from(
     if let Some(described) = described {
         described.begin(&mut gap);
     }
-    let weighed = Weighed { options, evidence: &evidence, a: &attribution, decision: &decision, effects: &effects };
+    let is_brief = needs_no_cause && decision.verdict == Verdict::Unexplained;
+    let weighed =
+        Weighed { options, evidence: &evidence, a: &attribution, decision: &decision, effects: &effects, is_brief };
     stage(DETECTABLE)?;
     let detectable = weighed.detectable();
     let (parameters, effect_parameters) = weighed.numbers(at_best);
@@ -116,7 +122,7 @@ pub(super) fn diagnose_from(
     let (beliefs, undetermined) = (weighed.around().beliefs(), weighed.around().undetermined(&evidence));
     let moved = weighed.moved().and_then(|name| parameters.iter().find(|number| number.name == name));
     let parts = (&effect_parameters[..], &causes[..]);
-    let mut sentence = sentence(&case.joint.name, &decision, &gap, moved, parts, law.as_ref(), described.is_some());
+    let mut sentence = sentence(&case.joint.name, &decision, &gap, moved, parts, law.as_ref(), has_bodies);
     sentence += &weighed.further(&gap, &beliefs, &differs);
     let mut ranking = ranking(&evidence, &held, &attribution, &decision, &gap);
     if let [(effect, numbers)] = &effect_parameters[..] {
@@ -136,7 +142,7 @@ pub(super) fn diagnose_from(
     }
     let mut notes = notes(&evidence, &attribution, &decision, &differs);
     let mut doubts = case.doubts();
-    if !options.deadline.leaves_aside("slips in the study that simulations show") {
+    if !is_brief && !options.deadline.leaves_aside("slips in the study that simulations show") {
         let (given_rad, floor_rad, deadline) = (gap.before, gap.floor, &options.deadline);
         let simulated = Simulated { causes: &causes, beliefs: &beliefs, given_rad, floor_rad, deadline };
         doubts.extend(simulated.doubts(case));
@@ -205,6 +211,8 @@ struct Weighed<'a> {
     decision: &'a Decision<'a>,
     /// Effects that may be named.
     effects: &'a [EffectId],
+    /// Whether nothing is told but numbers.
+    is_brief: bool,
 }
 
 impl<'a> Weighed<'a> {
@@ -217,7 +225,7 @@ impl<'a> Weighed<'a> {
 
     /// The smallest size of each effect that these logs would have shown.
     fn detectable(&self) -> Vec<Detectable> {
-        if self.options.deadline.leaves_aside(DETECTABLE) {
+        if self.is_brief || self.options.deadline.leaves_aside(DETECTABLE) {
             return Vec::new();
         }
         let around = self.around();
@@ -235,7 +243,8 @@ impl<'a> Weighed<'a> {
     /// Numbers of the joint, and of the effects of the answer.
     fn numbers(&self, at_best: &[AtBest]) -> (Vec<Estimate>, Vec<(EffectId, Vec<Number>)>) {
         let around = self.around();
-        let beside: &[EffectId] = if self.options.deadline.leaves_aside(UNNAMED) { &[] } else { self.effects };
+        let is_brief = self.is_brief || self.options.deadline.leaves_aside(UNNAMED);
+        let beside: &[EffectId] = if is_brief { &[] } else { self.effects };
         let (parameters, mut effect_parameters) = numbers_beside(self.evidence, around, beside);
         tell(at_best, around, &mut effect_parameters);
         let has_gain = |effects: &[EffectId]| effects.contains(&EffectId::MotorGain);
@@ -254,7 +263,7 @@ impl<'a> Weighed<'a> {
     fn differs(&self) -> Vec<Differs> {
         // Causes that hold in some logs only may stand for a number that differs.
         let restricted = self.a.best.model.only().iter().any(Option::is_some);
-        let may_differ = !self.is_explained() || restricted;
+        let may_differ = !self.is_brief && (!self.is_explained() || restricted);
         match may_differ && !self.options.deadline.leaves_out("numbers that differ between logs") {
             true => differing(self.evidence, self.a),
             false => Vec::new(),
@@ -286,7 +295,8 @@ impl<'a> Weighed<'a> {
     /// The experiment that would tell apart what stands equally well.
     fn next_experiment(&self) -> Option<Next> {
         let rivals = rivals(self.a, self.decision);
-        match rivals.is_empty() || self.options.deadline.leaves_aside("the next experiment") {
+        let is_asked = !self.is_brief && !rivals.is_empty();
+        match !is_asked || self.options.deadline.leaves_aside("the next experiment") {
             true => None,
             false => next(self.evidence, self.a, self.decision.answer, &rivals),
         }
@@ -329,13 +339,6 @@ impl<'a> Weighed<'a> {
             intervals_trusted: self.is_explained(),
         }
     }
-}
-
-/// The rate at which answers like this one were right, and where it was measured: on twins of the study where enough of them
-/// are alike, else as shipped.
-fn probability_of(standing: &str, twins: Option<&Measured>) -> (f64, String) {
-    let measured = twins.and_then(|twins| twins.rate.clone());
-    measured.unwrap_or_else(|| probability(standing, &Rates::shipped()))
 }
 
 /// Numbers that moved further than belief allows, beside what an answer names already.

@@ -31,8 +31,10 @@ pub struct ClampedJoint {
     pub name: String,
     /// Its logs, each with what it carries along it.
     pub case: Case,
-    /// The same of the robot as described, where bodies have other masses in `case`.
+    /// The same of the robot as described, where bodies have other masses in `case`, or others move otherwise.
     pub as_described: Option<Case>,
+    /// Whether it carries bodies which are other than described.
+    pub(in crate::gap) has_bodies: bool,
     /// What the whole robot, simulated at its best, leaves of it.
     pub(in crate::gap) whole: Option<WholeLeft>,
     /// Its causes as that has them, where it explains all joints.
@@ -82,6 +84,7 @@ impl ClampedCase {
                 name: mover.name.clone(),
                 case,
                 as_described: None,
+                has_bodies: false,
                 whole: None,
                 at_best: Vec::new(),
                 needs_no_cause: false,

@@ -142,8 +142,14 @@ pub(in crate::gap) fn diagnose_joints(
         let first = described.iter().find(|first| first.joint == joint.name);
         let first = first.and_then(|first| first.diagnosis.as_ref()).map(AsGiven::of);
         let first = first.or_else(|| joint.as_described.as_ref().and_then(AsGiven::simulated));
-        let (described, needs_no_cause) = (first.as_ref(), joint.needs_no_cause);
-        let beside = Beside { described, whole: joint.whole, at_best: &joint.at_best, needs_no_cause };
+        let needs_no_cause = joint.needs_no_cause;
+        let beside = Beside {
+            described: first.as_ref(),
+            has_bodies: joint.has_bodies,
+            whole: joint.whole,
+            at_best: &joint.at_best,
+            needs_no_cause,
+        };
         let found = match diagnose_from(&joint.case, &own, beside, &counted) {
             Ok(mut diagnosis) => {
                 diagnosis.notes.extend(needs_no_cause.then(|| NEEDS_NO_CAUSE.to_owned()));
@@ -250,11 +256,7 @@ impl ClampedDiagnosis {
 
     /// The same of joints that push one another as bodies of these masses do, with numbers of their own where these are told.
     pub(in crate::gap) fn with_weighed(mut self, weighed: Vec<FoundNumber>) -> Self {
-        let is_other = |number: &&FoundNumber| {
-            let within = number.interval.zip(number.was).is_some_and(|([low, high], was)| (low..=high).contains(&was));
-            number.key == FoundKey::Mass && !within
-        };
-        let masses = weighed.iter().filter(is_other);
+        let masses = weighed.iter().filter(|number| number.key == FoundKey::Mass && number.is_other());
         let end = |mass: &FoundNumber| if mass.interval.is_none() { " (the end of what is believed)" } else { "" };
         let told = masses.map(|mass| format!("{}: {}{}", mass.name, mass.words(), end(mass)));
         let told: Vec<String> = told.collect();

@@ -37,6 +37,8 @@ pub(in crate::gap) struct Evidence {
     pub gain_seen: Option<Belief>,
     /// Of a joint of a robot: what the whole robot leaves of it.
     pub whole: Option<WholeLeft>,
+    /// Whether nothing is asked for but numbers: no law either.
+    pub numbers_alone: bool,
     /// What the user demands of numbers and of parameters of effects.
     pub demands: Arc<Directives>,
     /// Where it hangs, as given; 0 where nothing is said \[rad\].
@@ -84,6 +86,7 @@ impl Evidence {
             normal_beliefs: false,
             gain_seen: gain_seen(&all, &case.uncertain),
             whole: None,
+            numbers_alone: false,
             demands: Arc::default(),
             rest_rad: case.joint.rest_rad.unwrap_or(0.0),
             scale_known,

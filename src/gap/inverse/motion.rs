@@ -55,10 +55,11 @@ fn searched_within(
     progress: &dyn Progress,
 ) -> Result<(ClampedCase, ClampedDiagnosis), TorqueError> {
     let (case, masses) = weighed_case(setup, options, progress)?;
-    let (case, found) = at_a_glance(setup, (case, &masses), options, progress)?;
-    if let Some(found) = found {
-        return Ok((case, found));
-    }
+    let (case, glance) = at_a_glance(setup, (case, &masses), options, progress)?;
+    let bodies_were_tried = match glance {
+        Glance::Answers(found) => return Ok((case, *found)),
+        Glance::Leaves { bodies_were_tried } => bodies_were_tried,
+    };
     let are_chosen = !masses.is_empty();
     let first = diagnose_clamped(&case, options, progress)?.with_weighed(masses);
     let (case, mut first) = followed(setup, options, progress, (case, first))?;
@@ -72,11 +73,14 @@ fn searched_within(
         return Ok((case, first));
     }
     progress.go_on(Step::stage("payload and masses"))?;
-    let Some(asked) = asked_for(setup, &case, &first, Worth::Always, options)? else { return Ok((case, first)) };
+    let mut bodies = may_be_other(setup, &case, &first, options)?;
+    // No other one explained anything before.
+    bodies.retain(|body| is_asked(body) || !bodies_were_tried);
+    let Some(asked) = best_of(setup, bodies, &first, options) else { return Ok((case, first)) };
     if let Some(better) = with_body(setup, (&case, &first), &asked, options, progress)? {
         return Ok(better);
     }
-    if asked.body.saved >= MARGIN {
+    if is_asked(&asked.body) {
         first.notes.push(format!(
             "Along the measured motion the servos' torques ask for {}; simulated with it, the joints predict held-out logs \
              no better, so it is not named.",
@@ -86,6 +90,14 @@ fn searched_within(
     Ok((case, first))
 }
 
+/// What a robot shows before causes of joints are looked for.
+enum Glance {
+    /// It needs none.
+    Answers(Box<ClampedDiagnosis>),
+    /// It leaves something, with any body beside numbers where these were tried.
+    Leaves { bodies_were_tried: bool },
+}
+
 /// The robot where no causes of joints are needed, so that none are looked for: with numbers alone, or with a body in place that
 /// the torques ask for rather than for such causes, it leaves only noise of every joint, simulated as a whole. No answer elsewhere.
 fn at_a_glance(
@@ -93,7 +105,7 @@ fn at_a_glance(
     (case, masses): (ClampedCase, &[FoundNumber]),
     options: &GapOptions,
     progress: &dyn Progress,
-) -> Result<(ClampedCase, Option<ClampedDiagnosis>), TorqueError> {
+) -> Result<(ClampedCase, Glance), TorqueError> {
     let needs_no_cause = |case: ClampedCase, is: bool| {
         let joints = case.joints.into_iter().map(|joint| ClampedJoint { needs_no_cause: is, ..joint });
         ClampedCase { joints: joints.collect(), ..case }
@@ -105,20 +117,24 @@ fn at_a_glance(
         // Who says that nothing explains the rest has to have looked.
         if !found.found().any(is_unexplained) {
             let found = if masses.is_empty() { found } else { found.chosen_by_held_out(OTHER_MASSES) };
-            return Ok((along, Some(found)));
+            return Ok((along, Glance::Answers(Box::new(found))));
         }
     }
     let case = needs_no_cause(case, false);
+    let leaves = |bodies_were_tried: bool| Glance::Leaves { bodies_were_tried };
     if !options.considers_bodies() || !first.found().any(is_unexplained) || options.deadline.leaves_out(BODIES) {
-        return Ok((case, None));
+        return Ok((case, leaves(false)));
     }
     progress.go_on(Step::stage("payload and masses"))?;
-    let asked = asked_for(setup, &case, &first, Worth::IfAsked, options)?;
-    let asked = asked.filter(|asked| asked.explains && asked.body.saved >= MARGIN);
-    let Some(asked) = asked else { return Ok((case, None)) };
-    Ok(match with_body(setup, (&case, &first), &asked, options, progress)? {
-        Some((with_it, found)) => (with_it, Some(found)),
-        None => (case, None),
+    let bodies = may_be_other(setup, &case, &first, options)?;
+    if !bodies.iter().any(is_asked) {
+        return Ok((case, leaves(false)));
+    }
+    let asked = best_of(setup, bodies, &first, options).filter(|asked| asked.explains && is_asked(&asked.body));
+    let with_it = asked.map(|asked| with_body(setup, (&case, &first), &asked, options, progress)).transpose()?;
+    Ok(match with_it.flatten() {
+        Some((with_it, found)) => (with_it, Glance::Answers(Box::new(found))),
+        None => (case, leaves(true)),
     })
 }
 
@@ -131,22 +147,19 @@ struct Asked {
     explains: bool,
 }
 
-/// When bodies are worth simulations of the whole robot.
-#[derive(Clone, Copy, PartialEq)]
-enum Worth {
-    /// Where torques ask for any of them.
-    IfAsked,
-    Always,
+/// Whether torques ask for a body.
+fn is_asked(body: &BodyCause) -> bool {
+    body.saved >= MARGIN
 }
 
-/// The body that joints ask for along their measured motion, if any, as the whole robot has it.
-fn asked_for(
+/// Bodies that may be other than described, with what torques along the joints' measured motion ask of them: those that say most
+/// first.
+fn may_be_other(
     setup: &ClampedSetup,
     case: &ClampedCase,
     first: &ClampedDiagnosis,
-    worth: Worth,
     options: &GapOptions,
-) -> Result<Option<Asked>, TorqueError> {
+) -> Result<Vec<BodyCause>, TorqueError> {
     let late_s: BTreeMap<String, f64> = first.found().filter_map(|d| Some((d.joint.clone(), late_s(d)?))).collect();
     let commanded = TorqueCase::commanded(setup, &late_s)?;
     let (_, mut founds, moving) = searched(&commanded, &[], &|effect| options.considers(effect));
@@ -155,13 +168,11 @@ fn asked_for(
         own.with_causes(simulated.iter().flat_map(|d| &d.causes).map(|cause| cause.effect));
     }
     if founds.is_empty() {
-        return Ok(None);
+        return Ok(Vec::new());
     }
     // Where numbers alone explain everything only what torques ask for is worth a look.
     let least = if needs_only_numbers(case, first) { MARGIN } else { f64::NEG_INFINITY };
-    let bodies = find(setup, &moving, &founds, &[], &options.withheld_bodies(), least, &options.deadline)?;
-    let is_asked = bodies.iter().any(|body| body.saved >= MARGIN);
-    Ok((is_asked || worth == Worth::Always).then(|| best_of(setup, bodies, first, options)).flatten())
+    Ok(find(setup, &moving, &founds, &[], &options.withheld_bodies(), least, &options.deadline)?)
 }
 
 /// The robot diagnosed with a body in place; `None` where that is worth no more than what was found before.
@@ -182,6 +193,7 @@ fn with_body(
         joint.needs_no_cause = *explains;
         if let Some(own) = case.joints.iter().find(|own| own.name == joint.name && carries(own)) {
             joint.as_described = Some(own.as_described.as_ref().unwrap_or(&own.case).clone());
+            joint.has_bodies = true;
         }
     }
     // To joints that do not carry it nothing has changed, unless it leaves nothing to explain of them either.
@@ -253,8 +265,7 @@ fn best_of(
     let causes = placed_causes(first);
     let at_best = |body: &BodyCause| {
         let alone = body_at_best(setup, body, &[], first, &options.deadline);
-        let is_asked = body.saved >= MARGIN;
-        if alone.as_ref().is_some_and(|alone| alone.explains) || !is_asked {
+        if alone.as_ref().is_some_and(|alone| alone.explains) || !is_asked(body) {
             return alone.filter(|alone| alone.explains);
         }
         let beside =
@@ -269,7 +280,7 @@ fn best_of(
     let least_rad = tried.iter().map(|one| one.left_rad).fold(f64::INFINITY, f64::min);
     let mut as_good = tried.into_iter().filter(|one| one.left_rad <= AS_GOOD * least_rad);
     let Some(best) = as_good.next() else {
-        let first = bodies.into_iter().next().filter(|body| body.saved >= MARGIN);
+        let first = bodies.into_iter().next().filter(is_asked);
         return first.map(|body| Asked { body, numbers: Vec::new(), explains: false });
     };
     let BodyAtBest { body: mut best, numbers, .. } = best;

@@ -49,6 +49,7 @@ pub(super) fn followed(
         let again = ClampedCase::as_found(setup, &masses, whole)?.map(|mut again| {
             for (joint, before) in again.joints.iter_mut().zip(&case.joints) {
                 joint.as_described.clone_from(&before.as_described);
+                joint.has_bodies = before.has_bodies;
                 joint.whole = before.whole;
                 joint.needs_no_cause = before.needs_no_cause;
                 joint.at_best.clone_from(&before.at_best);

@@ -64,8 +64,10 @@ pub(super) fn weighed_case(
     let (mut case, masses) = match best {
         None => (described, Vec::new()),
         Some((_, mut case, masses)) => {
+            let are_other = masses.iter().any(FoundNumber::is_other);
             for (joint, described) in case.joints.iter_mut().zip(described.joints) {
                 joint.as_described = Some(described.case);
+                joint.has_bodies = are_other;
             }
             (case, masses)
         }

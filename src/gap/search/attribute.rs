@@ -125,10 +125,11 @@ impl Attribution {
         refuted.retain(|e| !best.effects().contains(e));
         stage("looking for a law in what is left")?;
         let step_rad = coarse.reach.resolution_rad;
-        let worth_a_law = best.fit_loss(coarse) > samples * step_rad.max(noise_of_law(noise)).powi(2);
+        let leaves_much = best.fit_loss(coarse) > samples * step_rad.max(noise_of_law(noise)).powi(2);
+        let worth_a_law = leaves_much && !law_refuted && !evidence.numbers_alone;
         let refutes_it = |law: &Trial| refutes(coarse, evidence, law, &best);
         let Lawful { law, hint, refuted: refutes_one } =
-            if worth_a_law && !law_refuted && !evidence.deadline.leaves_out("a law in what is left") {
+            if worth_a_law && !evidence.deadline.leaves_out("a law in what is left") {
                 lawful(coarse, &best, &calibrated, &refutes_it)
             } else {
                 Lawful::default()

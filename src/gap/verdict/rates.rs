@@ -5,6 +5,7 @@
 //! copies of the user's own study instead.
 
 use super::decide::{Decision, EXPLAINED};
+use super::twins::Measured;
 use crate::gap::diagnosis::{Candidate, Verdict};
 use serde::{Deserialize, Serialize};
 
@@ -148,6 +149,13 @@ pub(in crate::gap) fn share_out(candidates: &mut [Candidate], decision: &Decisio
             c.probability = probability / among;
         }
     }
+}
+
+/// The rate at which answers like this one were right, and where it was measured: on twins of the study where enough of them
+/// are alike, else as shipped.
+pub(in crate::gap) fn probability_of(standing: &str, twins: Option<&Measured>) -> (f64, String) {
+    let measured = twins.and_then(|twins| twins.rate.clone());
+    measured.unwrap_or_else(|| probability(standing, &Rates::shipped()))
 }
 
 #[cfg(test)]

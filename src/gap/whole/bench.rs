@@ -22,6 +22,9 @@ const HALVINGS: i32 = 3;
 const NUDGE: f64 = 0.05;
 /// To first order a change is at most so many times what it was told at.
 const LARGEST: f64 = 10.0;
+/// Where all torques are scaled alike nothing moves; what seems to, by this share of what each of them moves, does so by the
+/// errors of differences, or as something small is known that was not scaled.
+const NOTHING: f64 = 0.05;
 
 /// To which sides numbers are changed for what they do: to both where it matters which of them do nothing together, to one
 /// where a robot is so far from its logs that it is only asked whether it comes nearer.
@@ -61,6 +64,18 @@ impl Slopes {
     /// What a point leaves, and what it asks of the beliefs.
     pub fn price(&self, point: &Point) -> f64 {
         dot(&self.weights, &point.left, &point.left) + point.sizes.iter().map(|size| size * size).sum::<f64>()
+    }
+
+    /// What the robot moves by to first order where each unknown changes by so many standard deviations \[rad\].
+    #[cfg(test)]
+    pub fn along(&self, sizes: &[f64]) -> Vec<Vec<f64>> {
+        let columns = || sizes.iter().zip(self.columns.iter().flatten());
+        let rows = self.columns.iter().flatten().next().map_or(0, Vec::len);
+        let row = |k: usize| {
+            let samples = self.columns.iter().flatten().next().map_or(0, |column| column[k].len());
+            (0..samples).map(|s| columns().map(|(size, column)| size * column[k][s]).sum()).collect()
+        };
+        (0..rows).map(row).collect()
     }
 
     /// How fast that falls to first order with each unknown, halved.
@@ -218,17 +233,46 @@ impl<'a> Bench<'a> {
             let rows = less.iter().zip(nudged(NUDGE)?);
             Some(rows.map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b) / apart).collect()).collect())
         };
-        let columns: Vec<Option<Vec<Vec<f64>>>> = (0..n).into_par_iter().map(column).collect();
+        let mut columns: Vec<Option<Vec<Vec<f64>>>> = (0..n).into_par_iter().map(column).collect();
         let weights = self.weights(&here.left);
-        let mut inner = DMatrix::identity(n, n);
+        self.free_scale(here, &weights, &mut columns);
+        let mut inner = DMatrix::zeros(n, n);
         for (a, of_a) in columns.iter().enumerate() {
             for (b, of_b) in columns.iter().enumerate() {
-                inner[(a, b)] += of_a.as_ref().zip(of_b.as_ref()).map_or(0.0, |(a, b)| dot(&weights, a, b));
+                inner[(a, b)] = of_a.as_ref().zip(of_b.as_ref()).map_or(0.0, |(a, b)| dot(&weights, a, b));
             }
         }
-        let factors = inner.cholesky()?;
-        let sd = factors.inverse().diagonal().iter().map(|variance: &f64| variance.max(0.0).sqrt()).collect();
+        // Samples that hang together say less; what is believed is not said by samples.
+        let told = &inner / self.correlation(here).max(1.0) + DMatrix::identity(n, n);
+        let variances = told.cholesky()?.inverse().diagonal();
+        let sd = variances.iter().map(|variance: &f64| variance.max(0.0).sqrt()).collect();
+        let factors = (inner + DMatrix::identity(n, n)).cholesky()?;
         Some(Slopes { columns, weights, factors, sd })
+    }
+
+    /// Takes out of the columns what they say of the scale of all torques: only the ratios of masses, friction and gains move a
+    /// robot, and what differences are off by would tell each of them far better than it is believed.
+    fn free_scale(&self, here: &Point, weights: &[f64], columns: &mut [Option<Vec<Vec<f64>>>]) {
+        let value = |(unknown, size): (&Unknown, &f64)| unknown.at(*size) / unknown.sd;
+        let is_scaled = |unknown: &Unknown| unknown.is_of_torque(self.causes);
+        let both = self.unknowns.iter().zip(&here.sizes);
+        let scaled: Vec<f64> = both.map(|both| if is_scaled(both.0) { value(both) } else { 0.0 }).collect();
+        let mut moved: Vec<Vec<f64>> = here.left.iter().map(|row| vec![0.0; row.len()]).collect();
+        let mut apart = 0.0;
+        for (times, column) in scaled.iter().zip(&*columns).filter(|(times, _)| **times != 0.0) {
+            let Some(column) = column else { return };
+            apart += times * times * dot(weights, column, column);
+            let pairs = moved.iter_mut().zip(column);
+            pairs.for_each(|(sum, row)| sum.iter_mut().zip(row).for_each(|(sum, by)| *sum += times * by));
+        }
+        let length: f64 = scaled.iter().map(|times| times * times).sum();
+        if length == 0.0 || dot(weights, &moved, &moved) > NOTHING * NOTHING * apart {
+            return;
+        }
+        for (times, column) in scaled.iter().zip(columns) {
+            let pairs = column.iter_mut().flatten().zip(&moved);
+            pairs.for_each(|(row, sum)| row.iter_mut().zip(sum).for_each(|(by, sum)| *by -= times / length * sum));
+        }
     }
 
     /// Goes to what is best to first order as far as that explains more, and by which share.

@@ -3,7 +3,7 @@
 //! Alone along the motion of the others each joint shows little of it, or something else; the whole robot shows it on all. Every
 //! effect that joints propose is put on all of them, and those that explain most beyond numbers to first order are fitted.
 
-use super::bench::{Beginnings, Bench, Point, Sides, Slopes};
+use super::bench::{Beginnings, Bench, Point, Slopes};
 use super::noise::mean_square;
 use super::numbers::found_robot;
 use super::robot::{PlacedCause, placed_causes};
@@ -136,7 +136,7 @@ impl<'a> Look<'a> {
     ) -> Option<Self> {
         let bench = Bench::new(setup, stated, &beside, each(beside.len()))?;
         let here = bench.stated(None)?;
-        let slopes = bench.slopes(&here, Sides::Both)?;
+        let slopes = bench.slopes(&here, bench.sides(&here))?;
         let joints = bench.logs.iter().flat_map(|log| &log.joints).zip(&here.left);
         // A joint that never moves says nothing.
         let noise_rad2: Vec<f64> = joints

@@ -14,7 +14,7 @@ use crate::robot::{Model, State};
 
 /// Longest step, and where numbers are searched \[s\].
 const STEP_S: f64 = 1e-3;
-const SEARCHED_STEP_S: f64 = 2e-3;
+const SEARCHED_STEP_S: f64 = 4e-3;
 
 /// Of each of a log's joints the reading at the first sample and its rate there \[rad, rad/s\].
 pub(super) type Beginning = Vec<[f64; 2]>;

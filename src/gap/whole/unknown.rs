@@ -1,6 +1,7 @@
 //! What is never quite right about a robot and its causes, within what is believed of it.
 
 use super::masses::own_inertias;
+use super::robot::PlacedCause;
 use crate::gap::clamped::{BELIEVED, ClampedSetup};
 use crate::log::{RobotLog, TauIs};
 use crate::robot::description::{FoundKey, FoundNumber, MoverId};
@@ -45,6 +46,18 @@ impl Unknown {
             Quantity::Body { .. } | Quantity::Value { .. } => -BELIEVED,
         };
         size.clamp(least, BELIEVED)
+    }
+
+    /// Whether it is a torque, or makes one: scaled alike with all the others it moves nothing.
+    pub fn is_of_torque(&self, causes: &[PlacedCause]) -> bool {
+        match &self.quantity {
+            Quantity::Number { .. } => true,
+            Quantity::Body { key, axis, .. } => *key == FoundKey::Payload && axis.is_none(),
+            Quantity::Value { causes: those, value } => {
+                let named = those.first().and_then(|first| causes[*first].form.named_parameters().get(*value));
+                named.is_some_and(|named| named.unit.contains("N m") || named.unit.contains("kg"))
+            }
+        }
     }
 
     /// Its size in a list of numbers, in standard deviations.

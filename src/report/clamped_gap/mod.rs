@@ -301,7 +301,10 @@ fn summary(report: &ClampedGapReport, diagnosis: &Diagnosis) -> String {
     let mut moved: Vec<&BeliefFound> = diagnosis.beliefs.iter().filter(is_told).collect();
     moved.sort_by(|a, b| b.moved_sd.abs().total_cmp(&a.moved_sd.abs()));
     let numbers = moved.into_iter().take(MOVED).map(|belief| {
-        let value = |value: f64| significant(value, 2);
+        // As many digits as tell them apart.
+        let differ = |digits: &i32| significant(belief.found, *digits) != significant(belief.believed, *digits);
+        let digits = (2..MOST_DIGITS).find(differ).unwrap_or(MOST_DIGITS);
+        let value = |value: f64| significant(value, digits);
         let unit = spoken(&belief.unit);
         format!("{} {} {unit} (was {})", belief.name, value(belief.found), value(belief.believed)).replace("  ", " ")
     });
@@ -335,6 +338,8 @@ const REDRAWS: &str = "the share of redraws of the held-out seconds that give th
 /// Standard deviations of its belief from which on a number that moved is told, and how many are.
 const TOLD_SD: f64 = 2.0;
 const MOVED: usize = 2;
+/// Digits of a number that has hardly moved.
+const MOST_DIGITS: i32 = 4;
 
 #[cfg(test)]
 mod tests {

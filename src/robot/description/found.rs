@@ -93,6 +93,11 @@ pub struct FoundNumber {
 }
 
 impl FoundNumber {
+    /// Whether its interval leaves out what study or description had, or it has none.
+    pub(crate) fn is_other(&self) -> bool {
+        !self.interval.zip(self.was).is_some_and(|([low, high], was)| (low..=high).contains(&was))
+    }
+
     /// `frictionloss 0.19 [0.17, 0.21] N m, was 0.052`
     pub fn words(&self) -> String {
         let place = self.place_m.map(|place| {
