@@ -131,9 +131,7 @@ impl Simulated<'_> {
         let finds_its_link = moment_sd(&here) > FAR_SD && moment_sd(&there) < NEAR_SD && refitted[0] <= refitted[1];
         (finds_its_link || is_far_better(refitted)).then(|| question(best.rest_rad, "with refitted numbers", refitted))
     }
-}
 
-impl Simulated<'_> {
     /// Readings that stand off those of the model all along, where a servo holds these at its setpoints.
     fn other_zero(&self, case: &Case) -> Option<String> {
         let is_held = case.items.iter().all(|item| item.entry.drive == DriveMode::Position);

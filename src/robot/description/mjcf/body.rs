@@ -129,8 +129,9 @@ impl Reader<'_> {
         let euler = replicate.exactly::<3>("euler")?.unwrap_or_default().map(|angle| self.compiler.angle(angle));
         let digits = (count as usize).to_string().len();
         let mut place = Translation3::identity();
-        let is_empty = replicate.children.is_empty();
-        for copy in 0..if is_empty { 0 } else { count as usize } {
+        // Of nothing there are no copies to go through.
+        let copies = if replicate.children.is_empty() { 0 } else { count as usize };
+        for copy in 0..copies {
             let turned = self.compiler.sequence.rotation(euler.map(|angle| angle * copy as f64));
             let suffix = format!("{}{copy:0digits$}{}", replicate.text("sep").unwrap_or_default(), scope.suffix);
             names.suffixes.push(suffix.clone());

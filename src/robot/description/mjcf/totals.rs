@@ -8,6 +8,7 @@ use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 
 /// Relative error of moments that were moved and found again.
 const ROUNDING: f64 = 1e-12;
+
 impl Reader<'_> {
     /// `boundmass`, `boundinertia`: nothing lighter; `balanceinertia`: a tensor that no body has becomes its mean.
     ///

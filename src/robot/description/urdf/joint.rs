@@ -116,8 +116,8 @@ fn moves(joint: &Element, kind: JointKind, warnings: &mut Vec<String>) -> Result
                 } else if ends[0] == ends[1] {
                     warnings.push(limits.say(format!("{}: by its limits it cannot move", joint.label())));
                 }
-                let limit = |[low, high]: &[f64; 2]| low <= high && (*low > -UNLIMITED || *high < UNLIMITED);
-                limit_rad = Some(ends).filter(limit);
+                let is_limit = |[low, high]: &[f64; 2]| low <= high && (*low > -UNLIMITED || *high < UNLIMITED);
+                limit_rad = Some(ends).filter(is_limit);
             }
         }
         None if kind != JointKind::Continuous => warnings.push(joint.say("no <limit>; taken as without limits")),
