@@ -278,7 +278,7 @@ fn lines_that_do_not_read_a_log_are_not_offered() {
     fs::write(dir.path().join("arm.csv"), log_of("time,A1_act,A1_cmd,A2_act,A2_cmd", 200, 0.008, arm)).unwrap();
     let dates = |t: f64| format!("2024-05-01T12:00:{t:06.3},{:.4}", decaying(t));
     fs::write(dir.path().join("dates.csv"), log_of("time,q", 200, 0.008, dates)).unwrap();
-    let naming = ["`time` looks like it", "{ name = \"A1_act\", unit = \"deg\" }", "`aibo-fit init`"];
+    let naming = ["`time` looks like it", "{ name = \"A1_act\" }", "`aibo-fit init`"];
     for (log, parts) in [("arm.csv", &naming[..]), ("dates.csv", &["a date or a time of day"])] {
         let words = ["init", log, "--study", "new.toml"];
         refused(log, dir.path(), &words, DATA, parts);

@@ -54,12 +54,12 @@ fn malformed_logs_are_refused_with_line_column_and_fix() {
         (
             "no angle at all",
             log_of("t,volts", swing),
-            &["column `q` is missing", "`t`, `volts`", "name them in a study", "{ name = \"volts\", unit = \"deg\" }"],
+            &["column `q` is missing", "`t`, `volts`", "name them in a study", "{ name = \"volts\" }"],
         ),
         (
             "names that tell nothing",
             log_of("time,A1,A2", |t| format!("{},0.1,0.2", t * 0.008)),
-            &["`time` looks like it", "\"joint_1.q\" = { name = \"A1\", unit = \"deg\" }", "\nt = { name = \"time\" }"],
+            &["`time` looks like it", "\"joint_1.q\" = { name = \"A1\" }", "\nt = { name = \"time\" }"],
         ),
         (
             "dates",

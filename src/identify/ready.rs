@@ -1,7 +1,7 @@
 //! A log looked at whole, and shortened to what a search can look at hundreds of times.
 
 use super::holes::{Begins, ends_of_holes};
-use crate::log::{DriveMode, Health, Log, SensorSpec, health, stretches, thinned};
+use crate::log::{DriveMode, Health, Log, SensorSpec, Spikes, health, stretches, thinned};
 
 /// Samples of a free log that are fitted at the most. A swing holds no more news than that.
 const MOST_SAMPLES: usize = 20_000;
@@ -23,8 +23,9 @@ pub(super) struct Ready {
 
 impl Ready {
     /// A log of a study that has so many.
-    pub fn of(log: Log, sensor: &SensorSpec, drive: DriveMode, logs: usize) -> Self {
-        let whole = health(&log, sensor, drive);
+    pub fn of(mut log: Log, sensor: &SensorSpec, drive: DriveMode, logs: usize) -> Self {
+        let spikes = Spikes::mended(&log.t_s, &mut log.q_rad);
+        let whole = Health { spikes, ..health(&log, sensor, drive) };
         let after_holes_s = ends_of_holes(&log.t_s);
         if drive == DriveMode::Off {
             let (log, health) = thinned(&log, &whole, MOST_SAMPLES).unwrap_or((log, whole));

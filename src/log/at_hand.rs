@@ -14,7 +14,7 @@ use super::plausible::{check_period, check_stamps};
 use super::read_log::{read_joint_of_study, read_robot_logs};
 use super::robot_log::RobotLog;
 use super::robot_study::{RobotStudy, StudyKind, kind_of, robot_study_of};
-use super::source::{Channel, Source, checked, joint_log, robot_log, tried};
+use super::source::{Channel, Source, Want, checked, joint_log, robot_log, tried};
 use super::study::study_of;
 use super::types::{Log, Study};
 use super::window::Window;
@@ -77,7 +77,7 @@ pub fn read_at_hand(name: &Path, text: &str, logs: &[Source]) -> Result<StudyAtH
 /// The log with this name, by what `[columns]` says of it.
 fn at_hand(logs: &[Source], name: &str, columns: &Columns) -> Result<Option<Source>, LogError> {
     let Some(found) = logs.iter().find(|log| log.file.as_os_str() == name) else { return Ok(None) };
-    let read = |columns: &Columns| checked(found.clone(), columns);
+    let read = |columns: &Columns| checked(found.clone(), Want::Any, columns);
     read(columns).map(Some).map_err(|error| tried(error, columns, read))
 }
 

@@ -12,21 +12,21 @@ use super::toml_text::{toml_key, toml_string};
 pub enum Unit {
     /// Times a second of this length \[s\]: `s`, `ms`, `us`, `ns`.
     Time(f64),
-    /// Times this many radians \[rad\]: `rad`, `deg`, `rev`; of a speed, per second.
+    /// Times this many radians \[rad\]: `rad`, `mrad`, `deg`, `rev`; of a speed, per second, and `rpm`.
     Angle(f64),
     /// So many to a turn: encoder counts, or a fraction of a range.
     Ticks {
         /// \[1\]
         per_rev: f64,
     },
-    /// `N m`
-    Torque,
-    /// `A`: a current, which `tau_is = "current"` turns into torque.
-    Current,
+    /// Times this many newton metres \[N m\]: `N m`, `mN m`.
+    Torque(f64),
+    /// Times this many amperes \[A\]: `A`, `mA`; a current, which `tau_is = "current"` turns into torque.
+    Current(f64),
 }
 
 /// The words of a study for units, but for `ticks`.
-pub(in crate::log) const WORDS: [(&str, Unit); 9] = [
+pub(in crate::log) const WORDS: [(&str, Unit); 13] = [
     ("s", Unit::Time(1.0)),
     ("ms", Unit::Time(1e-3)),
     ("us", Unit::Time(1e-6)),
@@ -34,17 +34,23 @@ pub(in crate::log) const WORDS: [(&str, Unit); 9] = [
     ("rad", Unit::Angle(1.0)),
     ("deg", Unit::Angle(TAU / 360.0)),
     ("rev", Unit::Angle(TAU)),
-    ("N m", Unit::Torque),
-    ("A", Unit::Current),
+    ("mrad", Unit::Angle(1e-3)),
+    ("rpm", Unit::RPM),
+    ("N m", Unit::Torque(1.0)),
+    ("mN m", Unit::Torque(1e-3)),
+    ("A", Unit::Current(1.0)),
+    ("mA", Unit::Current(1e-3)),
 ];
 
 impl Unit {
+    /// Turns a minute, of a speed.
+    pub(in crate::log) const RPM: Self = Self::Angle(TAU / 60.0);
+
     /// In SI per unit of the file.
     pub fn scale(self) -> f64 {
         match self {
-            Self::Time(scale) | Self::Angle(scale) => scale,
+            Self::Time(scale) | Self::Angle(scale) | Self::Torque(scale) | Self::Current(scale) => scale,
             Self::Ticks { per_rev } => TAU / per_rev,
-            Self::Torque | Self::Current => 1.0,
         }
     }
 
@@ -52,8 +58,9 @@ impl Unit {
     pub(in crate::log) fn fits(self, column: Column) -> bool {
         match column {
             Column::Time => matches!(self, Self::Time(_)),
+            Column::Angle | Column::Setpoint if self == Self::RPM => false,
             Column::Angle | Column::Setpoint | Column::Speed => matches!(self, Self::Angle(_) | Self::Ticks { .. }),
-            Column::Torque => matches!(self, Self::Torque | Self::Current),
+            Column::Torque => matches!(self, Self::Torque(_) | Self::Current(_)),
             Column::Drive => false,
         }
     }

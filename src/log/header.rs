@@ -56,12 +56,19 @@ fn aliases(column: Column) -> &'static [&'static str] {
     }
 }
 
+/// No joint has a number with more digits.
+const LONGEST_NUMBER: usize = 4;
+
 /// Whether the first row is no header at all: other separators, or numbers.
 pub(super) fn no_table(names: &[String], at: impl Fn() -> Box<Place>) -> Option<LogError> {
     if let Some(found) = other_separator(names) {
         return Some(LogError::Separator { at: at(), found });
     }
-    names.iter().all(|name| name.parse::<f64>().is_ok()).then(|| LogError::NoHeader { at: at() })
+    let is_number = |name: &String| name.parse::<f64>().is_ok();
+    // Joints may be called by their numbers; these are samples or stamps.
+    let is_sample = |name: &&String| is_number(name) && (name.contains('.') || name.len() > LONGEST_NUMBER);
+    let is_row = names.iter().all(is_number) || names.iter().filter(is_sample).count() > 1;
+    is_row.then(|| LogError::NoHeader { at: at() })
 }
 
 /// The separator that the header seems to use instead of the comma.

@@ -1,7 +1,7 @@
 //! What a log is like before anything is fitted: sampling, quantisation, noise, held phase, rest.
 
 use super::health_correlation::{at_rest, correlation, lasts_s};
-use super::health_motion::{Spikes, reversals, top_speed_rad_s, wraps_at_s};
+use super::health_motion::{reversals, top_speed_rad_s, wraps_at_s};
 use super::health_noise::reading_floor_rad;
 use super::health_saturation::{Stuck, stuck, torque_plateau};
 use super::health_stamps::{
@@ -9,6 +9,7 @@ use super::health_stamps::{
 };
 use super::plausible::{median, median_step};
 use super::release::{self, Start};
+use super::spikes::Spikes;
 use super::types::{DriveMode, Log, SensorSpec};
 use crate::number::{extent, math};
 
@@ -82,7 +83,7 @@ pub struct Health {
     pub torque_plateau: Option<(f64, f64)>,
     /// The reading stands at its end while the setpoint goes on.
     pub stuck: Option<Stuck>,
-    /// Single readings that jump and come back.
+    /// Single readings that jump and come back, which all else is told without.
     pub spikes: Option<Spikes>,
     /// When the reading first jumps by a turn from one sample to the next \[s\]; `None`: it does not.
     pub wraps_at_s: Option<f64>,
@@ -99,7 +100,9 @@ pub struct Health {
 /// # Ok::<(), aibo_fit::log::LogError>(())
 /// ```
 pub fn health(log: &Log, sensor: &SensorSpec, mode: DriveMode) -> Health {
-    let (t, q) = (&log.t_s[..], &log.q_rad[..]);
+    let (t, mut q) = (&log.t_s[..], log.q_rad.clone());
+    let spikes = Spikes::mended(t, &mut q);
+    let q = &q[..];
     let period_s = median_step(t);
     let (jitter_s, lost_samples) = jitter(t, period_s);
     let step_rad = quantisation(q);
@@ -164,7 +167,7 @@ pub fn health(log: &Log, sensor: &SensorSpec, mode: DriveMode) -> Health {
             .as_ref()
             .filter(|_| !is_input)
             .and_then(|asked| stuck(t, q, asked, band_rad.max(0.01 * (high - low)))),
-        spikes: Spikes::of(t, q, floor_rad),
+        spikes,
         wraps_at_s: wraps_at_s(t, q, period_s),
     }
 }
@@ -228,7 +231,7 @@ fn jitter(t: &[f64], period_s: f64) -> (f64, usize) {
 /// The levels that occur are sorted; in a quantised signal the distances between neighbours are small multiples of one
 /// step. Candidates are fractions of their median and of the smallest; the largest that nearly all are multiples of
 /// wins, and is refined over the whole range. Of a long log some of the readings show the levels.
-fn quantisation(q: &[f64]) -> Option<f64> {
+pub(super) fn quantisation(q: &[f64]) -> Option<f64> {
     let mut levels: Vec<f64> = q.iter().step_by(q.len().div_ceil(READINGS).max(1)).copied().collect();
     let readings = levels.len();
     levels.sort_unstable_by(f64::total_cmp);

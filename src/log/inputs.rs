@@ -9,6 +9,7 @@ use super::error::LogError;
 use super::header::hint;
 use super::plausible::check_period;
 use super::read_log::read_joint_of_study;
+use super::robot_log::{JointColumns, RobotLog};
 use super::types::{DriveMode, Log, Study, StudyLog};
 
 /// Reads all logs of a study, in the study's order.
@@ -55,9 +56,34 @@ pub(crate) fn check_inputs(study: &Path, i: usize, entry: &StudyLog, log: Log) -
         study: study.into(),
         entry: i + 1,
         drive: word,
-        column: needed.name(),
+        column: needed.name().to_owned(),
         hint: hint(&log.file, needed, &log.ignored_columns),
         found: columns(log),
+    })
+}
+
+/// The same of a joint of a robot's log, which `[[log]]` number `i`, from 0, drives.
+pub(crate) fn check_joint_inputs(
+    study: &Path,
+    i: usize,
+    drive: DriveMode,
+    (log, joint): (&RobotLog, &JointColumns),
+) -> Result<(), LogError> {
+    let is_asked = joint.q_ref_rad.is_some() || joint.setpoints.is_some();
+    let (needed, word) = match drive {
+        DriveMode::Position if !is_asked => (Column::Setpoint, "position"),
+        DriveMode::Torque if joint.tau_nm.is_none() => (Column::Torque, "torque"),
+        _ => return Ok(()),
+    };
+    let names = log.joints.iter().map(|joint| format!("{}.{}", joint.name, Column::Angle.name()));
+    Err(LogError::MissingInput {
+        file: log.file.clone().into_boxed_path(),
+        study: study.into(),
+        entry: i + 1,
+        drive: word,
+        column: format!("{}.{}", joint.name, needed.name()),
+        found: names.chain(log.ignored_columns.iter().cloned()).collect(),
+        hint: Some(format!("without = [\"{}\"] in [robot] leaves the joint out", joint.name)),
     })
 }
 

@@ -66,6 +66,11 @@ impl RobotLog {
         self.t_s.is_empty()
     }
 
+    /// What its reader decided, in a sentence; `None` where that was nothing.
+    pub(crate) fn remark(&self) -> Option<String> {
+        (!self.notes.is_empty()).then(|| format!("{}: {}.", self.file.display(), self.notes.join("; ")))
+    }
+
     /// A joint by name.
     pub fn joint(&self, name: &str) -> Option<&JointColumns> {
         self.joints.iter().find(|joint| joint.name == name)

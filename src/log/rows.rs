@@ -10,6 +10,9 @@ use super::error::{CellFault, FileKind, LogError};
 use super::place::{Place, Subject};
 use super::plausible::Row;
 
+/// With what a pointer of Git LFS begins.
+const LFS_POINTER: &[u8] = b"version https://git-lfs.github.com/spec/";
+
 /// Hands every row that is not blank to `take`, the header first.
 pub(super) fn for_each_row(
     path: &Path,
@@ -52,6 +55,10 @@ pub(super) fn not_text(start: &[u8]) -> Option<FileKind> {
         [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..] => Some(FileKind::Utf16),
         [b'P', b'K', 3, 4, ..] => Some(FileKind::Zip),
         [0x1F, 0x8B, ..] => Some(FileKind::Gzip),
+        [0x89, b'H', b'D', b'F', ..] => Some(FileKind::Hdf5),
+        start if start.starts_with(b"MATLAB 7.3 MAT-file") => Some(FileKind::Hdf5),
+        start if start.starts_with(b"MATLAB 5.0 MAT-file") => Some(FileKind::Matlab),
+        start if start.starts_with(LFS_POINTER) => Some(FileKind::LfsPointer),
         _ => {
             let head = &start[..start.len().min(512)];
             let zeros = head.iter().filter(|&&b| b == 0).count();

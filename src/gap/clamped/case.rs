@@ -6,7 +6,9 @@ use super::setup::{ClampedCaseError, ClampedSetup};
 use crate::gap::hypothesis::evidence::WholeLeft;
 use crate::gap::verdict::told::AtBest;
 use crate::identify::Case;
-use crate::log::{ArrayLog, DriveMode, JointBeliefs, JointSpec, Nominal, RobotLog, Spread, Uncertain};
+use crate::log::{
+    ArrayLog, DriveMode, JointBeliefs, JointSpec, Nominal, RobotLog, Spread, Uncertain, check_joint_inputs,
+};
 use crate::number::extent;
 use crate::robot::description::{FoundNumber, Mover, MoverId};
 use std::collections::BTreeMap;
@@ -95,9 +97,7 @@ impl ClampedCase {
             notes.push(format!("No log has {}: taken to stand as drawn.", unseen.join(", ")));
         }
         notes.extend(description.joints.iter().filter_map(|mover| beyond(mover, logs)));
-        for log in logs.iter().filter(|log| !log.notes.is_empty()) {
-            notes.push(format!("{}: {}.", log.file.display(), log.notes.join("; ")));
-        }
+        notes.extend(logs.iter().filter_map(RobotLog::remark));
         notes.extend(description.left_out.iter().cloned());
         Ok(Self { robot: description.name.clone(), joints, groups: setup.groups(), notes })
     }
@@ -131,7 +131,12 @@ impl Maker<'_> {
             gravity_m_s2: self.gravity_m_s2,
             rest_rad: None,
         };
-        let arrays = self.setup.study.logs.iter().zip(logs).filter_map(|(entry, log)| {
+        let entries = self.setup.study.logs.iter().zip(logs).enumerate();
+        for (i, (entry, log)) in entries.clone() {
+            let own = log.joint(name).map(|own| (log, own));
+            own.map_or(Ok(()), |own| check_joint_inputs(&self.setup.study.file, i, entry.drive, own))?;
+        }
+        let arrays = entries.filter_map(|(_, (entry, log))| {
             let own = log.joint(name)?;
             let tau_is = self.said.tau_is.filter(|_| entry.drive == DriveMode::Position && own.tau_nm.is_some());
             Some(ArrayLog {

@@ -46,6 +46,7 @@ impl ClampedSetup {
     /// # Errors
     /// As [`ClampedSetup::read`].
     pub fn of_read(study: ClampedStudy, logs: Vec<RobotLog>) -> Result<Self, ClampedCaseError> {
+        let logs = logs.into_iter().map(RobotLog::without_spikes).collect();
         let mut setup = Self { logs, ..Self::of_robot(study)? };
         setup.leave_out()?;
         for log in &setup.logs {

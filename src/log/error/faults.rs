@@ -12,6 +12,12 @@ pub enum FileKind {
     Zip,
     /// A gzip file.
     Gzip,
+    /// HDF5, which MATLAB writes as well.
+    Hdf5,
+    /// What MATLAB wrote before.
+    Matlab,
+    /// What Git leaves in the place of a large file.
+    LfsPointer,
     /// Bytes that no text has.
     Binary,
 }
@@ -22,6 +28,8 @@ impl FileKind {
             Self::Utf16 => "save it as `CSV UTF-8`",
             Self::Zip => "a spreadsheet has to be exported as CSV",
             Self::Gzip => "unpack it with gunzip first",
+            Self::Hdf5 | Self::Matlab => "write its arrays as CSV, or as .npz (numpy.savez)",
+            Self::LfsPointer => "fetch it by `git lfs pull`",
             Self::Binary => "export the recording as CSV",
         }
     }
@@ -33,6 +41,9 @@ impl fmt::Display for FileKind {
             Self::Utf16 => "the file is UTF-16",
             Self::Zip => "the file is a zip archive or a spreadsheet",
             Self::Gzip => "the file is compressed (gzip)",
+            Self::Hdf5 => "the file is HDF5",
+            Self::Matlab => "the file is one of MATLAB",
+            Self::LfsPointer => "the file is a pointer of Git LFS, and not what it points at",
             Self::Binary => "the file is binary",
         })
     }
@@ -131,7 +142,8 @@ impl fmt::Display for UnitFault {
             ),
             Self::Angle { value } => write!(
                 f,
-                "found {value}, beyond 4 pi: this looks like degrees, expected radians; multiply the column by pi/180"
+                "found {value}, beyond 4 pi: this looks like degrees, expected radians; multiply the column by pi/180, or, where the \
+                 joint turns so far, say unit = \"rad\" in [columns]"
             ),
             Self::Counts { value } => write!(
                 f,

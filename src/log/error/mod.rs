@@ -95,7 +95,7 @@ pub enum LogError {
         study: Box<Path>,
         entry: usize,
         drive: &'static str,
-        column: &'static str,
+        column: String,
         found: Vec<String>,
         hint: Option<String>,
     },

@@ -1,12 +1,11 @@
 //! The words of errors: what to do, lists of names, defects after the first.
 
 use std::collections::BTreeSet;
-use std::f64::consts::TAU;
 use std::io;
 
 use super::LogError;
 use crate::log::column::{Column, column_of};
-use crate::log::columns::{ColumnSpec, Columns, Unit};
+use crate::log::columns::{ColumnSpec, Columns};
 use crate::log::header::alias;
 
 pub(super) fn reading_fix(source: &io::Error) -> &'static str {
@@ -106,15 +105,15 @@ fn tell_naming(names: &[String]) -> String {
     let Some(angle) = names.iter().find(|name| !is_stamp(name) && column_of(name).is_none()) else {
         return tell_angles(names);
     };
-    let in_degrees = ColumnSpec { unit: Some(Unit::Angle(TAU / 360.0)), ..ColumnSpec::named(angle) };
-    let mut lines = Columns([("joint_1.q".to_owned(), in_degrees)].into());
+    let mut lines = Columns([("joint_1.q".to_owned(), ColumnSpec::named(angle))].into());
     let has_ours = names.iter().any(|name| name == Column::Time.name());
     if let Some(stamp) = names.iter().find(|name| is_stamp(name)).filter(|_| !has_ours) {
         lines.0.insert(Column::Time.name().to_owned(), ColumnSpec::named(stamp));
     }
     format!(
         "\nthe names do not tell which column is which; name them in a study, or in NAME.toml beside the log with `schema = 1` \
-         (`aibo-fit init`, `check`, `convert` and `drop` read it), for each joint (`q` alone where there is one only) as in:\n{}",
+         (`aibo-fit init`, `check`, `convert` and `drop` read it), for each joint (`q` alone where there is one only; with \
+         unit = \"deg\" and so on where they are not radians) as in:\n{}",
         lines.toml().trim_end()
     )
 }

@@ -133,14 +133,15 @@ pub(in crate::log) fn robot_study_of(document: &Document<'_>) -> Result<RobotStu
     })
 }
 
-/// Reads the logs of a robot study, in the study's order.
+/// Reads the logs of a robot study, in the study's order, single readings that jump and come back between their neighbours.
 ///
 /// # Errors
 /// The error of the first log, in the study's order, that cannot be read, or whose period is about 1000 times off
 /// `[sensor] period`.
 pub fn read_robot_study_logs(study: &RobotStudy) -> Result<Vec<RobotLog>, LogError> {
     let paths: Vec<&Path> = study.logs.iter().map(|log| log.path.as_path()).collect();
-    read_robot_logs(&paths, &study.columns, study.sensor.period_s)
+    let logs = read_robot_logs(&paths, &study.columns, study.sensor.period_s)?;
+    Ok(logs.into_iter().map(RobotLog::without_spikes).collect())
 }
 
 /// What a robot study says before its logs.

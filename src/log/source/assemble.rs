@@ -62,6 +62,7 @@ impl Source {
             ignored: self.ignored.clone(),
             notes: self.notes.clone(),
             rows: self.rows.as_ref().map(|_| Rows::default()),
+            stated: self.stated.clone(),
         }
     }
 }
@@ -293,7 +294,8 @@ fn too_short(file: &Path, t_s: &[f64], before_s: &[f64], asked_from_s: Option<f6
     })
 }
 
-fn no_angle(source: &Source) -> LogError {
+/// The error about a file that has no joint's angle.
+pub(super) fn no_angle(source: &Source) -> LogError {
     missing(source, Column::Angle.name())
 }
 
@@ -305,7 +307,10 @@ fn missing(source: &Source, column: &str) -> LogError {
     let found = source.channels.iter().map(|channel| channel.theirs.clone()).chain(source.ignored.iter().cloned());
     let hint = match source.format {
         Format::Csv | Format::StaggeredCsv => None,
-        format => Some(format!("the file is {format}; name the channel in [columns]")),
+        format => {
+            let notes: String = source.notes.iter().map(|note| format!("; {note}")).collect();
+            Some(format!("the file is {format}; name the channel in [columns]{notes}"))
+        }
     };
     let at = Box::new(Place::in_file(&source.file));
     LogError::MissingColumn { at, column: column.to_owned(), found: found.collect(), hint }

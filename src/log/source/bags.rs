@@ -95,7 +95,28 @@ pub(super) fn read_bags(path: &Path, files: &[PathBuf]) -> Result<Source, LogErr
             rosbag::read_db3(file, opened, &mut topics)?;
         }
     }
-    topics.into_source(path, format)
+    let mut source = topics.into_source(path, format)?;
+    source.notes.extend(missing(path));
+    Ok(source)
+}
+
+/// What the description of a folder of bags names and is not there, in words.
+#[cfg(feature = "robots")]
+fn missing(path: &Path) -> Option<String> {
+    let folder = if path.is_dir() { path } else { path.parent().filter(|_| path.ends_with(ABOUT))? };
+    let about = fs::read_to_string(folder.join(ABOUT)).ok()?;
+    let list = about.lines().map(str::trim).skip_while(|line| *line != "relative_file_paths:").skip(1);
+    let named = list.map_while(|line| Some(line.strip_prefix("- ")?.trim_matches(['"', '\''])));
+    let is_there =
+        |name: &str| [Path::new(name).to_path_buf(), bare(Path::new(name))].iter().any(|own| folder.join(own).exists());
+    let missing: Vec<&str> = named.filter(|name| !is_there(name)).collect();
+    (!missing.is_empty()).then(|| {
+        format!(
+            "{ABOUT} names {}, which {} not there: a part of the bag",
+            missing.join(", "),
+            if missing.len() == 1 { "is" } else { "are" }
+        )
+    })
 }
 
 #[cfg(test)]
@@ -111,5 +132,18 @@ mod tests {
         let found = bags_of(dir.path());
         let names: Vec<_> = found.iter().map(|path| path.file_name().unwrap().to_str().unwrap()).collect();
         assert_eq!(names, ["b_2.db3", "b_9.db3.zstd", "b_10.db3"]);
+    }
+
+    #[test]
+    #[cfg(feature = "robots")]
+    fn bags_that_are_announced_and_not_there_are_told() {
+        let dir = tempfile::tempdir().unwrap();
+        let about = "a:\n  relative_file_paths:\n    - b_0.db3\n    - \"b_1.db3\"\n  duration: 3\n";
+        fs::write(dir.path().join("b_0.db3"), b"").unwrap();
+        assert_eq!(missing(dir.path()), None);
+        fs::write(dir.path().join(ABOUT), about).unwrap();
+        let told = "metadata.yaml names b_1.db3, which is not there: a part of the bag";
+        assert_eq!(missing(dir.path()).as_deref(), Some(told));
+        assert_eq!(missing(&dir.path().join(ABOUT)).as_deref(), Some(told));
     }
 }

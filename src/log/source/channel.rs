@@ -1,8 +1,10 @@
 //! Channels, their stamps, and where in the file a sample stands.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use super::guess::guess;
+use super::want::Want;
 use crate::log::column::{Column, column_of};
 use crate::log::columns::{ColumnSpec, Unit};
 use crate::log::day::Day;
@@ -31,9 +33,17 @@ pub struct Channel {
 }
 
 impl Channel {
+    /// Whether it is used where so much is wanted of its file.
+    pub(super) fn is_wanted(&self, want: Want<'_>) -> bool {
+        match (want, self.ours.as_deref().and_then(column_of)) {
+            (Want::Joint(wanted), Some((Some(own), _))) => own == wanted,
+            _ => self.ours.is_some(),
+        }
+    }
+
     /// Whether it is a current by its name, and counts by its numbers: whole ones, and more than a servo takes amperes.
     pub(crate) fn is_current_in_counts(&self) -> bool {
-        let is_current = guess(&self.theirs).is_some_and(|guess| guess.unit == Some(Unit::Current));
+        let is_current = guess(&self.theirs).is_some_and(|guess| matches!(guess.unit, Some(Unit::Current(_))));
         let is_beyond = self.values.iter().any(|value| value.abs() > MOST_AMPERES);
         is_current && is_beyond && self.values.iter().all(|value| value.fract() == 0.0)
     }
@@ -58,6 +68,8 @@ pub struct Source {
     pub notes: Vec<String>,
     /// Where samples stand in a table.
     pub(in crate::log) rows: Option<Rows>,
+    /// Channels, as we call them, whose unit somebody said: it is not questioned.
+    pub(in crate::log) stated: BTreeSet<String>,
 }
 
 /// Where the rows of a table are.
@@ -83,6 +95,7 @@ impl Source {
             ignored: Vec::new(),
             notes: Vec::new(),
             rows: None,
+            stated: BTreeSet::new(),
         }
     }
 

@@ -1,6 +1,6 @@
 //! Where messages of joints stand in a table, by its header and the row after it.
 
-use super::guess::guess;
+use super::guess::{guess, is_asked};
 use super::joint_columns::{Columns, Content, Fields, Names, Stamp, field, fields_of, numbered};
 use super::message::Kind;
 use super::plotjuggler;
@@ -96,6 +96,10 @@ fn per_joint(names: &[String]) -> Option<Columns> {
     for (cell, name) in names.iter().enumerate() {
         let Some((joint, last)) = name.rsplit_once(['_', '.', '/', ' ']) else { continue };
         let Some(field) = field(&last.to_lowercase()).filter(|_| !joint.is_empty()) else { continue };
+        // What is asked stands beside what is read: a table of both, whose names tell which is which.
+        if is_asked(joint) {
+            return None;
+        }
         fields_of(&mut joints, joint)[field] = Some(cell);
     }
     // One column of that kind is a name like any other; other columns may hold what was asked, and units of their own.
@@ -132,7 +136,14 @@ mod tests {
 
     #[test]
     fn other_tables_are_none_of_these() {
-        for header in ["time,angle", "t,position", "time,elbow_position,elbow_target", "stamp,x,y", "name,position"] {
+        for header in [
+            "time,angle",
+            "t,position",
+            "time,elbow_position,elbow_target",
+            "stamp,x,y",
+            "name,position",
+            "time,present_position,goal_position",
+        ] {
             assert!(find(header, "0,1,2").is_none(), "{header}");
         }
     }

@@ -9,7 +9,7 @@ use super::joint_layout::Layout;
 use super::{bags, npy, npz, sage};
 use crate::log::column::Column;
 use crate::log::columns::Columns;
-use crate::log::error::LogError;
+use crate::log::error::{FileKind, LogError};
 use crate::log::format::Format;
 use crate::log::rows;
 
@@ -114,6 +114,9 @@ pub(super) fn kind_of(path: &Path, columns: &Columns) -> Result<Kind, LogError> 
         start if start.starts_with(b"PAR1") => Kind::LeRobot,
         start if start.starts_with(b"PK") && (npz::holds_arrays(path) || ends("npz")) => Kind::Npz,
         start if start.starts_with(npy::MAGIC) => Kind::Npy,
+        start if rows::not_text(start) == Some(FileKind::LfsPointer) => {
+            return Err(LogError::NotText { file: path.to_path_buf(), found: FileKind::LfsPointer });
+        }
         // The ending says what it should be: the first bytes are not those of such a file.
         _ if ends("db3") => {
             return wrong(Format::Rosbag2, "damaged, or none: it does not begin as an SQLite file does");

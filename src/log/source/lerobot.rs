@@ -5,6 +5,7 @@
 //! that nobody recorded; holes split a log, so that each has a start of its own.
 
 use std::fs::{self, File};
+use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
 
 use parquet::file::reader::{FileReader, SerializedFileReader};
@@ -12,8 +13,9 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use super::channel::{Channel, Source};
 use super::parquet_numbers::{is_unpacked, numbers, theirs};
 use crate::log::columns::{ColumnSpec, Unit};
-use crate::log::error::LogError;
+use crate::log::error::{FileKind, LogError};
 use crate::log::format::Format;
+use crate::log::rows;
 use std::f64::consts::{PI, TAU};
 
 /// Between two episodes, less than a frame more \[s\].
@@ -75,7 +77,13 @@ pub(super) fn read_lerobot(path: &Path) -> Result<Source, LogError> {
     let info = folder.map(|folder| Info::read(&folder.join("meta/info.json"))).transpose()?.unwrap_or_default();
     let mut frames = Frames::default();
     for file in &files {
-        let opened = File::open(file).map_err(|source| failed(file, source))?;
+        let mut opened = File::open(file).map_err(|source| failed(file, source))?;
+        let mut start = [0; 64];
+        let have = opened.read(&mut start).map_err(|source| failed(file, source))?;
+        if rows::not_text(&start[..have]) == Some(FileKind::LfsPointer) {
+            return Err(LogError::NotText { file: file.clone(), found: FileKind::LfsPointer });
+        }
+        opened.rewind().map_err(|source| failed(file, source))?;
         frames.add(opened).map_err(|what| wrong(file, what))?;
     }
     frames.into_source(path, &info).map_err(|what| wrong(path, what))
@@ -107,8 +115,14 @@ impl Info {
     }
 }
 
-/// Names of a feature: a list, or a list under the one key of a table.
+/// Names of a feature: a list, a list under the one key of a table, or a table of their places.
 fn names(json: &serde_json::Value) -> Vec<String> {
+    let place_of = |(name, place): (&String, &serde_json::Value)| Some((place.as_u64()?, joint_name(name)));
+    let places: Option<Vec<(u64, String)>> = json.as_object().and_then(|table| table.iter().map(place_of).collect());
+    if let Some(mut places) = places {
+        places.sort_by_key(|(place, _)| *place);
+        return places.into_iter().map(|(_, name)| name).collect();
+    }
     let list = json.as_array().or_else(|| json.as_object()?.values().next()?.as_array());
     list.into_iter().flatten().filter_map(|name| name.as_str().map(joint_name)).collect()
 }

@@ -24,7 +24,11 @@ pub(in crate::log) fn tried(
                     others.push((defect, times));
                 }
             }
-            LogError::Defects { first, count, others, beyond, mend }
+            // Names alone stop nobody who guesses them; what else is wrong does.
+            let mut all: Vec<(LogError, usize)> = std::iter::once((*first, count)).chain(others).collect();
+            all.sort_by_key(|(error, _)| mend.0.is_empty() && matches!(error, LogError::MissingColumn { .. }));
+            let (first, count) = all.remove(0);
+            LogError::Defects { first: Box::new(first), count, others: all, beyond, mend }
         }
         other => other,
     }
@@ -79,7 +83,7 @@ fn with(lines: &Columns, others: Columns) -> Columns {
 /// The same without the unit of currents that nobody told and that seem to be counts: who knows the drive has to say it.
 fn without_guessed_amperes(mut lines: Columns, told: &Columns, source: &Source) -> Columns {
     for (ours, spec) in &mut lines.0 {
-        let is_guess = spec.unit == Some(Unit::Current) && told.get(ours).is_none();
+        let is_guess = spec.unit == Some(Unit::Current(1.0)) && told.get(ours).is_none();
         if is_guess && source.ours(ours).is_some_and(Channel::is_current_in_counts) {
             spec.unit = None;
         }
@@ -136,7 +140,7 @@ mod tests {
         let arm = read("time,A1_act,A1_cmd,A2_act,A2_cmd", |k| format!("{},1,1,1,1", 0.01 * k), Want::Any).unwrap_err();
         assert_eq!(lines(&arm), "");
         let message = arm.to_string();
-        assert!(message.contains("\"joint_1.q\" = { name = \"A1_act\", unit = \"deg\" }"), "{message}");
+        assert!(message.contains("\"joint_1.q\" = { name = \"A1_act\" }"), "{message}");
         assert!(message.contains("t = { name = \"time\" }") && !message.contains("as it is"), "{message}");
 
         let dates = read("time,q", |k| format!("2024-05-01T12:00:{k:02},0.1"), Want::Any).unwrap_err();
@@ -159,7 +163,7 @@ mod tests {
         let message = told("t,q_ref,tau");
         assert!(message.contains("expected `q` beside them") && !message.contains("[columns]"), "{message}");
         let message = told("t,q_ref,A1");
-        assert!(message.contains("\"joint_1.q\" = { name = \"A1\", unit = \"deg\" }"), "{message}");
+        assert!(message.contains("\"joint_1.q\" = { name = \"A1\" }"), "{message}");
     }
 
     #[test]

@@ -78,3 +78,13 @@ pub(super) struct Point {
     pub velocity: Vec<f64>,
     pub effort: Vec<f64>,
 }
+
+impl Point {
+    /// The same with the joints in another order, which says where each of them stands; fields that lack some are none.
+    pub fn in_order(&self, order: &[usize]) -> Self {
+        let of = |values: &[f64]| order.iter().map(|k| values.get(*k).copied()).collect::<Option<Vec<f64>>>();
+        let [position, velocity, effort] =
+            [&self.position, &self.velocity, &self.effort].map(|values| of(values).unwrap_or_default());
+        Self { after_ns: self.after_ns, position, velocity, effort }
+    }
+}

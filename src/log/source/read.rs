@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use super::assemble::no_angle;
 use super::channel::Source;
 use super::defects::Defects;
 use super::joint_tables::read_joint_table;
@@ -56,7 +57,10 @@ fn read_once(path: &Path, want: Want<'_>, columns: &Columns) -> Result<Source, L
         Kind::Npy => npz::read_npy(path, columns)?,
         Kind::Bam => bam::read_bam(path)?,
     };
-    let mut source = checked(source, columns)?;
+    let mut source = checked(source, want, columns)?;
+    if source.joints().is_empty() {
+        return Err(no_angle(&source));
+    }
     source.notes.insert(0, format!("read as {}", source.format));
     Ok(source)
 }
@@ -65,9 +69,9 @@ fn read_once(path: &Path, want: Want<'_>, columns: &Columns) -> Result<Source, L
 ///
 /// # Errors
 /// [`LogError`] with all defects.
-pub(in crate::log) fn checked(source: Source, columns: &Columns) -> Result<Source, LogError> {
+pub(in crate::log) fn checked(source: Source, want: Want<'_>, columns: &Columns) -> Result<Source, LogError> {
     let source = mapped(source, columns)?;
-    check(&source)?;
+    check(&source, want)?;
     Ok(source)
 }
 
@@ -100,6 +104,9 @@ fn mapped(mut source: Source, columns: &Columns) -> Result<Source, LogError> {
         let channel = &mut source.channels[at];
         let told = channel.spec.take().and_then(|spec| spec.unit);
         channel.ours = Some(ours.clone());
+        if spec.unit.is_some() {
+            source.stated.insert(ours.clone());
+        }
         channel.spec = Some(crate::log::columns::ColumnSpec { unit: spec.unit.or(told), ..spec.clone() });
     }
     for channel in &mut source.channels {
@@ -111,7 +118,7 @@ fn mapped(mut source: Source, columns: &Columns) -> Result<Source, LogError> {
 }
 
 /// What the checks of a table are to a table: stamps that rise, numbers, units.
-fn check(source: &Source) -> Result<(), LogError> {
+fn check(source: &Source, want: Want<'_>) -> Result<(), LogError> {
     let mut defects = Defects::default();
     let wrong = |what: String| LogError::Format { file: source.file.clone(), format: source.format, what };
     for (clock, t_s) in source.clocks.iter().enumerate() {
@@ -123,7 +130,7 @@ fn check(source: &Source) -> Result<(), LogError> {
             );
         }
     }
-    for channel in source.channels.iter().filter(|channel| channel.ours.is_some()) {
+    for channel in source.channels.iter().filter(|channel| channel.is_wanted(want)) {
         if let Some(at) = channel.values.iter().position(|value| !value.is_finite() || value.abs() > 1e9) {
             defects.push(
                 None,
@@ -132,8 +139,8 @@ fn check(source: &Source) -> Result<(), LogError> {
         }
     }
     if defects.is_empty() {
-        source.unit_defects(&mut defects);
+        source.unit_defects(want, &mut defects);
     }
-    let mend = if defects.is_empty() { Columns::default() } else { source.mend() };
+    let mend = if defects.is_empty() { Columns::default() } else { source.mend(want) };
     defects.into_result(mend)
 }

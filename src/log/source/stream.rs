@@ -2,6 +2,10 @@
 
 use super::message::{Kind, Point, is_command};
 
+/// A clock that was set back goes on from there for so many messages at least, and does so in fewer than one message of so many.
+const IN_A_ROW: usize = 4;
+const OVERTAKEN: usize = 20;
+
 /// Messages of one topic with one list of names.
 pub(super) struct Stream {
     pub topic: String,
@@ -53,6 +57,16 @@ impl Stream {
         }
     }
 
+    /// Whether its names are these, in whatever order.
+    pub fn has_names(&self, names: &[&str]) -> bool {
+        self.names.len() == names.len() && self.names.iter().all(|own| names.contains(&own.as_str()))
+    }
+
+    /// Where each of its names stands among others.
+    pub fn places_in(&self, names: &[&str]) -> Vec<usize> {
+        self.names.iter().filter_map(|own| names.iter().position(|name| *name == own)).collect()
+    }
+
     /// Takes the last sample back.
     pub fn pop(&mut self) {
         self.stamps_ns.pop();
@@ -60,6 +74,26 @@ impl Stream {
         let left = self.stamps_ns.len();
         for column in self.position.iter_mut().chain(&mut self.velocity).chain(&mut self.effort) {
             column.truncate(left);
+        }
+    }
+
+    /// Takes over a joint from streams that have it at these places, all messages of one after those of the other.
+    fn add_joint(&mut self, name: &str, of: &[(&Stream, usize)]) {
+        if self.names.is_empty() {
+            for (from, _) in of {
+                self.stamps_ns.extend_from_slice(&from.stamps_ns);
+                self.received_ns.extend_from_slice(&from.received_ns);
+                self.stamped += from.stamped;
+            }
+        }
+        self.names.push(name.to_owned());
+        let fields: [(&mut Vec<Vec<f64>>, fn(&Stream) -> &Vec<Vec<f64>>); 3] = [
+            (&mut self.position, |from| &from.position),
+            (&mut self.velocity, |from| &from.velocity),
+            (&mut self.effort, |from| &from.effort),
+        ];
+        for (own, field) in fields {
+            own.push(of.iter().flat_map(|(from, at)| field(from)[*at].iter().copied()).collect());
         }
     }
 
@@ -71,6 +105,38 @@ impl Stream {
     /// Whether it says what is asked of the joints.
     pub fn is_asked(&self) -> bool {
         !matches!(self.kind, Kind::JointState | Kind::DynamicState) || is_command(&self.topic)
+    }
+
+    /// Whether it is what moves another robot of the same joints.
+    pub fn leads(&self) -> bool {
+        self.topic.split('/').any(|part| matches!(part, "leader" | "master"))
+    }
+
+    /// Where the clock of its headers was set back, in words: two recordings that were made one after the other. Messages that
+    /// overtake one another do so one at a time, or again and again.
+    pub fn set_back(&self) -> Option<String> {
+        if !self.has_stamps() || self.kind == Kind::JointTrajectory {
+            return None;
+        }
+        let stamps = &self.stamps_ns[1..];
+        let falls: Vec<usize> = (1..stamps.len()).filter(|k| stamps[*k] < stamps[k - 1]).collect();
+        if falls.len() > stamps.len() / OVERTAKEN {
+            return None;
+        }
+        let goes_on = |k: &&usize| {
+            let after = &stamps[**k..(**k + IN_A_ROW).min(stamps.len())];
+            after.len() == IN_A_ROW
+                && after.windows(2).all(|pair| pair[0] < pair[1])
+                && after[IN_A_ROW - 1] < stamps[**k - 1]
+        };
+        let at = *falls.iter().find(goes_on)?;
+        Some(format!(
+            "the stamps of {} run back by {:.3} s at message {}: its clock was set back, or these are two recordings; cut the file \
+             there",
+            self.topic,
+            stamps[at - 1].saturating_sub(stamps[at]) as f64 * 1e-9,
+            at + 2
+        ))
     }
 
     /// Puts messages in the order of their stamps, each stamp once; answers with what was done.
@@ -147,6 +213,34 @@ impl Stream {
         }
         notes
     }
+}
+
+/// The same with each joint of a topic in one of them, whichever other joints its messages have.
+pub(super) fn with_joints_whole(streams: Vec<Stream>) -> Vec<Stream> {
+    let mut whole: Vec<(Vec<usize>, Stream)> = Vec::new();
+    for (k, stream) in streams.iter().enumerate() {
+        for (at, name) in stream.names.iter().enumerate() {
+            let is_same =
+                |other: &Stream| !stream.kind.is_unnamed() && other.topic == stream.topic && other.kind == stream.kind;
+            let has_it =
+                |other: &usize| *other == k || is_same(&streams[*other]) && streams[*other].names.contains(name);
+            let of: Vec<usize> = (0..streams.len()).filter(has_it).collect();
+            if of[0] != k {
+                continue;
+            }
+            let known = whole.iter().position(|(other, _)| *other == of);
+            let into = known.unwrap_or_else(|| {
+                whole.push((of.clone(), Stream::new(&stream.topic, stream.kind, Vec::new())));
+                whole.len() - 1
+            });
+            let places = of.iter().map(|one| {
+                let own = &streams[*one];
+                (own, if *one == k { at } else { own.names.iter().position(|own| own == name).unwrap_or(at) })
+            });
+            whole[into].1.add_joint(name, &places.collect::<Vec<_>>());
+        }
+    }
+    whole.into_iter().map(|(_, stream)| stream).collect()
 }
 
 /// Keeps the values that are marked.

@@ -152,11 +152,14 @@ impl<'a> Table<'a> {
         for (k, one) in wanted.iter().enumerate().skip(1) {
             let values = std::mem::take(&mut self.values[k]);
             let missing = std::mem::take(&mut self.empty[k].rows);
-            if values.is_empty() && is_staggered {
+            if values.is_empty() {
                 empty_columns.push(self.heading.names[one.cell].clone());
                 continue;
             }
             let missing = if is_staggered { missing } else { Vec::new() };
+            if one.spec.as_ref().is_some_and(|spec| spec.unit.is_some()) {
+                source.stated.insert(one.ours.clone());
+            }
             let clock = patterns.iter().position(|known| *known == missing).unwrap_or_else(|| {
                 // Where every row has every column there is one clock.
                 let own_s = if is_staggered { without(&time, &missing) } else { std::mem::take(&mut time) };
@@ -181,7 +184,7 @@ impl<'a> Table<'a> {
         source.rows = Some(rows);
         let mut defects = std::mem::take(&mut self.defects);
         time_defects(&source, is_staggered, &mut defects);
-        let units = source.unit_defects(&mut defects);
+        let units = source.unit_defects(Want::Any, &mut defects);
         let mend = if defects.is_empty() { Columns::default() } else { self.heading.mend(&units) };
         defects.into_result(mend).map(|()| source)
     }
@@ -190,7 +193,7 @@ impl<'a> Table<'a> {
     fn fill_empty(&mut self) {
         for (values, empty) in self.values.iter_mut().zip(&mut self.empty) {
             let rows = std::mem::take(&mut empty.rows);
-            if !rows.is_empty() {
+            if !rows.is_empty() && !values.is_empty() {
                 let mut there = std::mem::take(values).into_iter();
                 let mut next = rows.iter().peekable();
                 let all = (0..self.rows.len()).map(|row| match next.next_if(|missing| **missing as usize == row) {
@@ -210,7 +213,8 @@ impl<'a> Table<'a> {
     fn empty_defects(&mut self, has_to_be: impl Fn(&[f64]) -> bool) {
         for (k, empty) in self.empty.iter().enumerate() {
             let is_angle = self.heading.wanted[k].column == Some(Column::Angle);
-            if !has_to_be(&self.values[k]) || self.values[k].is_empty() && !is_angle && self.is_staggered() {
+            // What is nowhere is not there.
+            if !has_to_be(&self.values[k]) || self.values[k].is_empty() && !is_angle {
                 continue;
             }
             let cell = self.heading.wanted[k].cell;

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::channel::{Channel, Source};
 use super::message::{KINDS, Kind, Message};
 use super::roles::{name_by_readings, role};
-use super::stream::Stream;
+use super::stream::{Stream, with_joints_whole};
 use crate::log::error::LogError;
 use crate::log::format::Format;
 
@@ -78,8 +78,9 @@ impl Topics {
                 && (kind.is_unnamed() && stream.position.len() == width
                     || !kind.is_unnamed() && stream.names.iter().eq(names))
         };
+        let is_shuffled = |stream: &Stream| stream.topic == topic && !kind.is_unnamed() && stream.has_names(names);
         if !self.streams.get(self.last).is_some_and(fits) {
-            self.last = match self.streams.iter().position(fits) {
+            self.last = match self.streams.iter().position(|stream| fits(stream) || is_shuffled(stream)) {
                 Some(at) => at,
                 None => {
                     if self.streams.len() >= MOST_STREAMS {
@@ -95,6 +96,7 @@ impl Topics {
             };
         }
         let stream = &mut self.streams[self.last];
+        let order = if fits(stream) { Vec::new() } else { stream.places_in(names) };
         let stamp_ns = message.stamp_ns.unwrap_or(received_ns);
         if kind == Kind::JointTrajectory {
             // What an earlier trajectory asked for from here on is not to come any more.
@@ -113,6 +115,7 @@ impl Topics {
             }
             // A trajectory of one point is a setpoint at once.
             let after_ns = if is_single { 0 } else { point.after_ns };
+            let point = if order.is_empty() { point } else { point.in_order(&order) };
             stream.push(stamp_ns.saturating_add(after_ns), received_ns, message.stamp_ns.is_some(), point);
         }
         Ok(())
@@ -143,7 +146,11 @@ impl Topics {
             source.notes.push(note.replacen("{}", &self.trajectories.to_string(), 1));
         }
         source.notes.extend(self.left_out());
+        if let Some(set_back) = self.streams.iter().find_map(Stream::set_back) {
+            return Err(wrong(set_back));
+        }
         let offset_ns = self.clock_offset_ns();
+        self.streams = with_joints_whole(self.streams);
         for stream in &mut self.streams {
             source.notes.extend(stream.settle(offset_ns));
         }
@@ -153,13 +160,16 @@ impl Topics {
         if self.streams.is_empty() {
             return Err(wrong("no message in which every position is a number".to_owned()));
         }
-        // Of several topics with the same joints the one with most messages is the reading.
-        self.streams.sort_by_key(|stream| std::cmp::Reverse(stream.stamps_ns.len()));
-        let mut taken: BTreeMap<String, String> = BTreeMap::new();
+        // Of several topics with the same joints the one with the usual name is the reading, then that with most messages.
+        self.streams.sort_by_key(|stream| std::cmp::Reverse((is_usual(&stream.topic), stream.stamps_ns.len())));
+        let has_follower = self.streams.iter().any(|stream| !stream.is_asked() && !stream.leads());
+        // A joint is read from one topic, and asked by one: those of two may be of two robots.
+        let mut taken: BTreeMap<(String, bool), String> = BTreeMap::new();
         let mut unnamed: Vec<(Vec<usize>, String, Kind)> = Vec::new();
         let mut clocks_ns: Vec<Vec<i64>> = Vec::new();
         for stream in self.streams {
-            let (asked, first) = (stream.is_asked(), source.channels.len());
+            let asked = stream.is_asked() || stream.leads() && has_follower;
+            let first = source.channels.len();
             // Joints that come in messages of their own, and at the same times, share a clock all the same.
             let clock =
                 clocks_ns.iter().position(|known: &Vec<i64>| *known == stream.stamps_ns).unwrap_or(clocks_ns.len());
@@ -182,12 +192,14 @@ impl Topics {
                         _ => format!("{}/{name}/{field}", stream.topic),
                     };
                     let ours = of_topic.filter(|_| !stream.kind.is_unnamed()).map(|of| format!("{name}.{of}"));
-                    let other = ours.as_ref().and_then(|ours| taken.get(ours));
-                    if let Some(other) = other.filter(|_| field == "position") {
+                    let known = taken.get(&(name.clone(), asked)).filter(|other| **other != stream.topic);
+                    if let Some(other) = known.filter(|_| field == "position" && ours.is_some()) {
                         doubled.entry(other.clone()).or_default().push(name);
                     }
-                    let ours = ours.filter(|ours| !taken.contains_key(ours));
-                    taken.extend(ours.clone().map(|ours| (ours, stream.topic.clone())));
+                    let ours = ours.filter(|_| known.is_none());
+                    if ours.is_some() {
+                        taken.insert((name.clone(), asked), stream.topic.clone());
+                    }
                     if ours.is_none() && !stream.kind.is_unnamed() {
                         source.ignored.push(theirs.clone());
                     }
@@ -196,7 +208,7 @@ impl Topics {
             }
             for (other, names) in doubled {
                 let (topic, names) = (&stream.topic, names.join(", "));
-                source.notes.push(format!("{topic}: {names} left out, which {other} has in no fewer messages"));
+                source.notes.push(format!("{topic}: {names} left out, which {other} has"));
             }
             if stream.kind.is_unnamed() {
                 unnamed.push(((first..source.channels.len()).collect(), stream.topic, stream.kind));
@@ -217,6 +229,11 @@ impl Topics {
         // The message that came quickest is the nearest to its stamp.
         ahead.min_by_key(|ns| ns.saturating_abs()).filter(|ns| ns.saturating_abs() > SAME_CLOCK_NS).unwrap_or(0)
     }
+}
+
+/// Whether a topic has the name that readings of joints usually have.
+fn is_usual(topic: &str) -> bool {
+    topic.rsplit('/').next() == Some("joint_states")
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::channel::{Channel, Source};
 use super::defects::Defects;
+use super::want::Want;
 use crate::log::column::Column;
 use crate::log::columns::{ColumnSpec, Columns, Unit};
 use crate::log::error::{LogError, UnitFault};
@@ -13,15 +14,11 @@ const USUAL_PER_REV: f64 = 4096.0;
 
 impl Source {
     /// Adds what looks like another unit, and answers with the units that it looks like, by cell.
-    pub(super) fn unit_defects(&self, defects: &mut Defects) -> Vec<(usize, Unit)> {
+    pub(super) fn unit_defects(&self, want: Want<'_>, defects: &mut Defects) -> Vec<(usize, Unit)> {
         let mut units: Vec<(usize, Unit)> = Vec::new();
         let mut seen_clocks: Vec<usize> = Vec::new();
-        for angle in self.channels.iter().filter(|channel| is_of(channel, Column::Angle)) {
-            let joint = angle.ours.as_deref().and_then(crate::log::column::column_of).and_then(|(joint, _)| joint);
-            let name = joint.map_or_else(|| Column::Setpoint.name().to_owned(), |joint| format!("{joint}.q_ref"));
-            let setpoint = self.ours(&name);
-            let q_ref = setpoint.map_or(&[][..], |channel| &channel.values);
-            for (column, index, fault) in plausible::faults(self.t_s(angle), &angle.values, q_ref) {
+        for (angle, setpoint) in self.angles(want) {
+            for (column, index, fault) in self.faults(angle, setpoint) {
                 let channel = if column == Column::Setpoint { setpoint.unwrap_or(angle) } else { angle };
                 let is_time = column == Column::Time;
                 if is_time && seen_clocks.contains(&angle.clock) {
@@ -42,21 +39,38 @@ impl Source {
         }
         units
     }
-}
 
-impl Source {
+    /// The angles that are wanted, each with its setpoint.
+    fn angles<'a>(&'a self, want: Want<'a>) -> impl Iterator<Item = (&'a Channel, Option<&'a Channel>)> {
+        let wanted = self.channels.iter().filter(move |channel| channel.is_wanted(want));
+        wanted.filter(|channel| is_of(channel, Column::Angle)).map(|angle| {
+            let setpoint = format!("{}_ref", angle.ours.as_deref().unwrap_or_default());
+            (angle, self.ours(&setpoint))
+        })
+    }
+
+    /// What cannot be of the unit that it is taken to be in; a unit that somebody said is not questioned.
+    fn faults(&self, angle: &Channel, setpoint: Option<&Channel>) -> Vec<(Column, usize, UnitFault)> {
+        let q_ref = setpoint.map_or(&[][..], |channel| &channel.values);
+        let is_stated = |channel: &Channel| channel.ours.as_ref().is_some_and(|ours| self.stated.contains(ours));
+        let mut faults = plausible::faults(self.t_s(angle), &angle.values, q_ref);
+        faults.retain(|(column, ..)| match column {
+            Column::Angle => !is_stated(angle),
+            Column::Setpoint => !setpoint.is_some_and(is_stated),
+            _ => true,
+        });
+        faults
+    }
+
     /// The lines of `[columns]` that would read angles of a file without rows as what they look like.
-    pub(super) fn mend(&self) -> Columns {
+    pub(super) fn mend(&self, want: Want<'_>) -> Columns {
         let mut columns = Columns::default();
-        for angle in self.channels.iter().filter(|channel| is_of(channel, Column::Angle)) {
-            for (column, _, fault) in plausible::faults(self.t_s(angle), &angle.values, &[]) {
-                let joint = angle.ours.as_deref().and_then(crate::log::column::column_of).and_then(|(joint, _)| joint);
-                for name in [Column::Angle, Column::Setpoint].iter().filter(|_| column == Column::Angle) {
-                    let ours = joint.map_or_else(|| name.name().to_owned(), |joint| format!("{joint}.{}", name.name()));
-                    if let Some(channel) = self.ours(&ours) {
-                        let spec = ColumnSpec { unit: Some(looks_like(fault)), ..ColumnSpec::named(&channel.theirs) };
-                        columns.0.insert(ours, spec);
-                    }
+        for (angle, setpoint) in self.angles(want) {
+            for (column, _, fault) in self.faults(angle, setpoint) {
+                let of_both = [Some(angle).filter(|_| column == Column::Angle), setpoint];
+                for channel in of_both.into_iter().flatten().filter(|_| column != Column::Time) {
+                    let spec = ColumnSpec { unit: Some(looks_like(fault)), ..ColumnSpec::named(&channel.theirs) };
+                    columns.0.entry(channel.ours.clone().unwrap_or_default()).or_insert(spec);
                 }
             }
         }

@@ -182,6 +182,9 @@ pub(super) fn why(joint: &SeenJoint) -> &'static str {
     }
 }
 
+/// Columns that are not used, of which so many are named.
+const MOST_NAMED: usize = 6;
+
 /// What could not be told of how a log is driven.
 fn of_drive(log: &Seen, joint: &SeenJoint) -> Option<String> {
     let file = log.path.display();
@@ -190,7 +193,12 @@ fn of_drive(log: &Seen, joint: &SeenJoint) -> Option<String> {
             Some(format!("{file}: what moves the joint: its torque has no sign, and no setpoint stands beside it"))
         }
         DriveMode::Off => {
-            Some(format!("{file}: whether the motor was off: no setpoint or torque that moves stands beside the angle"))
+            let unused = log.source.ignored.iter().take(MOST_NAMED).map(|name| format!("`{name}`"));
+            let unused = unused.collect::<Vec<_>>().join(", ");
+            let unused = if unused.is_empty() { unused } else { format!(" (not used: {unused})") };
+            Some(format!(
+                "{file}: whether the motor was off: no setpoint or torque that moves stands beside the angle{unused}"
+            ))
         }
         DriveMode::Torque => Some(format!("{file}: whether its torque was commanded, applied or computed")),
         DriveMode::Position if joint.has_torque => Some(format!(

@@ -98,6 +98,11 @@ pub fn draft_study(
         Some(path) => {
             let description = Description::read(path).map_err(|error| DraftError::Description(Box::new(error)))?;
             inputs.extend(description.files.iter().cloned());
+            let turns = |name: &str| {
+                let joint = description.joint(name).map(|at| &description.joints[at.0]);
+                joint.is_some_and(|joint| joint.limit_rad.is_none())
+            };
+            let seen: Vec<Seen> = seen.into_iter().map(|log| log.turning(&turns)).collect::<Result<_, _>>()?;
             robot::study(&seen, path, &description, folder)?
         }
         None => joint::study(&seen, joint, folder)?,

@@ -1,9 +1,10 @@
 //! What a log shows by itself.
 
 use crate::log::{
-    Columns, DriveMode, LogError, SensorSpec, Source, StudyKind, health, read_source, sidecar_columns, sidecar_of,
-    study_beside,
+    Columns, DriveMode, LogError, SensorSpec, Source, StudyKind, Unit, health, read_source, sidecar_columns,
+    sidecar_of, study_beside,
 };
+use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
 /// A log that was looked at.
@@ -45,12 +46,34 @@ impl SeenJoint {
 /// Reads a log by its sidecar, where it has one; names and units that it does not tell are those that columns look like.
 pub(super) fn look(path: &Path) -> Result<Seen, LogError> {
     let told = told(path)?;
-    let (source, columns) = read(path, &told)?;
+    seen(path, read(path, &told)?, &told)
+}
+
+impl Seen {
+    /// The same of a robot some of whose joints turn on and on: what goes far there was taken for degrees.
+    pub fn turning(self, turns: &dyn Fn(&str) -> bool) -> Result<Self, LogError> {
+        let degrees = Some(Unit::Angle(TAU / 360.0));
+        let mut columns = self.columns.clone();
+        for (ours, spec) in columns.0.iter_mut().filter(|_| self.is_guessed) {
+            let is_of_turning = ours.rsplit_once('.').is_some_and(|(joint, _)| turns(joint));
+            if is_of_turning && spec.unit == degrees && !spec.name.to_lowercase().contains("deg") {
+                spec.unit = Some(Unit::Angle(1.0));
+            }
+        }
+        if columns == self.columns {
+            return Ok(self);
+        }
+        seen(&self.path, read(&self.path, &columns)?, &Columns::default())
+    }
+}
+
+/// What was read of a log, with lines of `[columns]` of which some were told.
+fn seen(path: &Path, (source, columns): (Source, Columns), told: &Columns) -> Result<Seen, LogError> {
     let names: Vec<Option<String>> = source.joints().into_iter().map(|name| name.map(str::to_owned)).collect();
     let joints = names.into_iter().map(|name| joint(&source, name)).collect::<Result<_, _>>()?;
     let sidecar = sidecar_of(path).filter(|_| !told.0.is_empty());
-    let counts = currents_in_counts(&source, &columns, &told);
-    Ok(Seen { path: path.to_path_buf(), source, is_guessed: columns != told, columns, sidecar, counts, joints })
+    let counts = currents_in_counts(&source, &columns, told);
+    Ok(Seen { path: path.to_path_buf(), source, is_guessed: columns != *told, columns, sidecar, counts, joints })
 }
 
 /// What the sidecar of a log says of its columns. A study that has the log's name is none: that of a robot calls columns after

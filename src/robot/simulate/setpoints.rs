@@ -89,7 +89,9 @@ impl Setpoints {
                 let number = cell.trim().parse().ok().filter(|x: &f64| x.is_finite());
                 let number = number
                     .ok_or_else(|| wrong(format!("line {}, column {}: `{cell}` is no number", line + 1, names[k])))?;
-                if k != time && number.abs() > TAU {
+                // What has no end may turn as far as it likes.
+                let has_ends = joints[k].is_some_and(|id| model.joints()[id.index()].software_rad.is_some());
+                if has_ends && number.abs() > TAU {
                     let column = names[k];
                     return Err(wrong(format!("line {}, column {column}: {number} looks like degrees", line + 1)));
                 }
