@@ -1,12 +1,12 @@
 //! Other places from which sets of causes are grown, where the first set leaves much.
 //!
 //! A set grows by what helps most at each step. What imitates several causes at once then stays in their way, and causes of
-//! which none helps before the others are there are not found at all. So sets begin elsewhere too: with all that servos
-//! have, with motor side and link apart, with other first causes. The first that suffices ends it. One that leaves much
+//! which none helps before the others are there are not found at all. So sets begin elsewhere too: with setpoints that
+//! are held, with all that servos have, with motor side and link apart, with other first causes. The first that suffices ends it. One that leaves much
 //! and has more causes than the first set is taken only where it leaves far less, and none where held-out logs are predicted
 //! clearly worse.
 
-use super::explore::{explore_parting, one_of_each};
+use super::explore::{explore_parting, one_of_each, refitted};
 use super::grow::{Growth, Looked, MOST};
 use super::refuted::refutes_in_turn;
 use crate::fit::Budget;
@@ -16,6 +16,8 @@ use crate::gap::hypothesis::trial::Trial;
 use crate::joint::{EffectForm, EffectId};
 use rayon::prelude::*;
 
+/// Periods for which setpoints may be held.
+const HELD: std::ops::RangeInclusive<u32> = 2..=6;
 /// What servos have.
 const SERVO: [EffectId; 5] =
     [EffectId::Delay, EffectId::DeadBand, EffectId::SpeedLimit, EffectId::LoadFriction, EffectId::Stribeck];
@@ -54,7 +56,8 @@ impl Growth<'_> {
         first: Trial,
         suffices: &dyn Fn(&Trial) -> bool,
     ) -> (Trial, bool) {
-        let ways: [Way<'_>; 3] = [
+        let ways: [Way<'_>; 4] = [
+            &|best| self.held(bare, best),
             &|best| self.as_a_servo(bare, looked, best).into_iter().collect(),
             &|best| self.parted(bare, looked, best),
             &|best| self.other_firsts(looked, best),
@@ -79,6 +82,18 @@ impl Growth<'_> {
             }
         }
         (best, one_was_refuted)
+    }
+
+    /// Setpoints held for a whole number of their periods, as buses do: where what is missing has bent the numbers, a scan to first
+    /// order passes by them.
+    fn held(&self, bare: &Trial, best: &Trial) -> Vec<Trial> {
+        let driven = self.evidence.reach.driven.filter(|driven| driven.by_setpoint);
+        let Some(driven) = driven.filter(|_| self.effects.contains(&EffectId::SetpointHold)) else { return Vec::new() };
+        let values = |periods: u32| [&bare.found.values[..], &[f64::from(periods) * driven.period_s]].concat();
+        let candidates = HELD.map(|periods| (vec![EffectId::SetpointHold.into()], values(periods)));
+        let mut held = refitted(self.evidence, bare, candidates.collect(), f64::INFINITY);
+        held.retain(leaves_at_most(self.evidence, WITHIN, best));
+        held
     }
 
     /// All that servos have, fitted at once, where that comes near a set.

@@ -40,9 +40,10 @@ pub(in crate::gap) fn explore(evidence: &Evidence, base: &Trial, sights: &[Sight
     explored(evidence, base, sights, |_| false, f64::INFINITY)
 }
 
-/// The best fits of `base` with each of the effects added that part motor side and link, whatever they promise.
+/// The best fits of `base` with each of the effects added that part motor side and link, whatever they promise: of a joint that
+/// rings to first order tells next to nothing.
 pub(in crate::gap) fn explore_parting(evidence: &Evidence, base: &Trial, sights: &[Sight]) -> Vec<Trial> {
-    let points = sights.iter().flat_map(|sight| sight.best_of_each(1).map(|p| (p.effect, sight.with(&[p]))));
+    let points = sights.iter().flat_map(|sight| sight.best_of_each(BRIEF_POINTS).map(|p| (p.effect, sight.with(&[p]))));
     let parting = points.filter(|(effect, _)| effect.parts_two_bodies());
     refitted(evidence, base, parting.map(|(effect, values)| (vec![effect.into()], values)).collect(), f64::INFINITY)
 }

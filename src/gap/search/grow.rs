@@ -152,9 +152,21 @@ impl Growth<'_> {
             // Where none helps in its default formula, the right ones may in another.
             let few = singles.iter().take(CONTENDERS).chain(together.iter().take(CONTENDERS));
             let in_form = self.in_best_forms(few, from.effects().len());
-            settled_of(&in_form.iter().collect::<Vec<_>>())
+            let helps = settled_of(&in_form.iter().collect::<Vec<_>>());
+            helps.or_else(|| settled_of(&self.off_centre(from).iter().collect::<Vec<_>>()))
         });
         (best, Looked { singles, sights })
+    }
+
+    /// With an encoder that is off its centre: nothing like the gain that it is a form of, and not found from there.
+    fn off_centre(&self, from: &Trial) -> Vec<Trial> {
+        let form = EffectForm::named_so(EffectId::SensorGain, Some(OFF_CENTRE)).expect("a form of the catalogue");
+        if from.model.has_two_bodies() || !self.others(from).contains(&form.id) || self.late(FORMS) {
+            return Vec::new();
+        }
+        let added = |start: Vec<f64>| (vec![form], [&from.found.values[..], &start].concat());
+        let starts = form.starts(&self.evidence.reach).into_iter().map(added);
+        refitted(self.evidence, from, starts.collect(), f64::INFINITY)
     }
 
     /// Those that do not part motor side and link, where much is left, with the causes from number `from` on in the forms
@@ -355,6 +367,8 @@ impl Growth<'_> {
     }
 }
 
+/// How an encoder is that reads once a turn too much and too little.
+const OFF_CENTRE: &str = "eccentric";
 /// What is left out where forms are.
 const FORMS: &str = "other forms of causes";
 /// Factors on the Coulomb friction that are tried, where a fit leaves more than this many times what is enough.

@@ -16,9 +16,11 @@ const CLEARLY: f64 = 1.0;
 /// A cause without which the held-out squares hardly rise, and the fitted ones by less than this factor, is idle.
 const HARDLY: f64 = 1.008;
 const LITTLE: f64 = 1.3;
-/// Share of what all causes close, and of a step of the encoder, below which one of them is negligible.
+/// Share of what all causes close, and of a step of the encoder, below which one of them is negligible; unless the fitted squares
+/// are so many times as large without it: a held-out log may be quiet about what others show.
 const NEGLIGIBLE: f64 = 0.02;
 const OF_A_STEP: f64 = 0.4;
+const SHOWN: f64 = 4.0;
 /// What is left out where this is not asked.
 const WHETHER_REFUTED: &str = "whether held-out logs refute a cause";
 
@@ -142,10 +144,12 @@ fn is_idle(evidence: &Evidence, more: &Trial, less: &Trial) -> bool {
 }
 
 /// Whether what a hypothesis has more than another closes next to nothing of held-out logs: a small share of what all
-/// causes close together, and less than an encoder shows.
+/// causes close together, and less than an encoder shows; where the fitted ones do not show it all the more.
 fn is_negligible(evidence: &Evidence, more: &Trial, less: &Trial, all_rad: f64) -> bool {
     let closes_rad = held_rms_rad(evidence, less) - held_rms_rad(evidence, more);
-    closes_rad < NEGLIGIBLE * all_rad && closes_rad < OF_A_STEP * evidence.reach.resolution_rad
+    closes_rad < NEGLIGIBLE * all_rad
+        && closes_rad < OF_A_STEP * evidence.reach.resolution_rad
+        && less.fit_loss(evidence) < SHOWN * more.fit_loss(evidence)
 }
 
 /// Root of the mean square of the held-out logs' residuals \[rad\].

@@ -1,7 +1,7 @@
 //! Which causes a search finds on fewer samples of the logs: grown, exchanged, and proven.
 
 use super::chance;
-use super::explore::explore;
+use super::explore::{explore, explore_parting};
 use super::grow::{Growth, Looked, Pruned};
 use super::judged::{Judged, judged};
 use super::refuted::refutes;
@@ -15,6 +15,8 @@ use crate::progress::{Cancelled, Progress, Step};
 
 /// Sets that are carried over from short parts of the logs.
 const CARRIED: usize = 2;
+/// Motor side and link apart are tried on parts of the logs where other causes leave so many times what is enough.
+const MUCH: f64 = 3.0;
 /// A share above the noise from which on the search may have ended in a wrong place, and one from which on whole logs are
 /// too long for it to begin with.
 pub(in crate::gap) const FAR: f64 = 0.5;
@@ -231,8 +233,12 @@ fn in_short_parts(coarse: &Evidence, growth: &Growth<'_>, calibrated: &Trial) ->
     // Fitted starts hide what is missing; those that the readings show do not.
     base.found.starts = short.fit.iter().map(|e| e.start_coordinates(&e.start)).collect();
     let inside = Growth { evidence: &short, ..*growth };
-    let (best, Looked { singles: mut found, .. }) = inside.from(&base);
+    let (best, Looked { singles: mut found, sights }) = inside.from(&base);
     found.truncate(CARRIED - 1);
+    // Along whole logs a joint that rings runs away from what is nearly right, and in parts it is cheap to try.
+    if !best.model.has_two_bodies() && best.fit_loss(&short) > MUCH * growth.enough {
+        found.extend(explore_parting(&short, &base, &sights));
+    }
     found.insert(0, best);
     found.retain(|t| !t.effects().is_empty());
     growth.carried(calibrated, &found)
