@@ -60,7 +60,7 @@ pub fn check(case: &Case) -> Result<Checkup, GapError> {
     let (given, calibrated) =
         (given.carried(&coarse, &evidence, CARRIED), calibrated.carried(&coarse, &evidence, CARRIED));
     if !calibrated.criterion().is_finite() {
-        return Err(GapError::Diverged);
+        return Err(GapError::Diverged { joint: case.joint.name.clone() });
     }
     let floor_rad = noise_rad(&evidence, &[&given, &calibrated]);
     let [given_rad, calibrated_rad] = [&given, &calibrated].map(|trial| trial.fit_rms_rad(&evidence));

@@ -3,11 +3,11 @@
 use super::diagnosis::{
     Answer, Candidate, Detectable, Diagnosis, Gap, GapOptions, LogGap, LogTraces, Next, Number, ResidualTorque, Verdict,
 };
-use super::hypothesis::demands::{in_words, resolved};
+use super::hypothesis::demands::resolved;
 use super::hypothesis::evidence::{Evidence, WholeLeft};
 use super::hypothesis::held_out::{HeldOut, closed};
 use super::hypothesis::model::{GAIN, INERTIA};
-use super::hypothesis::trial::{Trial, loss};
+use super::hypothesis::trial::Trial;
 use super::search::attribute::Attribution;
 use super::search::differs::{Differs, differing};
 use super::search::refuted::soundly_believed;
@@ -16,12 +16,13 @@ use super::verdict::as_given::AsGiven;
 use super::verdict::decide::{Decision, EXPLAINED, HARDLY_A_GAP, decide};
 use super::verdict::detect::detectable;
 use super::verdict::doubts::{Simulated, asking};
-use super::verdict::law_found::{law_found, law_hinted};
+use super::verdict::law_found::law_found;
 use super::verdict::next::next;
+use super::verdict::notes::notes;
 use super::verdict::numbers::{UNNAMED, numbers, numbers_beside};
 use super::verdict::place::place;
 use super::verdict::rates::{probability_of, share_out, standing};
-use super::verdict::sentence::{armature_words, far, followed, law_words, sentence};
+use super::verdict::sentence::{armature_words, far, followed, link_instead, sentence};
 use super::verdict::told::{AtBest, tell};
 use super::verdict::twins::{Measured, measure};
 use super::verdict::waterfall::causes;
@@ -29,7 +30,6 @@ use crate::deadline::NO_PROBABILITY;
 use crate::identify::{BeliefFound, Case, DirectiveError, Estimate, Experiment, JointModel, Signal};
 use crate::joint::EffectId;
 use crate::log::Role;
-use crate::number::math;
 use crate::progress::{Cancelled, Progress, Step};
 use std::sync::Arc;
 
@@ -46,8 +46,13 @@ pub enum GapError {
     #[error("the joint never moved in any log")]
     NeverMoved,
     /// The joint as given has no motion that stays finite.
-    #[error("the joint as given runs away on the logs; check the units and sizes of [joint] and [motor]")]
-    Diverged,
+    #[error(
+        "the joint {joint} as given runs away on the logs; check the units and sizes of its numbers, those of its motor among them"
+    )]
+    Diverged {
+        /// Its name.
+        joint: String,
+    },
     /// The diagnosis was no longer wanted.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -101,7 +106,7 @@ pub(super) fn diagnose_from(
     let candidates = if needs_no_cause { &[][..] } else { &effects };
     let (evidence, attribution) = attributed(evidence, candidates, progress)?;
     if !attribution.calibrated.criterion().is_finite() {
-        return Err(GapError::Diverged);
+        return Err(GapError::Diverged { joint: case.joint.name.clone() });
     }
     stage(if options.deadline.leaves_aside(DETECTABLE) { "weighing what was found in time" } else { "weighing" })?;
     let held = HeldOut::of(&evidence);
@@ -123,6 +128,11 @@ pub(super) fn diagnose_from(
     let moved = weighed.moved().and_then(|name| parameters.iter().find(|number| number.name == name));
     let parts = (&effect_parameters[..], &causes[..]);
     let mut sentence = sentence(&case.joint.name, &decision, &gap, moved, parts, law.as_ref(), has_bodies);
+    if let [(EffectId::MotorGain, numbers)] = &effect_parameters[..]
+        && evidence.shows_ratios_alone()
+    {
+        sentence.extend(numbers.first().map(|gain| link_instead(gain.value)));
+    }
     sentence += &weighed.further(&gap, &beliefs, &differs);
     let mut ranking = ranking(&evidence, &held, &attribution, &decision, &gap);
     if let [(effect, numbers)] = &effect_parameters[..] {
@@ -520,80 +530,4 @@ fn traces(
     let fit = evidence.fit.iter().enumerate().map(|(k, e)| (e, Role::Fit, k));
     let held = evidence.held.iter().enumerate().map(|(k, e)| (e, Role::Validate, k));
     fit.chain(held).zip(torques).map(|(log, torque)| of(log, torque)).collect()
-}
-
-/// What it means that held-out logs were asked before the answer stood; `what` is what they had a say in.
-pub(super) fn flattered(what: &str) -> String {
-    format!("{what} The held-out logs had a say in that, so their figures flatter the answer a little.")
-}
-
-fn notes(evidence: &Evidence, a: &Attribution, decision: &Decision<'_>, differs: &[Differs]) -> Vec<String> {
-    let mut notes: Vec<String> = in_words(&evidence.demands).into_iter().collect();
-    notes.extend(differs.iter().map(Differs::in_words));
-    if evidence.normal_beliefs {
-        notes.push(flattered(
-            "The fitted logs move numbers far beyond their beliefs, and so the held-out logs are predicted clearly worse: \
-             the numbers were held to their beliefs.",
-        ));
-    }
-    let law = (a.law_refuted || decision.drops_law(a)).then_some("a law");
-    let mut refuted: Vec<&str> = Vec::new();
-    for name in a.refuted.iter().chain(decision.dropped(a)).map(|e| e.id()).chain(law) {
-        if !refuted.contains(&name) {
-            refuted.push(name);
-        }
-    }
-    if !refuted.is_empty() {
-        let what = format!(
-            "The fitted logs ask for {} as well, but with that the held-out logs are predicted no better, or worse: it was \
-             left out.",
-            refuted.join(", ")
-        );
-        notes.push(flattered(&what));
-    }
-    let is_open = decision.verdict == Verdict::Unexplained && decision.answer.model.law().is_none();
-    if let Some(hint) = a.hint().filter(|_| is_open).and_then(law_hinted) {
-        notes.push(format!(
-            "What is left is most like {}: with that, parts of logs are predicted better by the rest of them. Whole logs are \
-             not, so it says where to look, not what is there.",
-            law_words(&hint)
-        ));
-    }
-    if a.set_refuted && !evidence.held.is_empty() {
-        notes.push(flattered(
-            "The fitted logs ask for another set of causes, but with that the held-out logs are predicted clearly worse: it \
-             was not taken.",
-        ));
-    }
-    if let Some(seen) = evidence.gain_seen {
-        let (ratio, sd) = (math::exp(seen.at), math::exp(seen.at) * seen.sd);
-        notes.push(format!(
-            "Along the measured motion the logged torques are {ratio:.2} \u{b1} {sd:.2} times what the stated gains ask for: \
-             the drive's gain was weighed with that."
-        ));
-    }
-    if !evidence.scale_known {
-        notes.push(
-            "No log is driven and no known mass is hung on: the logs show ratios of torques only; how large all of them \
-             are is what the study believes."
-                .to_owned(),
-        );
-    }
-    if evidence.pooled_from.is_some() {
-        notes.push(
-            "The logs to be fitted do not show by themselves what all logs do: all were fitted together, and nothing was held \
-             out. A further log would tell whether the answer predicts."
-                .to_owned(),
-        );
-    } else if evidence.held.is_empty() {
-        notes.push("The study names no \"validate\" log: logs were held out in turn.".to_owned());
-    }
-    let spread = evidence.fit.iter().zip(&decision.answer.fit).map(|(e, r)| (loss(e, r), e));
-    if let Some((_, worst)) = spread.max_by(|a, b| a.0.total_cmp(&b.0))
-        && decision.verdict == Verdict::Unexplained
-        && evidence.fit.iter().any(|e| e.file != worst.file)
-    {
-        notes.push(format!("Most of the error that is left is in {}.", worst.file));
-    }
-    notes
 }

@@ -5,7 +5,7 @@
 
 use super::case::{Case, Item};
 use crate::geometry::inertia::hollow_cylinder_across;
-use crate::log::{DriveMode, MotorModel, MotorSpec, Nominal};
+use crate::log::{Derivative, DriveMode, MotorModel, MotorSpec, Nominal};
 use std::f64::consts::PI;
 
 /// No link is longer than this \[m\].
@@ -83,6 +83,7 @@ impl Case {
         doubts.extend(first(&|item, acting| too_heavy(item, acting, &nominal)).filter(|_| doubts.is_empty()));
         doubts.extend(first(&|item, acting| too_rough(item, acting, &nominal)));
         doubts.extend(first(&|item, acting| too_much_gravity(item, acting)));
+        doubts.extend(first(&held_back));
         doubts.extend(first(&|item, acting| other_swing(item, acting)).filter(|_| doubts.is_empty()));
         doubts
     }
@@ -125,17 +126,21 @@ impl Acting {
 
 /// What a servo gives at the most, by its law and its limits \[N m\].
 fn asked_nm(item: &Item, motor: &MotorSpec) -> f64 {
-    let log = &item.log;
-    let error_rad = match (&log.q_ref_rad, &log.setpoints) {
-        (Some(q_ref), _) => largest(q_ref.iter().zip(&log.q_rad).map(|(asked, read)| asked - read)),
-        // Their stamps are not those of the readings; the widest that they can be apart will do.
-        (None, Some(own)) => largest(own.values.iter().copied()) + largest(log.q_rad.iter().copied()),
-        (None, None) => return f64::INFINITY,
-    };
-    let law = motor.kp_nm_rad * error_rad + motor.kd_nm_s_rad * item.health.top_speed_rad_s;
+    let law = motor.kp_nm_rad * largest_error_rad(item) + motor.kd_nm_s_rad * item.health.top_speed_rad_s;
     match motor.model {
         MotorModel::Torque if motor.ki_nm_rad_s == 0.0 => motor.torque_limit_nm.map_or(law, |limit| law.min(limit)),
         _ => motor.torque_limit_nm.unwrap_or(f64::INFINITY),
+    }
+}
+
+/// How far readings are from their setpoints at the most; infinite where there are none.
+fn largest_error_rad(item: &Item) -> f64 {
+    let log = &item.log;
+    match (&log.q_ref_rad, &log.setpoints) {
+        (Some(q_ref), _) => largest(q_ref.iter().zip(&log.q_rad).map(|(asked, read)| asked - read)),
+        // Their stamps are not those of the readings; the widest that they can be apart will do.
+        (None, Some(own)) => largest(own.values.iter().copied()) + largest(log.q_rad.iter().copied()),
+        (None, None) => f64::INFINITY,
     }
 }
 
@@ -194,6 +199,22 @@ fn too_much_gravity(item: &Item, acting: &Acting) -> Option<String> {
             "Gravity as stated asks for {asked_nm:.2} N m over the log's travel, and the drive as stated gives {:.3} N m at the \
              most: is the moment in kg m, and kp in N m/rad?",
             acting.drive_nm
+        )
+    })
+}
+
+/// A servo whose own damping would not let its joint move as fast as it did.
+fn held_back(item: &Item, acting: &Acting) -> Option<String> {
+    let motor = item.entry.motor.as_ref().filter(|_| item.entry.drive == DriveMode::Position)?;
+    let is_plain = motor.model == MotorModel::Torque && motor.ki_nm_rad_s == 0.0;
+    let (kp, kd) = (motor.kp_nm_rad, motor.kd_nm_s_rad);
+    let (pull_nm, speed_rad_s) = (acting.gravity_nm + kp * largest_error_rad(item), item.health.top_speed_rad_s);
+    let holds = is_plain && motor.derivative == Derivative::Measurement && kd * speed_rad_s > TORQUE * pull_nm;
+    holds.then(|| {
+        format!(
+            "The stated kd, {kd} N m s/rad, would brake with {:.2} N m at the log's {speed_rad_s:.1} rad/s, and gravity and kp as \
+             stated pull with {pull_nm:.3} N m: is it in N m s/rad?",
+            kd * speed_rad_s
         )
     })
 }
@@ -261,6 +282,17 @@ mod tests {
         let mut case = Case::of_study(Path::new(DRIVEN)).unwrap();
         case.items[0].entry.motor.as_mut().unwrap().kp_nm_rad = 0.0;
         assert_eq!(case.doubts(), [UNMOVED]);
+    }
+
+    #[test]
+    fn a_servo_that_would_hold_its_own_joint_back_is_questioned() {
+        let damped = |kd_nm_s_rad: f64| {
+            let mut case = Case::of_study(Path::new(DRIVEN)).unwrap();
+            case.items.iter_mut().for_each(|item| item.entry.motor.as_mut().unwrap().kd_nm_s_rad = kd_nm_s_rad);
+            case.doubts()
+        };
+        assert!(damped(150.0).iter().any(|doubt| doubt.starts_with("The stated kd, 150 N m s/rad")));
+        assert_eq!(damped(0.6), [""; 0]);
     }
 
     #[test]

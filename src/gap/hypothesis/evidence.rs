@@ -5,7 +5,7 @@ use super::reach::reach_of;
 use super::torque_seen::gain_seen;
 use crate::deadline::Deadline;
 pub(in crate::gap) use crate::identify::counts;
-use crate::identify::{Belief, Case, Directives, Experiment};
+use crate::identify::{Belief, Case, Directives, Experiment, Signal};
 use crate::joint::Reach;
 use crate::log::{Nominal, Role, Uncertain};
 use std::sync::Arc;
@@ -58,6 +58,21 @@ impl Evidence {
     /// Whether other joints push this one: what is known of their motion is known to an encoder's step.
     pub fn is_carried(&self) -> bool {
         self.fit.iter().any(|e| e.carriage.is_some())
+    }
+
+    /// Whether a drive whose torques no log has moves the joint in all of them, with no known mass and below its limit: torques
+    /// show against one another alone.
+    pub fn shows_ratios_alone(&self) -> bool {
+        let is_below_limit = |e: &Experiment| {
+            e.motor.and_then(|motor| motor.torque_limit_nm).is_none_or(|limit_nm| e.largest_command_nm() < limit_nm)
+        };
+        let shows_ratios = |e: &Experiment| {
+            matches!(e.signal, Signal::Position { .. })
+                && e.torque_seen_nm.is_none()
+                && e.load.is_none()
+                && is_below_limit(e)
+        };
+        !self.is_carried() && self.fit.iter().all(shows_ratios)
     }
 
     /// The evidence of a case; `None` where no log to be fitted moves.

@@ -6,6 +6,7 @@ pub(in crate::gap) mod detect;
 pub(in crate::gap) mod doubts;
 pub(in crate::gap) mod law_found;
 pub(in crate::gap) mod next;
+pub(in crate::gap) mod notes;
 pub(in crate::gap) mod numbers;
 pub(in crate::gap) mod place;
 pub(in crate::gap) mod rates;

@@ -9,7 +9,7 @@ use crate::gap::hypothesis::rotor::armature_kg_m2;
 use crate::gap::hypothesis::trial::Trial;
 use crate::identify::{BeliefFound, Estimate, JointModel};
 use crate::joint::{EffectId, LawActs, LawTable};
-use crate::number::{mrad, quantity, share};
+use crate::number::{mrad, quantity, share, significant};
 
 /// Words for an effect.
 pub(in crate::gap) fn words(effect: EffectId) -> &'static str {
@@ -70,27 +70,29 @@ pub(in crate::gap) fn closing_in(
     them: &str,
     with_unit: fn(f64) -> String,
 ) -> String {
-    let closed = closed_of_left([before, calibrated, after, floor]);
+    let closed = closed_of_left([before, calibrated, after, floor], "what they leave");
     let [before, calibrated, after] = [before, calibrated, after].map(with_unit);
     match closed {
         None => format!("the error goes from {before} as given to {after} with {them}"),
         Some(closed) => format!(
             "the error goes from {before} as given to {calibrated} with {refitted} and to {after} with {them}, which closes \
-             {closed} of what they leave"
+             {closed}"
         ),
     }
 }
 
-/// Share that causes close of what refitted numbers leave, where these leave anything; errors as [`closing`] has them.
-fn closed_of_left([_, calibrated, after, floor]: [f64; 4]) -> Option<String> {
-    let left = calibrated - floor;
-    (left > 0.0).then(|| share(((calibrated - after) / left).clamp(0.0, 1.0)))
+/// Share that causes close of what refitted numbers leave, where these leave anything, called so; of the error as given where
+/// numbers without them predict worse than that. Errors are as [`closing`] has them.
+fn closed_of_left([before, calibrated, after, floor]: [f64; 4], whose: &str) -> Option<String> {
+    let (from, whose) = if before < calibrated { (before, "the error as given") } else { (calibrated, whose) };
+    let left = from - floor;
+    (left > 0.0).then(|| format!("{} of {whose}", share(((from - after) / left).clamp(0.0, 1.0))))
 }
 
 /// What causes make of the error, once it was said what refitted numbers make of it; errors as [`closing`] has them.
 fn closing_rest(figures: [f64; 4], them: &str) -> String {
-    let closed = closed_of_left(figures);
-    let closed = closed.map_or(String::new(), |closed| format!(", which closes {closed} of what the numbers leave"));
+    let closed = closed_of_left(figures, "what the numbers leave");
+    let closed = closed.map_or(String::new(), |closed| format!(", which closes {closed}"));
     format!("with {them} the error is {}{closed}", mrad(figures[2]))
 }
 
@@ -115,6 +117,15 @@ pub(in crate::gap) fn moved(beliefs: &[&BeliefFound]) -> String {
 /// That numbers are far from what was believed of them, where any are.
 pub(in crate::gap) fn far(broken: &[&BeliefFound]) -> Option<String> {
     (!broken.is_empty()).then(|| format!(" To fit, numbers had to move far from what was stated: {}.", moved(broken)))
+}
+
+/// What would do the same as a drive that delivers `gain` times what it is asked for, where logs show ratios of torques alone.
+pub(in crate::gap) fn link_instead(gain: f64) -> String {
+    format!(
+        " These logs show torques only against one another: a joint whose inertia, moment and friction are {} times what is stated \
+         would do the same.",
+        significant(gain.recip(), 3)
+    )
 }
 
 /// A number of a joint in a sentence, by the name of its key.

@@ -35,15 +35,14 @@ const MOST_NAMED: usize = 4;
 /// The next experiment, whose motion is in that file.
 pub(in crate::report) fn next(next: &Next, file: &str) -> String {
     let power = power(next.power);
+    if next.power < DECIDES && next.motion.is_some() {
+        return format!(
+            "No motion that was tried would tell much: the best of them, in {file}, decides with probability {power}."
+        );
+    }
     let is_untold = next.motion.is_some() && !next.what.contains(NEXT_FILE);
     let where_from = if is_untold { format!(" The motion is in {file}.") } else { String::new() };
     let what = next.what.replace(NEXT_FILE, file);
-    if next.power < DECIDES {
-        return format!(
-            "No motion that was tried would tell more than by chance; the best of them decides with probability {power}. \
-             {what}{where_from}"
-        );
-    }
     format!("{what} It would decide with probability {power}.{where_from}")
 }
 
