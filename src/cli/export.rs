@@ -132,6 +132,11 @@ pub(super) fn run(args: &ExportArgs) -> Result<u8, CliError> {
             .filter(|number| !says(args.to, number.key) && number.key != FoundKey::StaticFriction)
             .map(|number| format!("{}: {}", number.name, number.words())),
     );
+    cannot_say.extend(match args.to {
+        Format::Mjcf => without_gear(&described, &changed),
+        Format::Pace => late_alone(&changed, &found.numbers),
+        _ => Vec::new(),
+    });
     let said: Vec<FoundNumber> = found.numbers.iter().filter(|number| says(args.to, number.key)).cloned().collect();
     let (name, text) = match args.to {
         Format::Mjcf => ("robot.xml", to_mjcf(&changed, &said)),
@@ -175,6 +180,35 @@ pub(super) fn run(args: &ExportArgs) -> Result<u8, CliError> {
         print(&format!("\nwritten: {}\n", path.display()));
     }
     Ok(0)
+}
+
+/// Servos that are written without their gear, as numbers of studies are: their setpoints are angles of the joint then.
+fn without_gear(described: &Description, changed: &Description) -> Vec<String> {
+    let is_without = |own: &&Actuator| {
+        let written = changed.actuators.iter().find(|other| other.joint == own.joint && other.name == own.name);
+        own.gear != 1.0 && written.is_some_and(|written| written.gear == 1.0)
+    };
+    let told = described.actuators.iter().filter(is_without).map(|own| {
+        let joint = &described.joints[own.joint.0].name;
+        format!("{joint}: gear {} of its servo, which is in kp and kd: its control is the joint's angle here", own.gear)
+    });
+    told.collect()
+}
+
+/// Joints that alone are late, where the format has one delay for all.
+fn late_alone(described: &Description, found: &[FoundNumber]) -> Vec<String> {
+    let late: Vec<&FoundNumber> = found.iter().filter(|number| number.key == FoundKey::Delay).collect();
+    let driven = |joint: &str| described.actuators.iter().any(|own| described.joints[own.joint.0].name == joint);
+    let others = described.joints.iter().filter(|joint| driven(&joint.name));
+    let is_all = others.clone().all(|joint| late.iter().any(|number| number.name == joint.name));
+    match late[..] {
+        [] => Vec::new(),
+        _ if is_all => Vec::new(),
+        _ => {
+            let names: Vec<&str> = late.iter().map(|number| number.name.as_str()).collect();
+            vec![format!("a delay of {} alone: it is written for all joints, as the format has one", names.join(", "))]
+        }
+    }
 }
 
 /// The description that a diagnosis names: from here, or from the diagnosis's own folder.
@@ -238,9 +272,12 @@ fn read_document(file: &Path) -> Result<Value, CliError> {
     if document["schema"] != 1 {
         return Err(wrong("`schema` is not 1".to_owned()));
     }
-    if let Some(repaired) = document["repaired"]["file"].as_str() {
+    if let Some(repaired) = document.get("repaired") {
+        let as_found = repaired["file"].as_str();
+        let as_found = as_found.map(|file| format!("; `{file}` beside its report is its robot as found"));
         return Err(wrong(format!(
-            "the diagnosis of a walking robot cannot be exported; `{repaired}` beside its report is its robot as found"
+            "the diagnosis of a walking robot cannot be exported{}",
+            as_found.unwrap_or_default()
         )));
     }
     Ok(document)

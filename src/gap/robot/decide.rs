@@ -133,8 +133,12 @@ pub(super) fn told_apart(bench: &Bench<'_>) -> f64 {
 /// Gain from which on a first cause is named. On the floor what the uncertain numbers take out is known to first order
 /// only: the more they take, the more a cause must gain.
 pub(super) fn needed(bench: &Bench<'_>, given: &Hypothesis) -> f64 {
-    let unknown = if bench.case.is_clamped() { 0.0 } else { SECOND_ORDER * taken_out(bench, given) };
-    limits(bench).first + unknown
+    limits(bench).first + second_order(bench) * taken_out(bench, given)
+}
+
+/// How much of what uncertain numbers take out their second order may leave.
+pub(super) fn second_order(bench: &Bench<'_>) -> f64 {
+    if bench.case.is_clamped() { 0.0 } else { SECOND_ORDER }
 }
 
 /// What the uncertain numbers take out of the weighed sum of squares.

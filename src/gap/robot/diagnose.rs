@@ -29,6 +29,7 @@ use crate::gap::hypothesis::held_out::closed;
 use crate::gap::on_demand::told_in;
 use crate::gap::verdict::rates::{Rates, probability};
 use crate::gap::{Next, Verdict};
+use crate::log::RobotLog;
 use rayon::prelude::*;
 
 /// Why no diagnosis of a robot can be made.
@@ -105,8 +106,9 @@ pub fn diagnose_robot(
     let is_finished = budget.as_ref().is_none_or(|spent| spent.finished);
     let ranking = ranking(&bench, &tried, &decision, &gap, if is_finished { probability } else { 0.0 });
     let least = needed(&bench, &tried.given);
-    // Of free play nothing is known where it was not tried.
-    let is_known = |cause: &Cause| !cause.is_play() || tried.columns.iter().any(|column| column.cause.is_play());
+    // Nothing is known of what was left out for want of time, nor of free play where it was not tried.
+    let is_tried = |cause: &Cause| tried.columns.iter().any(|column| column.cause == *cause);
+    let is_known = |cause: &Cause| is_tried(cause) || is_finished && !cause.is_play();
     let shown = detectable(&bench, &tried.columns, least);
     let detectable = Cause::all().filter(|cause| considered(*cause)).filter(is_known).map(|cause| {
         let (name, unit) = cause.named()[0];
@@ -273,8 +275,26 @@ fn traces(bench: &Bench<'_>, decision: &Decision<'_>, phases: &[Vec<Vec<GaitPhas
     bench.layout.joints().map(trace).collect()
 }
 
+/// A trunk that begins on the floor and far behind: one whose log has z up, most likely.
+const ON_THE_FLOOR_M: f64 = 0.02;
+const FAR_BEHIND_M: f64 = 0.1;
+
+/// A question where the trunk's columns seem to have other axes than ours.
+fn other_axes(log: &RobotLog) -> Option<String> {
+    let base = log.base.as_ref()?;
+    let first = |column: &Option<Vec<f64>>| column.as_ref()?.first().copied();
+    let (up_m, rear_m) = (first(&base.y_m)?, first(&base.z_m)?);
+    (up_m.abs() < ON_THE_FLOOR_M && rear_m > FAR_BEHIND_M).then(|| {
+        format!(
+            "{}: base.y begins at {up_m:.3} m and base.z at {rear_m:.3} m. Is z the height there? Here y points up and z to the \
+             rear, with roll, pitch and yaw about them.",
+            log.file.display()
+        )
+    })
+}
+
 fn notes(bench: &Bench<'_>, decision: &Decision<'_>, gap: &RobotGap) -> Vec<String> {
-    let mut notes = Vec::new();
+    let mut notes: Vec<String> = bench.case.logs.iter().filter_map(|log| other_axes(&log.log)).collect();
     let mrad = |rad: f64| format!("{:.2} mrad", 1e3 * rad);
     if decision.verdict == Verdict::Effect && gap.after > NOT_ALL * gap.floor {
         notes.push(format!(
@@ -322,8 +342,14 @@ fn notes(bench: &Bench<'_>, decision: &Decision<'_>, gap: &RobotGap) -> Vec<Stri
             cm(displacement.after)
         ));
     }
-    let unused: Vec<&str> =
-        bench.case.logs.iter().flat_map(|log| log.log.ignored_columns.iter().map(String::as_str)).collect();
+    let logs = bench.case.logs.iter().map(|log| &log.log);
+    notes.extend(logs.clone().filter_map(RobotLog::remark));
+    let mut unused: Vec<&str> = Vec::new();
+    for name in logs.flat_map(|log| &log.ignored_columns) {
+        if !unused.contains(&name.as_str()) {
+            unused.push(name);
+        }
+    }
     if !unused.is_empty() {
         notes.push(format!("Columns that are not used: {}.", unused.join(", ")));
     }

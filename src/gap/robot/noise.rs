@@ -30,6 +30,11 @@ pub(super) struct Pieces {
 }
 
 impl Pieces {
+    /// Its weighed sum of squares, with what uncertain numbers could take out of it.
+    pub fn squares(&self) -> f64 {
+        self.squares
+    }
+
     /// Adds twice the product of two changes of the same samples, of which each was added.
     pub fn add_shared(&mut self, twice: f64) {
         self.squares += twice;

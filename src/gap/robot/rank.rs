@@ -4,6 +4,7 @@
 use super::bench::Bench;
 use super::cause::Cause;
 use super::column::Column;
+use super::decide::second_order;
 use super::noise::{Noise, Pieces, Weighed};
 use super::part::change;
 use super::place::{Place, places};
@@ -150,7 +151,10 @@ pub(super) fn detectable<'c>(
     move |cause| {
         let single = columns.iter().filter(|column| column.cause == cause && column.place.joints.len() <= 1);
         let sizes = single.filter_map(|column| {
-            let (_, seen) = scale.noise.along_and_size(&scale.pieces(column), &scale.residual);
+            let pieces = scale.pieces(column);
+            let (_, seen) = scale.noise.along_and_size(&pieces, &scale.residual);
+            // The larger it is, the more uncertain numbers take out of it, and the more has to be left.
+            let seen = seen - second_order(bench) * (pieces.squares() - seen);
             let amplitude = (threshold / seen.max(1e-12)).sqrt();
             let is_proportional = column.start.is_proportional();
             let within = amplitude <= column.start.amplitude[1].abs().max(1.0);
