@@ -4,7 +4,7 @@
 //! that is searched as `e cos(phi)` and `e sin(phi)`.
 //!
 //! A wrong number of counts per turn, a belt, a bent potentiometer. Small swings show nothing, because only the ratio of
-//! gravity to inertia enters; beyond 1 rad the period depends on the true amplitude. Where the joint hangs is a reading.
+//! gravity to inertia enters; beyond 1 rad the period depends on the true amplitude. Where the joint hangs is a reading: what the form adds there is taken out.
 
 use super::{Bounds, Effect, EffectParameter, Named, Reach, pairs};
 use crate::joint::{Chain, Eccentric, Real};
