@@ -48,7 +48,9 @@ const JOINT: Joint = Joint {
 };
 
 /// Asked angles \[rad\] over time \[s\].
-const ASKED: [(&str, fn(f64) -> f64); 4] = [
+type Asked = fn(f64) -> f64;
+
+const ASKED: [(&str, Asked); 4] = [
     ("steps.csv", |t| [0.0, 0.5, -0.3, 0.7, 0.1, -0.6, 0.4, -0.1, 0.6][(t / 0.6) as usize]),
     ("sines.csv", |t| 0.5 * (3.0 * t).sin() + 0.2 * (8.0 * t).sin()),
     ("sweep.csv", |t| 0.5 * (2.0 * PI * (0.3 + 0.25 * t) * t).sin()),
@@ -57,7 +59,7 @@ const ASKED: [(&str, fn(f64) -> f64); 4] = [
 
 impl Joint {
     /// Its log, noise of less than a tick on it.
-    fn log(&self, asked: fn(f64) -> f64) -> String {
+    fn log(&self, asked: Asked) -> String {
         let mut text = "t,q,q_ref\n".to_owned();
         let ([mut q, mut v], [mut motor_q, mut motor_v]) = ([0.0_f64; 2], [0.0_f64; 2]);
         let (mut seed, mut next) = (7_u64, 0_u32);

@@ -56,7 +56,7 @@ pub(crate) fn check_inputs(study: &Path, i: usize, entry: &StudyLog, log: Log) -
         study: study.into(),
         entry: i + 1,
         drive: word,
-        column: needed.name().to_owned(),
+        column: needed.name().into(),
         hint: hint(&log.file, needed, &log.ignored_columns),
         found: columns(log),
     })
@@ -81,7 +81,7 @@ pub(crate) fn check_joint_inputs(
         study: study.into(),
         entry: i + 1,
         drive: word,
-        column: format!("{}.{}", joint.name, needed.name()),
+        column: format!("{}.{}", joint.name, needed.name()).into(),
         found: names.chain(log.ignored_columns.iter().cloned()).collect(),
         hint: Some(format!("without = [\"{}\"] in [robot] leaves the joint out", joint.name)),
     })

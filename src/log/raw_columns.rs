@@ -99,10 +99,12 @@ fn unit(
         None => {
             let expected = match column {
                 Column::Time => "\"s\", \"ms\", \"us\" or \"ns\"",
-                Column::Torque => "\"N m\" or \"A\"",
+                Column::Torque => "\"N m\", \"mN m\", \"A\" or \"mA\"",
                 Column::Drive => "no unit: 0 or 1",
-                Column::Speed => "\"rad\", \"deg\", \"rev\" or \"ticks\" (with per_rev), per second",
-                _ => "\"rad\", \"deg\", \"rev\" or \"ticks\" (with per_rev)",
+                Column::Speed => {
+                    "\"rad\", \"mrad\", \"deg\", \"rev\" or \"ticks\" (with per_rev), per second, or \"rpm\""
+                }
+                _ => "\"rad\", \"mrad\", \"deg\", \"rev\" or \"ticks\" (with per_rev)",
             };
             Err(document.wrong(&format!("{key}.unit"), word.span(), format!("\"{}\"", word.get_ref()), expected))
         }

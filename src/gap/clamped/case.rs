@@ -131,12 +131,12 @@ impl Maker<'_> {
             gravity_m_s2: self.gravity_m_s2,
             rest_rad: None,
         };
-        let entries = self.setup.study.logs.iter().zip(logs).enumerate();
-        for (i, (entry, log)) in entries.clone() {
+        let entries = self.setup.study.logs.iter().zip(logs);
+        for (i, (entry, log)) in entries.clone().enumerate() {
             let own = log.joint(name).map(|own| (log, own));
             own.map_or(Ok(()), |own| check_joint_inputs(&self.setup.study.file, i, entry.drive, own))?;
         }
-        let arrays = entries.filter_map(|(_, (entry, log))| {
+        let arrays = entries.filter_map(|(entry, log)| {
             let own = log.joint(name)?;
             let tau_is = self.said.tau_is.filter(|_| entry.drive == DriveMode::Position && own.tau_nm.is_some());
             Some(ArrayLog {

@@ -95,7 +95,7 @@ pub enum LogError {
         study: Box<Path>,
         entry: usize,
         drive: &'static str,
-        column: String,
+        column: Box<str>,
         found: Vec<String>,
         hint: Option<String>,
     },

@@ -87,14 +87,9 @@ impl Stream {
             }
         }
         self.names.push(name.to_owned());
-        let fields: [(&mut Vec<Vec<f64>>, fn(&Stream) -> &Vec<Vec<f64>>); 3] = [
-            (&mut self.position, |from| &from.position),
-            (&mut self.velocity, |from| &from.velocity),
-            (&mut self.effort, |from| &from.effort),
-        ];
-        for (own, field) in fields {
-            own.push(of.iter().flat_map(|(from, at)| field(from)[*at].iter().copied()).collect());
-        }
+        self.position.push(joined(of, |from| &from.position));
+        self.velocity.push(joined(of, |from| &from.velocity));
+        self.effort.push(joined(of, |from| &from.effort));
     }
 
     /// Whether the headers have stamps: a first one may well be zero.
@@ -217,13 +212,17 @@ impl Stream {
 
 /// The same with each joint of a topic in one of them, whichever other joints its messages have.
 pub(super) fn with_joints_whole(streams: Vec<Stream>) -> Vec<Stream> {
+    let is_same = |a: &Stream, b: &Stream| !a.kind.is_unnamed() && a.topic == b.topic && a.kind == b.kind;
+    let shares = |a: &Stream, b: &Stream| is_same(a, b) && a.names.iter().any(|name| b.names.contains(name));
+    if (1..streams.len()).all(|k| !streams[..k].iter().any(|other| shares(other, &streams[k]))) {
+        return streams;
+    }
     let mut whole: Vec<(Vec<usize>, Stream)> = Vec::new();
     for (k, stream) in streams.iter().enumerate() {
         for (at, name) in stream.names.iter().enumerate() {
-            let is_same =
-                |other: &Stream| !stream.kind.is_unnamed() && other.topic == stream.topic && other.kind == stream.kind;
-            let has_it =
-                |other: &usize| *other == k || is_same(&streams[*other]) && streams[*other].names.contains(name);
+            let has_it = |other: &usize| {
+                *other == k || is_same(stream, &streams[*other]) && streams[*other].names.contains(name)
+            };
             let of: Vec<usize> = (0..streams.len()).filter(has_it).collect();
             if of[0] != k {
                 continue;
@@ -241,6 +240,11 @@ pub(super) fn with_joints_whole(streams: Vec<Stream>) -> Vec<Stream> {
         }
     }
     whole.into_iter().map(|(_, stream)| stream).collect()
+}
+
+/// A field of a joint that streams have at these places, one after the other.
+fn joined(of: &[(&Stream, usize)], field: fn(&Stream) -> &Vec<Vec<f64>>) -> Vec<f64> {
+    of.iter().flat_map(|(from, at)| field(from)[*at].iter().copied()).collect()
 }
 
 /// Keeps the values that are marked.
