@@ -81,10 +81,13 @@ pub(in crate::gap) fn closing_in(
     }
 }
 
+/// Refitted numbers that predict so many times the error as given are no help.
+const WORSE: f64 = 1.05;
+
 /// Share that causes close of what refitted numbers leave, where these leave anything, called so; of the error as given where
-/// numbers without them predict worse than that. Errors are as [`closing`] has them.
+/// numbers without them predict clearly worse than that. Errors are as [`closing`] has them.
 fn closed_of_left([before, calibrated, after, floor]: [f64; 4], whose: &str) -> Option<String> {
-    let (from, whose) = if before < calibrated { (before, "the error as given") } else { (calibrated, whose) };
+    let (from, whose) = if calibrated > WORSE * before { (before, "the error as given") } else { (calibrated, whose) };
     let left = from - floor;
     (left > 0.0).then(|| format!("{} of {whose}", share(((from - after) / left).clamp(0.0, 1.0))))
 }
